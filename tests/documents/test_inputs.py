@@ -92,6 +92,7 @@ def test_faults_of_form_are_collected_with_their_line(tmp_path, text, piece):
         ("", "is empty; `uwopt init` writes a mission"),
         ("  \n\n", "is empty"),
         ("# only a comment\n", "is empty but for comments"),
+        ("{uwopt_version: 1, recommendation: {}}", "is a result of uwopt, no mission; name the mission file."),
         ("- 1\n- 2\n", "is not a mapping of keys to values"),
         ("just text\n", "is not a mapping of keys to values"),
         ("a: [1, 2\nb: 3\n", "line 2 column 2: is not valid YAML"),

@@ -270,4 +270,18 @@ DEFECTS = (
         new="    if known is not None and not known.held and",
         test=f"{API}::test_what_is_not_certain_enough_is_told_by_the_exit_status",
     ),
+    Defect(
+        name="a number decides where it is high as where it is low",
+        file=f"{ROOM}/deciding.py",
+        old="float(held[order[-count:]].mean())",
+        new="float(held[order[:count]].mean())",
+        test="tests/solvers/test_confidence_deciding.py::test_shares_are_of_the_low_and_of_the_high_third",
+    ),
+    Defect(
+        name="a limit is told as far off as it was tried",
+        file=f"{ROOM}/deciding.py",
+        old="nearest(asked, far, holds), unit",
+        new="far, unit",
+        test="tests/solvers/test_confidence_deciding.py::test_a_limit_is_moved_as_far_as_its_number_reaches",
+    ),
 )

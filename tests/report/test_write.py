@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 
 from uwopt.errors import OutputError
 from uwopt.report import write
@@ -25,7 +26,7 @@ def test_all_files_are_written_into_a_new_folder(tmp_path: Path, make_result: Ma
     folder = tmp_path / "a" / "b"
     paths = write.write_results(make_result(), folder)
     book = ["bom.xlsx"] if find_spec("openpyxl") else []
-    assert sorted(path.name for path in paths) == ["bom.csv", *book, "report.html", "result.json"]
+    assert sorted(path.name for path in paths) == ["bom.csv", *book, "report.html", "result.json", "system.yaml"]
     assert sorted(path.name for path in folder.iterdir()) == sorted(
         path.name for path in paths
     )  # nothing else stays
@@ -79,6 +80,15 @@ def test_bill_of_an_earlier_run_does_not_stay(tmp_path: Path, make_result: Make)
     write.write_results(make_result(), tmp_path)
     write.write_results(make_result(status="infeasible", recommendation=None), tmp_path)
     assert (tmp_path / "bom.csv").read_text("utf-8").count("\n") == 1
+    assert (tmp_path / "system.yaml").read_text("utf-8").startswith("# Nothing fits")
+
+
+def test_system_is_written_with_the_settings_to_type_in(make_result: Make) -> None:
+    best = make_result().best
+    system = yaml.safe_load(write.system_yaml(make_result()))
+    assert system == best.as_system(to_set=True)
+    for scene in best.scenes:
+        assert system["scenes"][scene.name]["exposure_ms"] == scene.settings_to_set["exposure_ms"]
 
 
 def test_failure_while_writing_leaves_the_old_files(

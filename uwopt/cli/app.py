@@ -92,7 +92,9 @@ class DocumentKind(StrEnum):
 
 OutOption = Annotated[
     str | None,
-    typer.Option("--out", metavar="DIR", help="Write result.json, bom.csv, bom.xlsx and report.html into DIR."),
+    typer.Option(
+        "--out", metavar="DIR", help="Write result.json, system.yaml, bom.csv, bom.xlsx and report.html into DIR."
+    ),
 ]
 
 

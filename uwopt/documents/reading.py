@@ -118,6 +118,9 @@ def _read_file(source: str | Path, what: str) -> Document:
         raise MissionError(
             [*faults, f"{shown}: is not a mapping of keys to values; start with `name: reef`."]
         )
+    if "uwopt_version" in data:
+        beside = {"system": "name the system.yaml that --out wrote beside it"}
+        raise MissionError(f"{shown}: is a result of uwopt, no {what}; {beside.get(what, f'name the {what} file')}.")
     return Document(shown, data, lines, path.absolute().parent, tuple(faults), text)
 
 

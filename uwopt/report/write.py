@@ -31,9 +31,13 @@ if TYPE_CHECKING:
 
 Writes = Callable[[BinaryIO], None]
 RESULT_FILE, BOM_FILE, PAGE_FILE = "result.json", "bom.csv", "report.html"
+SYSTEM_FILE = "system.yaml"
 BOOK_FILE = "bom.xlsx"
 FRONT_FILE, FRONT_TABLE = "front.json", "front.csv"
 WHATIF_FILE, WHATIF_TABLE, WHATIF_PARQUET = "whatif.json", "whatif.csv", "whatif.parquet"
+WRITTEN = (
+    RESULT_FILE, SYSTEM_FILE, BOM_FILE, BOOK_FILE, FRONT_FILE, FRONT_TABLE, PAGE_FILE, WHATIF_FILE, WHATIF_TABLE,
+)  # fmt: skip
 BOM_COLUMNS = (
     "kind", "id", "manufacturer", "model", "count", "owned", "unit_price", "unit_price_low", "unit_price_high",
     "to_pay", "to_pay_low", "to_pay_high", "currency", "price_status", "price_date", "generic", "source", "price_basis",
@@ -42,13 +46,15 @@ BOM_COLUMNS = (
 
 
 def write_results(result: Result, folder: str | Path) -> list[Path]:
-    """Write result.json, bom.csv, bom.xlsx and report.html into a folder, made if need be; returns their paths.
+    """Write result.json, system.yaml, bom.csv, bom.xlsx and report.html into a folder, made if need be; their paths.
 
-    Without a design the bill of materials holds its header only, so that none of an earlier run stays.
+    Without a design the bill of materials holds its header only, and system.yaml a remark, so that none of an earlier
+    run stays.
     """
     target = check_folder(folder)
     rows = result.best.bom if result.best is not None else []
     files: dict[str, str | bytes] = {RESULT_FILE: json_text(result) + "\n", BOM_FILE: bom_csv(rows)}
+    files[SYSTEM_FILE] = system_yaml(result)
     if find_spec("openpyxl") is not None:  # without it the table remains
         from uwopt.report.order.bom_book import bom_book
 
@@ -153,7 +159,7 @@ def check_folder(folder: str | Path) -> Path:
             probe = path / f".{RESULT_FILE}.{os.getpid()}.tmp"
             probe.touch()
             probe.unlink()
-        for name in (RESULT_FILE, BOM_FILE, BOOK_FILE, FRONT_FILE, FRONT_TABLE, PAGE_FILE, WHATIF_FILE, WHATIF_TABLE):
+        for name in WRITTEN:
             if (path / name).is_dir():
                 raise OutputError(
                     f"{path / name}: is a folder where a result file goes; choose another --out."
@@ -257,6 +263,18 @@ def bom_csv(rows: Sequence[BillRow]) -> str:
         values = {**due, **asdict(row)}
         writer.writerow([defused(values[column]) for column in BOM_COLUMNS])
     return text.getvalue()
+
+
+def system_yaml(result: Result) -> str:
+    """The system of a result as a file that `uwopt evaluate` takes, to be changed by hand; a remark without one."""
+    import yaml
+
+    if result.best is None:
+        return "# Nothing fits: there is no system to write down.\n"
+    settable = result.best.is_settable
+    told = "to type in" if settable and any(scene.settings_to_set for scene in result.best.scenes) else "exact"
+    text = yaml.safe_dump(result.best.as_system(to_set=settable), sort_keys=False, allow_unicode=True)
+    return f"# `uwopt evaluate MISSION system.yaml` says what this system does; settings are those {told}.\n{text}"
 
 
 def front_csv(front: FrontResult) -> str:

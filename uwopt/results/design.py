@@ -249,8 +249,11 @@ class Design(Record):
         as_set = self.rounded.power_w if self.rounded is not None and self.is_settable else None
         return self.totals.power_w if as_set is None else as_set
 
-    def as_system(self) -> dict[str, Any]:
-        """The keys of a system file that `evaluate` takes: its parts by id, places, and the exact settings by scene."""
+    def as_system(self, *, to_set: bool = False) -> dict[str, Any]:
+        """The keys of a system file that `evaluate` takes: parts by id, places, and the exact settings by scene.
+
+        `to_set`: the settings to type in instead, where there are any.
+        """
         made = self.hardware
         parts = {kind: part.id for kind, part in made.named.items()}
         places = [asdict(place) for place in made.light_mounts]
@@ -258,7 +261,9 @@ class Design(Record):
         return {
             **parts, **spacer, "camera_count": made.camera_count, "light_count": made.light_count,
             "orientation": made.orientation, **({"light_mounts": places} if places else {}),
-            "scenes": {scene.name: given_settings(scene.settings) for scene in self.scenes},
+            "scenes": {
+                one.name: given_settings((to_set and one.settings_to_set) or one.settings) for one in self.scenes
+            },
         }  # fmt: skip
 
     def margins_frame(self) -> pd.DataFrame:

@@ -8,7 +8,7 @@ What asked less would do is found by moving one requirement at a time, and count
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -45,8 +45,8 @@ ALTITUDE = "altitude_m"
 FARTHEST = 4.0  # times as much, or as little
 FARTHEST_DB = 20.0
 NEAREST = 0.75  # of the altitude that is asked
-CLOSE = 0.05  # of a change: no nearer is looked for
-HALVINGS = 6
+CLOSE = 0.05  # of a change: no nearer value is looked for
+FIRST_STEP = 1 / 32  # of the way from what is asked to what lies far from it
 
 
 def decided_by(problem: Problem, objective: Objective, seen: Counted, scenarios: Scenarios) -> list[Decides]:
@@ -106,12 +106,21 @@ def would_hold(
     return made
 
 
-def nearest(asked: float, far: float, holds: Any) -> float:
-    """The value nearest to what is asked with which it holds, to a few hundredths of the change."""
-    near = asked
-    for _ in range(HALVINGS):
+def nearest(asked: float, far: float, holds: Callable[[float], bool]) -> float:
+    """The value nearest to what is asked with which it holds, to a twentieth of the change: steps that double, halves.
+
+    It holds at `far`, not at what is asked.
+    """
+    near, share = asked, FIRST_STEP
+    while share < 1.0:
+        step = rounded_away(asked + share * (far - asked), asked)
+        if holds(step):
+            far = step
+            break
+        near, share = step, 2.0 * share
+    while abs(far - near) > CLOSE * abs(far - asked):
         step = rounded_away(0.5 * (near + far), asked)
-        if abs(far - near) <= CLOSE * abs(asked - near) or not min(near, far) < step < max(near, far):
+        if not min(near, far) < step < max(near, far):
             break
         if holds(step):
             far = step

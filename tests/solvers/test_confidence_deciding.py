@@ -1,0 +1,107 @@
+"""What decides whether hardware holds, and what asked less would do: shares and limits by hand."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from one_of_each import one
+from test_confidence import FAST, NOTHING, between, counted, sought_of
+
+from uwopt.deadline import NEVER, Deadline
+from uwopt.mission.doubt import Doubt
+from uwopt.solvers.confidence.counted import Counted
+from uwopt.solvers.confidence.deciding import decided_by, shares, would_hold
+from uwopt.solvers.confidence.outcomes import outcomes
+from uwopt.solvers.confidence.scenarios import Scenarios
+from uwopt.solvers.recommend import Sought
+
+COUNT = 400
+LOW, MODE, HIGH = 2.0, 3.0, 8.0  # W that the camera draws
+
+
+def seen(sought: Sought, share: float, **doubt: Any) -> tuple[Counted, Scenarios]:
+    """What was counted of the best hardware."""
+    problem = sought.problem
+    scenarios = Scenarios.drawn(
+        problem.mission, problem.scenes, Doubt.model_validate(NOTHING | doubt), seed=0, count=COUNT
+    )
+    found = sought.outcome.best[0]
+    made = outcomes(problem, found, sought.search.objective, scenarios)
+    return Counted(found, made, made.best(share)), scenarios
+
+
+def quantile(share: float) -> float:
+    """Of the triangle of the camera's power, above its mode."""
+    return HIGH - float(np.sqrt((1.0 - share) * (HIGH - LOW) * (HIGH - MODE)))
+
+
+@pytest.fixture(scope="module")
+def short_of_power() -> Sought:
+    """A camera that draws 2 to 8 W, most likely 3, where 4.2 W are left beside the lamp."""
+    plain = sought_of(one(wanted=FAST))
+    lamp_w = plain.outcome.best[0].power_w - 3.0
+    camera = {"power_w": between(LOW, MODE, HIGH), "read_noise_e": between(1.9, 2.0, 2.1)}
+    return sought_of(one(wanted=FAST, camera=camera, limits={"power_w": lamp_w + 4.2}))
+
+
+def test_shares_are_of_the_low_and_of_the_high_third() -> None:
+    number = np.arange(9.0)[::-1]
+    held = np.array([1, 1, 1, 1, 0, 0, 0, 0, 0], bool)  # where the number is 8 to 5
+    assert shares(held, number) == (0.0, 1.0)
+    assert shares(held, np.array([0.0] * 3 + [1.0] * 6)) == (1.0, pytest.approx(1 / 6))
+
+
+def test_it_depends_on_the_number_that_crosses_the_limit(short_of_power: Sought) -> None:
+    one_, scenarios = seen(short_of_power, 0.9)
+    told = decided_by(short_of_power.problem, short_of_power.search.objective, one_, scenarios)
+    assert [(made.what, made.part) for made in told] == [("camera.power_w", "camera")]
+    assert told[0].held_low == 1.0 and told[0].held_high == 0.0
+
+
+def test_what_holds_in_all_scenarios_depends_on_nothing() -> None:
+    sought = sought_of(one(wanted=FAST, camera={"power_w": between(LOW, MODE, HIGH)}))
+    one_, scenarios = seen(sought, 0.9)
+    assert one_.held == 1.0
+    assert decided_by(sought.problem, sought.search.objective, one_, scenarios) == []
+
+
+def test_a_limit_is_moved_as_far_as_its_number_reaches(short_of_power: Sought) -> None:
+    """The limit of power at which the camera's draw fits in nine of ten: that quantile of its triangle higher."""
+    problem, goal = short_of_power.problem, short_of_power.search.objective
+    one_, scenarios = seen(short_of_power, 0.9)
+    asked = problem.mission.limits.power_w
+    assert asked is not None and one_.held < 0.9
+    told = {made.name: made for made in would_hold(problem, goal, one_, scenarios, 0.9, NEVER)}
+    made = told["power_w"]
+    change = quantile(0.9) - 4.2
+    assert made.unit == "w" and made.asked == asked
+    assert change * 0.98 <= float(made.needed) - asked <= change * 1.15
+
+
+def test_less_signal_to_noise_holds_where_the_floor_is_dark() -> None:
+    """A floor of 0.4 to 1.6 times its reflectance and a lamp that can give no more: what is told holds as counted."""
+    light = {"dim_levels": (1.0,), "flux_lm": 3000.0}
+    sought = sought_of(one("snr_db", wanted={"max_blur_px": 1.0, "min_snr_db": 1.0}, light=light), floor=[0.4, 1.6])
+    best = sought.outcome.best[0].snr_db
+    asked = round(best + 0.5, 1)
+    tight = sought_of(
+        one(wanted={"max_blur_px": 1.0, "min_snr_db": asked}, light=light), floor=[0.4, 1.6]
+    )
+    one_, scenarios = seen(tight, 0.9, floor=[0.4, 1.6])
+    assert 0.2 < one_.held < 0.9
+    told = {made.name: made for made in would_hold(
+        tight.problem, tight.search.objective, one_, scenarios, 0.9, NEVER)}  # fmt: skip
+    needed = float(told["min_snr_db"].needed)
+    assert needed < asked
+    for value, enough in ((needed, True), (needed + 0.2 * (asked - needed), False)):
+        there = sought_of(one(wanted={"max_blur_px": 1.0, "min_snr_db": value}, light=light), floor=[0.4, 1.6])
+        made = counted(there, Doubt.model_validate(NOTHING | {"floor": [0.4, 1.6]}), count=COUNT)
+        assert (made.held.max() >= 0.9) is enough
+
+
+def test_without_time_nothing_is_told(short_of_power: Sought) -> None:
+    one_, scenarios = seen(short_of_power, 0.9)
+    over = Deadline(0.0, lambda: 1.0)
+    assert would_hold(short_of_power.problem, short_of_power.search.objective, one_, scenarios, 0.9, over) == []
