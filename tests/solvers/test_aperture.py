@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hand_made_rows import scene
+from settings_attack import detail
 from thorough import drawn
 
 from uwopt.forward.setting_rows import SceneRows
@@ -26,7 +27,7 @@ def rows_with(defocus_px: float, *, light: float = 1.0) -> SceneRows:
         corner_disc_px=defocus_px * three, rms_disc_px=defocus_px * three, gsd_m=1e-3 * three, place_k_along=0 * one,
         place_k_across=0 * one, corner_k_along=0 * one, corner_k_across=0 * one,
         rms_k_along=0 * one, rms_k_across=0 * one,
-        spread_index=np.zeros(1, int), pixel_area_m2=1e-6 * one, spreads=(),
+        spread_index=np.zeros(1, int), pixel_area_m2=1e-6 * one, spreads=(), detail=detail(1.0),
     )  # fmt: skip
     plain = scene(signal_e=[100.0 * light], n_low=1.4, n_high=22.0)
     return replace(plain, sharp=sharp)

@@ -239,6 +239,7 @@ def sharpness_at(design: Replay, scene_index: int, place: Place) -> Sharpness:
         cameras=model.cameras, lenses=model.lenses, ports=problem.ports.take(one + hw.port),
         spectrum=int(contraction.spectrum_of[int(model.lights.optics_index[0])]),
         dioptre_per_m=settings.dioptre_per_m, lateral_colour=not scene.paper, image_curvature=not scene.paper,
+        forward_veil=problem.effects.forward_veil,
     )  # fmt: skip
     figures = model.figures(scene_index, settings)
     (group, table), *_ = rows.groups("place")
