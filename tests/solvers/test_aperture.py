@@ -74,6 +74,13 @@ def test_the_confirmed_aperture_is_the_best_of_a_plain_search(defocus_px: float)
         assert word["f_number"] == pytest.approx(best, rel=0.02)
 
 
+def test_the_program_has_the_information_of_the_model() -> None:
+    rows = rows_with(5.0, light=0.01)
+    chosen, bits = chosen_at(rows, 4.0)
+    found = ApertureProgram(rows, chosen).log_information(np.log(4.0), np.log(chosen.light_x[0]))
+    assert np.exp(found) == pytest.approx(bits, rel=2e-4)  # rules of quadrature
+
+
 def test_a_wrong_aperture_is_not_confirmed() -> None:
     rows = rows_with(20.0, light=3.0)
     word = confirmed(rows, chosen_at(rows, 20.0)[0])
