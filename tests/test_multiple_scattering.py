@@ -121,6 +121,14 @@ def test_held_out_corners_have_the_veil_of_all_orders(orders: Any) -> None:
     assert np.all(np.abs(off[[row.case.lobe_half_deg > 30.0 for row in corners]]) <= 0.17)
 
 
+@pytest.mark.parametrize("phase", ["ff 0.0183", "petzold HAOCE 11", "hg 0.9"])
+def test_walks_show_the_detail_that_the_model_says(orders: Any, phase: str) -> None:
+    # a wave on the floor seen through c d = 2: what walks that were scattered carry of it beside the straight light
+    found = orders("detail").transfer(phase, 2.0, 0.8, n=drawn(6400, 2_000_000))
+    assert np.all(np.abs(found.found - found.model) < 4 * found.error + 0.01 * found.model)
+    assert found.error[0] < drawn(0.15, 0.01)
+
+
 def test_rows_of_daylight_are_found_again(orders: Any) -> None:
     daylight = orders("daylight")
     row = next(r for r in daylight.read() if r.case.number == 11 and r.place == "mean")

@@ -137,4 +137,71 @@ DEFECTS = (
         new="psi = psi / 2\n    sine = np.sin(psi)\n    s, t, u = sine * np.cos(phi), sine * np.sin(phi), np.cos(psi)",
         test=f"{MONTE_CARLO}::test_an_isotropic_half_space_reflects_what_h_functions_say",
     ),
+    Defect(
+        name="detail is lost by the angle and not by the place on the floor",
+        file="uwopt/model/detail.py",
+        old="kernel = _kernel(2.0 * np.pi * FREQUENCIES[:, None] * angle)",
+        new="kernel = _kernel(1.5 * np.pi * FREQUENCIES[:, None] * angle)",
+        test=("tests/model/test_detail.py::test_wells_phase_function_has_the_transfer_of_his_closed_form[30.0]",
+              f"{MONTE_CARLO}::test_walks_show_the_detail_that_the_model_says[petzold HAOCE 11]"),
+    ),
+    Defect(
+        name="bars of the search show nothing in the veil",
+        file="uwopt/forward/sharpness.py",
+        old="detail = 1.0 if self.detail is None else self.detail.gain(frequency_cyc_per_px)",
+        new="detail = 1.0",
+        test="tests/solvers/test_cell_bounds.py"
+        "::test_no_point_is_better_than_the_bound_of_a_cell_that_holds_it[signal of bars that show in the veil]",
+    ),
+    Defect(
+        name="bounds of cells see an even veil",
+        file="uwopt/solvers/settings/cell_bounds.py",
+        old="still = bars.still(sinc_mtf(nu), nu) * bars.detail",
+        new="still = bars.still(sinc_mtf(nu), nu)",
+        test="tests/solvers/test_cell_bounds.py"
+        "::test_no_point_is_better_than_the_bound_of_a_cell_that_holds_it[signal of bars that show in the veil]",
+    ),
+    Defect(
+        name="the bound of information in a cell sees an even veil",
+        file="uwopt/solvers/settings/cell_information.py",
+        old="log_snr, centre_log_snr = log_snr + log_gain[:, None], centre_log_snr + log_gain",
+        new="log_snr, centre_log_snr = log_snr + 0.0 * log_gain[:, None], centre_log_snr",
+        test="tests/solvers/test_cell_information.py"
+        "::test_no_image_has_more_than_the_tangent_at_another[near-none]",
+    ),
+    Defect(
+        name="the bound of information and its price sees an even veil",
+        file="uwopt/solvers/settings/joint.py",
+        old="np.minimum(plain * np.square(gain), plain + np.log2(gain))",
+        new="np.minimum(plain, plain + np.log2(gain))",
+        test="tests/solvers/test_joint.py::test_the_table_holds_every_transfer_of_the_model[veil with detail]",
+    ),
+    Defect(
+        name="CasADi's aperture sees an even veil",
+        file="uwopt/solvers/continuous/aperture.py",
+        old="snr = float(sharp.texture_gain[0]) * sensor.snr(",
+        new="snr = 1.0 * sensor.snr(",
+        test="tests/solvers/test_aperture.py::test_the_program_has_the_information_of_the_model",
+    ),
+    Defect(
+        name="detail shows in a veil that is not counted",
+        file="uwopt/forward/detail.py",
+        old="return forward_veil and contraction.multiple and",
+        new="return contraction.multiple and",
+        test="tests/forward/test_detail.py::test_detail_is_lost_where_scattering_is_counted_once_or_not_at_all",
+    ),
+    Defect(
+        name="a colour that is scattered little bounds detail",
+        file="uwopt/forward/detail.py",
+        old="float(particles.scattering_per_m.max())",
+        new="float(particles.scattering_per_m.min())",
+        test="tests/forward/test_detail.py::test_no_colour_and_no_smaller_pixel_has_more_than_bounds_say",
+    ),
+    Defect(
+        name="a photograph lifts its mean by what varies",
+        file="uwopt/report/pictures/photograph.py",
+        old="np.where(frequency > 0.0, detail(frequency), 1.0)",
+        new="detail(frequency)",
+        test="tests/report/test_picture.py::test_a_veil_that_shows_detail_lifts_what_varies_and_not_the_mean",
+    ),
 )

@@ -47,9 +47,9 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="the search counts no veil in bars",
-        file="uwopt/forward/setting_rows.py",
-        old='found.append(Bars(at, "corner", RESOLVED_CONTRAST, veiled=True))',
-        new='found.append(Bars(at, "corner", RESOLVED_CONTRAST))',
+        file="uwopt/forward/sharpness.py",
+        old='return Bars(frequency_cyc_per_px, "corner", least, veiled=True, detail=detail)',
+        new='return Bars(frequency_cyc_per_px, "corner", least, detail=detail)',
         test="tests/solvers/test_front.py::test_bars_that_arrive_draw_no_more_power_than_anything_that_is_tried",
     ),
     Defect(

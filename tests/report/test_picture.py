@@ -70,6 +70,18 @@ def test_bars_keep_the_modulation_that_the_transfer_function_says(upward, cycles
         assert modulation(seen, axis, cycles) == pytest.approx(0.6 * transfer, rel=1e-9)
 
 
+def test_a_veil_that_shows_detail_lifts_what_varies_and_not_the_mean():
+    n = 60 * FINE
+    wave = 1.0 + 0.6 * np.sin(2 * np.pi * 6 * (np.arange(n) + 0.5) / n)
+    image = np.repeat(wave[None, :], n, axis=0)[..., None]
+    plain, lifted = (
+        blur(image, SHARP, upward=True, pixels_a_sample=1 / FINE, detail=detail)[..., 0]
+        for detail in (None, lambda nu: 1.0 + 0.03 / np.maximum(nu, 1e-3))
+    )
+    assert modulation(lifted, 1, 6) == pytest.approx(1.3 * modulation(plain, 1, 6))  # 0.1 cycles per pixel
+    assert lifted.mean() == pytest.approx(plain.mean())
+
+
 def test_a_square_wave_target_keeps_its_first_harmonic():
     # 4/pi of the sine's: bars 3 px wide, so that their edges fall between samples
     n = 60 * FINE

@@ -13,9 +13,11 @@ import numpy as np
 from hand_made_rows import scene
 from numpy.typing import NDArray
 
+from uwopt.forward.detail import DetailRows
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.forward.sharpness import SharpRows
+from uwopt.model.detail import DetailTable
 from uwopt.objectives.objective import Objective
 
 Array = NDArray[Any]
@@ -23,9 +25,12 @@ Array = NDArray[Any]
 
 def sharp(
     *, blur: float = 2000.0, place: float = 4.0, rms: float = 6.0, rated: float = 0.8, aberration: float = 0.8,
-    power: float = 3.0,
+    power: float = 3.0, scattered: float | None = None,
 ) -> SharpRows:  # fmt: skip
-    """A 3.45 um sensor that moves, with some image curvature; discs at f-number 1."""
+    """A 3.45 um sensor that moves, with some image curvature; discs at f-number 1.
+
+    `scattered`: b r, of which the detail of a frequency keeps a share that falls as one over it.
+    """
     one, none = np.ones(1), np.zeros(1)
     return SharpRows(
         wavelength_nm=530.0 * one, pixel_pitch_m=3.45e-6 * one, rated_pitch_px=rated * one,
@@ -35,6 +40,17 @@ def sharp(
         blur_px_per_s=np.array([[1.1, 1.0, 0.9]]) * blur, place_disc_px=np.array([[1.0, 0.2, 1.0]]) * place,
         rms_disc_px=np.array([[1.0, 0.6, 1.0]]) * rms, place_k_along=none, place_k_across=none, rms_k_along=none,
         rms_k_across=none, spread_index=np.zeros(1, int), pixel_area_m2=1e-6 * one, spreads=(),
+        detail=None if scattered is None else detail(scattered),
+    )  # fmt: skip
+
+
+def detail(scattered: float) -> DetailRows:
+    """Detail in the veil of a hazy water, where a pixel sees 1 mm from 1 m."""
+    frequency = np.geomspace(1.0, 1e5, 60)
+    table = DetailTable(np.log(frequency), 1.0 / (1.0 + frequency / 100.0))
+    return DetailRows(
+        scattered=scattered * np.array([[0.9, 1.0, 1.1]]), cycles_per_rad=1e3 * np.ones((1, 3)),
+        texture_gain=np.exp(np.array([0.2 * scattered])), table=table,
     )  # fmt: skip
 
 

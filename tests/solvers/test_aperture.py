@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hand_made_rows import scene
+from settings_attack import detail
 from thorough import drawn
 
 from uwopt.forward.setting_rows import SceneRows
@@ -26,7 +27,7 @@ def rows_with(defocus_px: float, *, light: float = 1.0) -> SceneRows:
         corner_disc_px=defocus_px * three, rms_disc_px=defocus_px * three, gsd_m=1e-3 * three, place_k_along=0 * one,
         place_k_across=0 * one, corner_k_along=0 * one, corner_k_across=0 * one,
         rms_k_along=0 * one, rms_k_across=0 * one,
-        spread_index=np.zeros(1, int), pixel_area_m2=1e-6 * one, spreads=(),
+        spread_index=np.zeros(1, int), pixel_area_m2=1e-6 * one, spreads=(), detail=detail(1.0),
     )  # fmt: skip
     plain = scene(signal_e=[100.0 * light], n_low=1.4, n_high=22.0)
     return replace(plain, sharp=sharp)
@@ -71,6 +72,13 @@ def test_the_confirmed_aperture_is_the_best_of_a_plain_search(defocus_px: float)
     if defocus_px >= 20.0:  # between defocus and diffraction: not the widest opening
         assert word["f_number"] > 1.4 * 1.05
         assert word["f_number"] == pytest.approx(best, rel=0.02)
+
+
+def test_the_program_has_the_information_of_the_model() -> None:
+    rows = rows_with(5.0, light=0.01)
+    chosen, bits = chosen_at(rows, 4.0)
+    found = ApertureProgram(rows, chosen).log_information(np.log(4.0), np.log(chosen.light_x[0]))
+    assert np.exp(found) == pytest.approx(bits, rel=2e-4)  # rules of quadrature
 
 
 def test_a_wrong_aperture_is_not_confirmed() -> None:

@@ -22,9 +22,9 @@ GAP = 1e-4
 LED = {"kind": PULSED, "rate_hz": 5.0, "min_exposure_s": 1e-5, "time_max_s": 4e-3}
 
 
-def soft() -> SharpRows:
+def soft(**changed: float) -> SharpRows:
     """A lens whose aberrations outweigh what else blurs: 3.6 px wide open, at F1.4, and half a pixel at F5.6."""
-    return sharp(aberration=6.0, rated=0.1, place=0.5, rms=0.5, blur=500.0)
+    return sharp(**{"aberration": 6.0, "rated": 0.1, "place": 0.5, "rms": 0.5, "blur": 500.0, **changed})
 
 
 BY_CELLS: dict[str, tuple[dict[str, Any], Any]] = {
@@ -36,6 +36,10 @@ BY_CELLS: dict[str, tuple[dict[str, Any], Any]] = {
     "signal of a sharp image": (dict(min_mtf=0.25), "snr_db"),
     "signal of a sharp image, soft wide open": (dict(sharpness=soft(), min_mtf=0.4), "snr_db"),
     "signal of bars behind a veil": (dict(sharpness=soft(), resolve_m=2.2e-3, veil=40.0), "snr_db"),
+    "signal of bars that show in the veil": (
+        dict(sharpness=soft(scattered=2.0), resolve_m=2.2e-3, veil=90.0, min_snr=3.0), "snr_db",
+    ),
+    "information of what shows in the veil": (dict(sharpness=sharp(scattered=2.0), veil=60.0), "information"),
     "power of bars under the sun": (
         dict(sharpness=soft(), resolve_m=2.2e-3, veil=20.0, sun=(3e3, 6e3), open_max_s=5e-3, min_snr=12.0), "power",
     ),

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from settings_attack import lit, sharp
+from settings_attack import detail, lit, sharp
 from thorough import THOROUGH
 
 from uwopt.forward.sharpness import SharpRows
@@ -35,6 +35,7 @@ def rows(colour_px: float) -> SharpRows:
         aberration_exponent=rng.uniform(2.0, 6.0, DRAWN), rms_disc_px=many.rms_disc_px * 3.0 * rng.random((DRAWN, 1)),
         pixel_pitch_m=rng.uniform(2e-6, 8e-6, DRAWN), rms_k_along=k * np.cos(angle), rms_k_across=k * np.sin(angle),
         spreads=(WHITE,),
+        detail=replace(detail(1.0).take(np.zeros(DRAWN, int)), texture_gain=rng.uniform(1.0, 1.6, DRAWN)),
     )  # fmt: skip
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hand_made_rows import FADING, FLASHES, STEPS
 from numpy.typing import NDArray
-from settings_attack import lit, sharp
+from settings_attack import detail, lit, sharp
 
 from uwopt.forward.part_columns import PULSED
 from uwopt.forward.setting_rows import SceneRows
@@ -50,6 +50,7 @@ CASES: dict[str, dict[str, Any]] = {
     "flashes": FLASHES,
     "a flash that fades": FADING,
     "a veil": dict(veil=60.0),
+    "a veil that shows detail": dict(veil=60.0, sharpness=slow(scattered=2.0)),
     "defocus": dict(sharpness=slow(rms=30.0)),
     "a coarse lens": dict(sharpness=slow(rated=2.0, aberration=6.0)),
     "some colour": dict(sharpness=coloured(2000.0)),
@@ -88,7 +89,8 @@ def test_a_limit_of_power_is_kept() -> None:
     assert free < held and np.isinf(none)
 
 
-def test_the_table_holds_every_transfer_of_the_model() -> None:
+@pytest.mark.parametrize("shows", [False, True], ids=["even veil", "veil with detail"])
+def test_the_table_holds_every_transfer_of_the_model(shows: bool) -> None:
     """Drawn between its nodes: no blur, SNR or colour has more information than the table says."""
     rng, count = np.random.default_rng(0), 400
     n, disc, rated = rng.uniform(1.4, 16.0, count), rng.uniform(0.0, 40.0, count), rng.uniform(0.0, 3.0, count)
@@ -98,6 +100,9 @@ def test_the_table_holds_every_transfer_of_the_model() -> None:
         sharp().take(np.zeros(count, int)), rms_disc_px=disc[:, None] * three, rated_pitch_px=rated,
         aberration_px=0.0 * one, blur_px_per_s=three, rms_k_along=0.8 * k, rms_k_across=0.6 * k, spreads=(WHITE,),
     )  # fmt: skip
+    if shows:
+        many = detail(1.0).take(np.zeros(count, int))
+        rows = replace(rows, detail=replace(many, texture_gain=rng.uniform(1.0, 1.1, count)))
     exact = rows.information_bit_per_m2(
         db_to_ratio(snr_db), f_number=n, working_f_number=1.3 * n, blur_s=0.0 * one
     )

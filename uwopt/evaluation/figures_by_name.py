@@ -263,7 +263,10 @@ def sharpness_figures(
         at, ground_sample_along_m=view.gsd_m[:, 1], ground_sample_across_m=view.gsd_m[:, 1]
     )
     contrast = bars_contrast_at(model.rows[index], settings, figures)[:, scene.nominal]
-    bars_m = sharpness.smallest_bars_m(seen("corner"), contrast=contrast, ground_sample_m=view.gsd_m[:, 1])
+    bars_m = sharpness.smallest_bars_m(
+        seen("corner"), contrast=contrast, ground_sample_m=view.gsd_m[:, 1],
+        detail=rows.detail_gain(altitude=1),
+    )  # fmt: skip
     spectrum = int(problem.contractions[index].spectrum_of[int(model.lights.optics_index[0])])
     electrons = arriving(scene, problem.contractions[index], spectrum, int(model.cameras.qe_index[0]))
     corner, shape = CORNER_FIELD * np.hypot(view.tan_along, view.tan_across), model.shapes[index]

@@ -140,7 +140,7 @@ class SceneRows(Columns):
             found.append(Bars(at, "place", self.min_mtf))
         if self.resolve_m > 0.0:
             at = self.sharp.gsd_m / (2.0 * self.resolve_m)
-            found.append(Bars(at, "corner", RESOLVED_CONTRAST, veiled=True))
+            found.append(self.sharp.bars(at, least=RESOLVED_CONTRAST))
         return found
 
     @property

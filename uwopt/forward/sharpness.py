@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.forward.columns import Columns, rows_alike
+from uwopt.forward.columns import Columns, placed, rows_alike
+from uwopt.forward.detail import DetailRows, detail_rows, particles_of, shows_detail
 from uwopt.forward.lamps import relative_spectrum
 from uwopt.forward.motion import motion_along
 from uwopt.forward.part_columns import (
@@ -31,7 +32,7 @@ from uwopt.model import aberration, lateral, operation, sharpness
 from uwopt.model.defocus import defocus_px
 from uwopt.model.lateral import SpreadTable
 from uwopt.model.lens import airy_diameter_m
-from uwopt.model.sharpness import NYQUIST_CYC_PER_PX, Sharpness
+from uwopt.model.sharpness import NYQUIST_CYC_PER_PX, Gain, Sharpness
 from uwopt.model.spectrum import trapezoid_weights_nm
 
 if TYPE_CHECKING:
@@ -50,11 +51,16 @@ class Bars:
     field: Field
     least: float
     veiled: bool = False  # of all light; else of the light that forms the image. Coarser bars must be left then, too
+    detail: Array | float = 1.0  # (n, 3) what light scattered nearly forward adds to it, as a factor
 
     def still(self, transfer: Any, frequency: Array) -> Array:
         """A transfer by frequency, where the pixels can show such bars: two a cycle are needed of veiled ones."""
         aliased = self.veiled & (frequency > NYQUIST_CYC_PER_PX * (1.0 + NYQUIST_ROUND))
         return np.where(aliased, 0.0, transfer)
+
+    def detail_at(self, rows: Array, altitude: int | slice = slice(None)) -> Array | float:
+        """The factor at some rows."""
+        return self.detail[rows, altitude] if isinstance(self.detail, np.ndarray) else self.detail
 
 
 @dataclass(frozen=True)
@@ -85,11 +91,13 @@ class SharpRows(Columns):
     spreads: tuple[SpreadTable, ...]
     fineness: float = 1.0  # of integrals over spatial frequency
     place_lens_blur: float = 1.0  # of the lens where MTF must hold, over that on the axis
+    detail: DetailRows | None = None  # of light scattered nearly forward; None: it shows none
 
     @classmethod
     def in_places(cls, parts: Sequence[tuple[Array, Self]], count: int) -> Self:
         """Groups of rows put back in their places; tables that groups share are kept once."""
         columns: dict[str, Any] = {"place_lens_blur": parts[0][1].place_lens_blur if parts else 1.0}
+        columns["detail"] = placed([(rows, part.detail) for rows, part in parts], count)
         spreads: dict[int, SpreadTable] = {}
         fineness = max((part.fineness for _, part in parts), default=1.0)
         for rows, part in parts:
@@ -118,6 +126,20 @@ class SharpRows(Columns):
     def colour(self, field: Field) -> tuple[Array, Array]:
         """Lateral colour along and across at a field point, k per cycle per px, (n,) each."""
         return getattr(self, f"{field}_k_along"), getattr(self, f"{field}_k_across")
+
+    def bars(self, frequency_cyc_per_px: Array, *, least: float) -> Bars:
+        """Bars of which a share must be left in all light that arrives in the corner; frequencies (n, 3)."""
+        detail = 1.0 if self.detail is None else self.detail.gain(frequency_cyc_per_px)
+        return Bars(frequency_cyc_per_px, "corner", least, veiled=True, detail=detail)
+
+    def detail_gain(self, rows: Array | slice = slice(None), altitude: int | slice = slice(None)) -> Gain | None:
+        """What detail of a frequency has in light scattered nearly forward, of some rows; None: nothing."""
+        return None if self.detail is None else partial(self.detail.gain, rows=rows, altitude=altitude)
+
+    @property
+    def texture_gain(self) -> Array:
+        """What light scattered nearly forward adds to the SNR that information is reckoned from, as a factor (n,)."""
+        return np.ones(len(self.wavelength_nm)) if self.detail is None else self.detail.texture_gain
 
     def disc_px(self, field: Field) -> Array:
         """Disc of defocus at a field point and f-number 1, (n, 3)."""
@@ -178,20 +200,20 @@ class SharpRows(Columns):
         )
 
     def transfer(self, bars: Bars, *, f_number: Array, working_f_number: Array, blur_s: Array) -> Array:
-        """What is left of the contrast of bars, without veil: the worse of along and across, (n, 3) by altitude."""
+        """What is left of the contrast of bars, even veil apart: the worse of along and across, (n, 3) by altitude."""
         settings = dict(f_number=f_number, working_f_number=working_f_number, blur_s=blur_s)
 
-        def left(nu: Array, at: Sharpness, rows: Array) -> Array:
-            frequency = nu[rows]
+        def left(k: int, at: Sharpness, rows: Array) -> Array:
+            frequency = bars.frequency_cyc_per_px[rows, k]
             one, other = (
                 of(frequency, sharpness=at, falling=bars.veiled) for of in (sharpness.mtf_along, sharpness.mtf_across)
             )
-            return bars.still(np.minimum(one, other), frequency)
+            return bars.still(np.minimum(one, other), frequency) * bars.detail_at(rows, k)
 
         return np.stack(
             [
-                self.each(partial(left, nu), field=bars.field, altitude=k, **settings)
-                for k, nu in enumerate(bars.frequency_cyc_per_px.T)
+                self.each(partial(left, k), field=bars.field, altitude=k, **settings)
+                for k in range(bars.frequency_cyc_per_px.shape[1])
             ],
             axis=1,
         )
@@ -205,17 +227,24 @@ class SharpRows(Columns):
         found = np.empty(self.gsd_m.shape)
         for rows, spread in self.groups("corner"):
             at = self.at(rows, spread, field="corner", altitude=slice(None), **settings)
-            found[rows] = sharpness.smallest_bars_m(at, contrast=contrast[rows], ground_sample_m=self.gsd_m[rows])
+            found[rows] = sharpness.smallest_bars_m(
+                at, contrast=contrast[rows], ground_sample_m=self.gsd_m[rows],
+                detail=self.detail_gain(rows),
+            )  # fmt: skip
         return found
 
     def information_bit_per_m2(
         self, snr: Array, *, f_number: Array, working_f_number: Array, blur_s: Array,
         orders: tuple[int, int] | None = None,
     ) -> Array:  # fmt: skip
-        """Information at the nominal altitude, (n,); `orders` as in the model, the usual ones unless given."""
+        """Information at the nominal altitude, (n,); `orders` as in the model, the usual ones unless given.
+
+        Of the SNR of the image-forming light, to which detail of a middling frequency in the veil adds.
+        """
+        seen = snr * self.texture_gain
         per_px = self.each(
             lambda at, rows: sharpness.information_bit_per_px(
-                snr[rows], sharpness=at, fineness=self.fineness, orders=orders
+                seen[rows], sharpness=at, fineness=self.fineness, orders=orders
             ), field="rms", f_number=f_number, working_f_number=working_f_number, blur_s=blur_s,
         )  # fmt: skip
         return np.asarray(sharpness.information_bit_per_m2(per_px, pixel_area_m2=self.pixel_area_m2))
@@ -223,7 +252,7 @@ class SharpRows(Columns):
 
 def sharp_rows(
     scene: SceneOptics, contraction: Contraction, view: Views, *, cameras: Cameras, lenses: Lenses, ports: Ports,
-    spectrum: int, dioptre_per_m: Array, lateral_colour: bool, image_curvature: bool,
+    spectrum: int, dioptre_per_m: Array, lateral_colour: bool, image_curvature: bool, forward_veil: bool,
 ) -> SharpRows:  # fmt: skip
     """Everything but the settings, row by row; one light spectrum for all."""
     pitch, focal = cameras.pixel_pitch_m, view.focal_length_m
@@ -267,6 +296,10 @@ def sharp_rows(
     spreads = tuple(spread_of(scene, contraction, spectrum, int(q)) for q in curves) if flat.any() else ()
     wavelength = np.array([mean_wavelength_nm(scene, density) for density in colours])
     pixels = cameras.resolution_x_px * cameras.resolution_y_px
+    particles, detail = particles_of(scene), None
+    if particles is not None and shows_detail(contraction, forward_veil=forward_veil):
+        scattered = np.array([mean_of(scene, density, particles.scattering_per_m) for density in colours])
+        detail = detail_rows(scene, view, pixels=pixels, scattering_per_m=scattered[index])
     return SharpRows(
         wavelength_nm=wavelength[index],
         pixel_pitch_m=pitch,
@@ -289,6 +322,7 @@ def sharp_rows(
         spreads=spreads,
         fineness=scene.fineness.sharpness,
         place_lens_blur=float(aberration.field_blur(1.0 if at_corner else 0.0)),
+        detail=detail,
     )
 
 
@@ -307,9 +341,14 @@ def arriving(scene: SceneOptics, contraction: Contraction, spectrum: int, effici
 
 def mean_wavelength_nm(scene: SceneOptics, arriving_e: Array) -> float:
     """Electron-weighted mean wavelength; the middle of the grid where nothing arrives."""
+    return mean_of(scene, arriving_e, scene.wavelength_nm)
+
+
+def mean_of(scene: SceneOptics, arriving_e: Array, spectrum: Array) -> float:
+    """Electron-weighted mean of a spectrum; at the middle of the grid where nothing arrives."""
     if not arriving_e.sum() > TINY:
-        return float(scene.wavelength_nm.mean())
-    return float((arriving_e * scene.wavelength_nm).sum() / arriving_e.sum())
+        return float(np.interp(scene.wavelength_nm.mean(), scene.wavelength_nm, spectrum))
+    return float((arriving_e * spectrum).sum() / arriving_e.sum())
 
 
 def airy_wavelength_nm(problem: Problem, scene_index: int, optics: int, efficiency: int) -> float:
@@ -355,5 +394,5 @@ def sharpness_of(
         problem.scenes[scene_index], contraction, view, cameras=problem.cameras.take(camera),
         lenses=problem.lenses.take(lens), ports=problem.ports.take(port), spectrum=int(contraction.spectrum_of[optics]),
         dioptre_per_m=dioptre_per_m, lateral_colour=problem.effects.lateral_colour,
-        image_curvature=problem.effects.image_curvature,
+        image_curvature=problem.effects.image_curvature, forward_veil=problem.effects.forward_veil,
     )  # fmt: skip

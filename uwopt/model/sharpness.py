@@ -4,8 +4,9 @@ The modulation transfer of the image-forming light is a product of factors, each
 frequency nu in cycles per pixel: pixel, diffraction, motion, defocus, lens, lateral colour. The
 first five are 1 at nu = 0, fall, and are 0 beyond their first null, so that they are monotone in frequency
 and in their cause: contrast that comes back with reversed sign is no resolution. Lateral colour has no
-null but humps; where a falling transfer is needed its least value so far counts. Light scattered forward
-has no factor here; it counts as a veil.
+null but humps; where a falling transfer is needed its least value so far counts. Light scattered forward counts as a
+veil and has no factor in the transfer; what detail shows in it all the same is a factor of its own (`detail`) on the
+contrast in all light.
 
 "Along" is the direction of motion, "across" the other. Functions marked [sym] also take CasADi scalars;
 beyond a null "0" means below 1e-15, so that derivatives stay finite there.
@@ -13,6 +14,7 @@ beyond a null "0" means below 1e-15, so that derivatives stay finite there.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import cache
 from typing import Any
@@ -25,6 +27,7 @@ from uwopt.model.lateral import SpreadTable, spread_mtf
 
 Numeric = Any  # float, array that broadcasts, or (where marked [sym]) a CasADi scalar
 Array = NDArray[Any]
+Gain = Callable[[Array], Array]  # a factor by frequency [cycles per px]
 
 TEXTURE_CONTRAST = 0.1  # C_t, rms contrast of the floor's texture at every frequency (physics page, 8)
 RESOLVED_CONTRAST = 0.1  # of bars that count as resolved, of all light that arrives (MTF10)
@@ -253,24 +256,27 @@ def mtf_half_nyquist(sharpness: Sharpness) -> Numeric:
 # ---------------------------------------------------------------- frequencies of a level
 
 
-def frequencies_at_cyc_per_px(level: Numeric, *, sharpness: Sharpness) -> tuple[Array, Array]:
+def frequencies_at_cyc_per_px(
+    level: Numeric, *, sharpness: Sharpness, detail: Gain | None = None
+) -> tuple[Array, Array]:
     """Frequencies along and across at which the transfer has fallen to a level.
 
-        MTF(nu) = level
+        F(nu) MTF(nu) = level
 
     Parameters
     ----------
     level : broadcast, > 0
     sharpness : fields broadcast to (...,)
+    detail : F, a factor that falls with the frequency; None: 1
 
     Returns
     -------
-    along, across : (...,) [cycles per px], 0..1; 0 where the blur is infinite or the level 1 or more. Relative error
+    along, across : (...,) [cycles per px], 0..1; 0 where the blur is infinite or the level F(0) or more. Relative error
     1e-12.
 
     Notes
     -----
-    The product falls from 1 to 0 between nu = 0 and its first null, 1 cycle per px at the latest: one root,
+    The product falls from F(0) to 0 between nu = 0 and its first null, 1 cycle per px at the latest: one root,
     held between two bounds by false position after Illinois, every fourth step a bisection.
     """
     disc_null = 1.0 / np.maximum(np.minimum(sharpness.defocus_px, _HUGE) * (np.pi / J1_ZERO), 1.0)
@@ -279,9 +285,19 @@ def frequencies_at_cyc_per_px(level: Numeric, *, sharpness: Sharpness) -> tuple[
     motion_null = 1.0 / np.maximum(np.minimum(sharpness.motion_blur_px, _HUGE), 1.0)
     null, motion_null = (np.where(end > 2.0 / _HUGE, end, 0.0) for end in (null, motion_null))
     shape = _shape(sharpness, level)
-    null = np.where(np.asarray(level) < 1.0, null, 0.0)
-    along = _root(mtf_along, level, sharpness, np.broadcast_to(np.minimum(null, motion_null), shape))
-    return along, _root(mtf_across, level, sharpness, np.broadcast_to(null, shape))
+    still = np.ones(shape) if detail is None else detail(np.zeros(shape))
+    level = np.minimum(level, still)
+    null = np.where(level < still, null, 0.0)
+    nulls = np.broadcast_to(np.minimum(null, motion_null), shape), np.broadcast_to(null, shape)
+
+    def left(transfer: Any) -> Gain:
+        factor = detail or np.ones_like
+        return lambda nu: factor(nu) * transfer(nu, sharpness=sharpness, falling=True)
+
+    along, across = (
+        _root(left(transfer), level, still, end) for transfer, end in zip((mtf_along, mtf_across), nulls, strict=True)
+    )
+    return along, across
 
 
 def mtf50_cyc_per_px(sharpness: Sharpness) -> Array:
@@ -290,19 +306,22 @@ def mtf50_cyc_per_px(sharpness: Sharpness) -> Array:
     return np.minimum(along, across)
 
 
-def smallest_bars_m(sharpness: Sharpness, *, contrast: Numeric, ground_sample_m: Numeric) -> Array:
+def smallest_bars_m(
+    sharpness: Sharpness, *, contrast: Numeric, ground_sample_m: Numeric, detail: Gain | None = None
+) -> Array:
     """Narrowest bars on the floor of which a tenth of the contrast arrives, veil counted.
 
-        b = GSD / (2 nu),   nu the highest at which C MTF is 0.1 at least, 1/2 at most
+        b = GSD / (2 nu),   nu the highest at which C F MTF is 0.1 at least, 1/2 at most
 
     sharpness : fields (...,); contrast : broadcast, C, image-forming over all light; ground_sample_m : broadcast [m per
-    px]. Returns (...,) [m], the width of one bar, the worse of along and across; inf where nothing is resolved. Bars
+    px]; detail : F by frequency, what bars have in light scattered forward (`detail.detail_gain`), falling, 1 without.
+    Returns (...,) [m], the width of one bar, the worse of along and across; inf where nothing is resolved. Bars
     are no narrower than a pixel: below, the image shows aliases. The transfer is that of a sine; black and white
     bars, whose first harmonic is 4 / pi, have more.
     """
     with np.errstate(divide="ignore", over="ignore"):
-        level = np.minimum(RESOLVED_CONTRAST / np.asarray(contrast, dtype=float), 1.0)
-        highest = np.minimum(*frequencies_at_cyc_per_px(level, sharpness=sharpness))
+        level = RESOLVED_CONTRAST / np.asarray(contrast, dtype=float)
+        highest = np.minimum(*frequencies_at_cyc_per_px(level, sharpness=sharpness, detail=detail))
         return np.asarray(ground_sample_m / (2.0 * np.minimum(highest, NYQUIST_CYC_PER_PX)))
 
 
@@ -331,16 +350,16 @@ def _shape(sharpness: Sharpness, *others: Numeric) -> tuple[int, ...]:
     return np.broadcast_shapes(*(np.shape(number) for number in (*numbers, *others)))
 
 
-def _root(transfer: Any, level: Numeric, sharpness: Sharpness, null: Array) -> Array:
-    """Where a transfer that falls from 1 at 0 to 0 at its null meets a level; Illinois and bisection."""
+def _root(transfer: Gain, level: Numeric, still: Array, null: Array) -> Array:
+    """Where a transfer that falls from `still` at 0 to 0 at its null meets a level; Illinois and bisection."""
     low, high = np.zeros(null.shape), null * 1.0
-    at_low, at_high = np.full(null.shape, 1.0 - level), np.full(null.shape, -level)
+    at_low, at_high = np.full(null.shape, still - level), np.full(null.shape, -level)
     side = np.zeros(null.shape)  # 1: the low end moved last, -1: the high end
     found, settled = np.zeros(null.shape), np.zeros(null.shape, bool)  # each is the same whatever stands beside it
     for step in range(1, _MOST_STEPS):
         share = 0.5 if step % 4 == 0 else at_low / (at_low - at_high)
         nu = low + share * (high - low)
-        value = transfer(nu, sharpness=sharpness, falling=True) - level
+        value = transfer(nu) - level
         above = value >= 0.0
         stuck = np.where(above, side > 0, side < 0)  # twice the same end: halve the other's weight
         at_low = np.where(above, value, np.where(stuck, 0.5 * at_low, at_low))

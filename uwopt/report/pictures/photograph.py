@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from uwopt.evaluation.recompute import Replay
 from uwopt.forward.sharpness import sharp_rows
 from uwopt.model import sensor, sharpness
-from uwopt.model.sharpness import Sharpness
+from uwopt.model.sharpness import Gain, Sharpness
 from uwopt.report.pictures.chart import BOARD_WIDTH, nice_unit_mm, scene_reflectance
 from uwopt.report.pictures.curves import is_colour
 from uwopt.report.pictures.maps import ImageField, channel_fields
@@ -110,8 +110,9 @@ def whole_view(design: Replay, scene_index: int = 0, *, width_px: int = WHOLE_WI
         for field in channel_fields(design, *points(design, nodes, nodes), scene_index).values()
     ]
     blurred = blur(
-        as_seen(design, chart), at, upward=design.model.hardware.landscape, pixels_a_sample=block_px
-    )
+        as_seen(design, chart), at, upward=design.model.hardware.landscape, pixels_a_sample=block_px,
+        detail=detail_at(design, scene_index),
+    )  # fmt: skip
     middle = channel_fields(design, np.zeros((1, 1)), np.zeros((1, 1)), scene_index)
     return shown(
         design, scene_index, chart, blurred, lit, list(middle.values()), at, unit_mm=unit_mm,
@@ -137,7 +138,10 @@ def detail_view(
     unit_mm = nice_unit_mm(covered_mm / DETAIL_WIDTH_PX)
     fine = rendered(width + 2 * MARGIN_PX, height + 2 * MARGIN_PX, step_mm, unit_mm, FINE)
     at = sharpness_at(design, scene_index, place)
-    image = blur(as_seen(design, fine), at, upward=model.hardware.landscape, pixels_a_sample=1.0 / FINE)
+    image = blur(
+        as_seen(design, fine), at, upward=model.hardware.landscape, pixels_a_sample=1.0 / FINE,
+        detail=detail_at(design, scene_index),
+    )  # fmt: skip
     inner = slice(MARGIN_PX, -MARGIN_PX)
     image = image[FINE // 2 :: FINE, FINE // 2 :: FINE][inner, inner]
     blocks = fine.reshape(height + 2 * MARGIN_PX, FINE, width + 2 * MARGIN_PX, FINE, 3)
@@ -239,6 +243,7 @@ def sharpness_at(design: Replay, scene_index: int, place: Place) -> Sharpness:
         cameras=model.cameras, lenses=model.lenses, ports=problem.ports.take(one + hw.port),
         spectrum=int(contraction.spectrum_of[int(model.lights.optics_index[0])]),
         dioptre_per_m=settings.dioptre_per_m, lateral_colour=not scene.paper, image_curvature=not scene.paper,
+        forward_veil=problem.effects.forward_veil,
     )  # fmt: skip
     figures = model.figures(scene_index, settings)
     (group, table), *_ = rows.groups("place")
@@ -246,6 +251,14 @@ def sharpness_at(design: Replay, scene_index: int, place: Place) -> Sharpness:
         group, table, f_number=settings.f_number, working_f_number=figures.working_f_number, blur_s=figures.smear_s,
         field="place",
     )  # fmt: skip
+
+
+def detail_at(design: Replay, scene_index: int) -> Gain | None:
+    """What detail of a frequency has in light scattered nearly forward, nominal altitude; None: nothing."""
+    dioptre = float(design.settings[scene_index].dioptre_per_m[0])
+    if design.model.problem.scenes[scene_index].paper:
+        return None
+    return design.model.sharp_rows(scene_index, dioptre).detail_gain(altitude=1)
 
 
 def lateral_colour_px(at: Sharpness) -> float:
@@ -256,11 +269,13 @@ def lateral_colour_px(at: Sharpness) -> float:
     return slope * at.spread.index_rms
 
 
-def blur(samples: Array, at: Sharpness, *, upward: bool, pixels_a_sample: float) -> Array:
+def blur(
+    samples: Array, at: Sharpness, *, upward: bool, pixels_a_sample: float, detail: Gain | None = None
+) -> Array:
     """An image (m, n, channels) through the transfer function, by Fourier transform.
 
     `upward`: the motion runs along the picture's height, else along its width. Frequencies of the
-    samples become cycles per camera pixel by `pixels_a_sample`.
+    samples become cycles per camera pixel by `pixels_a_sample`. `detail`: on what varies, as a factor by frequency.
     """
     rows, columns = samples.shape[:2]
     down = np.fft.fftfreq(rows)[:, None] / pixels_a_sample
@@ -268,6 +283,9 @@ def blur(samples: Array, at: Sharpness, *, upward: bool, pixels_a_sample: float)
     along, across = (-down, right) if upward else (right, down)
     along, across = np.broadcast_arrays(along, across)
     transfer = sharpness.mtf(along, across_cyc_per_px=across, sharpness=at)
+    if detail is not None:  # what is even is in the veil
+        frequency = np.hypot(along, across)
+        transfer = transfer * np.where(frequency > 0.0, detail(frequency), 1.0)
     parts = [
         np.fft.irfft2(np.fft.rfft2(samples[..., n]) * transfer, s=(rows, columns))
         for n in range(samples.shape[2])

@@ -60,7 +60,7 @@ class ApertureProgram:
         at = with_exposure(rows, self.chosen)
         signal = float(rows.signal_e[0, rows.nominal]) * light_x
         veil = float(rows.total_e[0, rows.nominal] - rows.signal_e[0, rows.nominal]) * light_x
-        snr = sensor.snr(
+        snr = float(sharp.texture_gain[0]) * sensor.snr(
             signal, veil_e=veil, read_noise_e=float(rows.read_noise_e[0]), dark_e=float(dark_e(at)[0]),
             gain_dn_per_e=float(rows.gain_dn_per_e[0] * self.chosen.gain[0]), prnu_frac=float(rows.prnu_frac[0]),
         )  # fmt: skip

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward import switching
+from uwopt.forward.detail import most_scattering_per_m, shows_detail, texture_gain
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.forward.views import CORNER_FIELD, RMS_FIELD
 from uwopt.model import sensor
@@ -445,13 +446,20 @@ class Bounds:
         return self._snr_bound(scene_index, np.full(len(rows), np.inf), rows, clearest)
 
     def _information_bound(self, scene_index: int, snr_db: Array, rows: Array) -> Array:
-        """Information [bit/m2] of a sharp pixel behind the rated lens, closed far, at an SNR: nothing else blurs."""
+        """Information [bit/m2] of a sharp pixel behind the rated lens, closed far, at an SNR: nothing else blurs.
+
+        Light scattered nearly forward adds as much as in the colour that is scattered most and for the largest pixels.
+        """
         cameras = self.problem.cameras.take(self.imagers.camera[rows])
         rated = self.problem.lenses.rated_pitch_m[self.imagers.lens[rows]] / cameras.pixel_pitch_m
         rated = rated * field_blur(float(RMS_FIELD) / CORNER_FIELD)
-        view = self.imagers.scenes[scene_index].view
-        area = view.area_m2[rows, 1]
-        return bit_per_px_bound(snr_db, rated) * (cameras.resolution_x_px * cameras.resolution_y_px) / area
+        seen, scene = self.imagers.scenes[scene_index], self.problem.scenes[scene_index]
+        pixels = cameras.resolution_x_px * cameras.resolution_y_px
+        if shows_detail(self.problem.contractions[scene_index], forward_veil=self.problem.effects.forward_veil):
+            snr_db = snr_db + ratio_to_db(texture_gain(
+                scene, area_m2=seen.most_area_m2[rows, 1], pixels=pixels, scattering_per_m=most_scattering_per_m(scene)
+            ))  # fmt: skip
+        return bit_per_px_bound(snr_db, rated) * pixels / seen.view.area_m2[rows, 1]
 
     def _longest_time_s(self, focused: Any, rows: Array) -> Array:
         """An upper bound of the light-collecting time of any light."""

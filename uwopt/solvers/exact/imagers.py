@@ -60,6 +60,11 @@ class SceneImagers(Columns):
     view: Views
     focused: Focused
 
+    @property
+    def most_area_m2(self) -> Array:
+        """No footprint that these rows stand for is larger, (n, 3)."""
+        return self.view.area_m2
+
 
 @dataclass(frozen=True)
 class Imagers:

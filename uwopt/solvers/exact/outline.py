@@ -215,6 +215,11 @@ class OutlineScene(SceneImagers):
 
     most: Views
 
+    @property
+    def most_area_m2(self) -> Array:
+        """As `SceneImagers`."""
+        return self.most.area_m2
+
 
 @dataclass(frozen=True)
 class OutlineRows(Columns):

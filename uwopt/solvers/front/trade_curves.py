@@ -25,7 +25,7 @@ from uwopt.solvers.settings import closed_form, dark
 from uwopt.solvers.settings.best import Best, best_settings, settings_at_dark
 from uwopt.solvers.settings.closed_form import Chosen
 from uwopt.solvers.settings.mean_limit import MeanLimit
-from uwopt.units import db_to_ratio
+from uwopt.units import db_to_ratio, ratio_to_db
 
 if TYPE_CHECKING:
     from uwopt.solvers.settings.cells import CellResult
@@ -340,7 +340,8 @@ class Trade:
         best = np.full(len(some), np.inf)
         for scene in some.rows:
             assert scene.sharp is not None
-            bits = bit_per_px_bound(np.maximum(most, -1e3), scene.sharp.rated_pitch_px * scene.sharp.lens_blur("rms"))
+            seen_db = np.maximum(most, -1e3) + ratio_to_db(scene.sharp.texture_gain)
+            bits = bit_per_px_bound(seen_db, scene.sharp.rated_pitch_px * scene.sharp.lens_blur("rms"))
             best = np.minimum(best, bits / scene.sharp.pixel_area_m2)
         return np.where(np.isfinite(most), best, -np.inf)
 

@@ -91,9 +91,9 @@ class StillBars:
 
     @staticmethod
     def of(bars: Bars, sharp: SharpRows) -> StillBars:
-        """Pixel and lateral colour of bars."""
+        """Pixel and lateral colour of bars, and what light scattered nearly forward adds."""
         nu = bars.frequency_cyc_per_px
-        still = bars.still(sinc_mtf(nu), nu)
+        still = bars.still(sinc_mtf(nu), nu) * bars.detail
         found = [np.array(still), np.array(still)]
         for mine, spread in sharp.groups(bars.field):
             if spread is not None:

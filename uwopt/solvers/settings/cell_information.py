@@ -254,6 +254,7 @@ class Information:
     def value(self, design: Array, snr: Array, *, f_number: Array, working: Array, blur_s: Array) -> Array:
         """Bit per pixel at these settings, (n,)."""
         out = np.zeros(len(design))
+        snr = snr * self.sharp.texture_gain[design]
         blur_px = self.blur_px(design, blur_s)
         for group, place, mine, _ in self._chunks(design, self._rule(design, f_number, working, blur_px)):
             still, _, moving, *_ = self._transfer(
@@ -294,6 +295,8 @@ class Information:
         surely : where the tangent is taken at the centre, else where the image is no worse than `SHARP_PX`.
         """
         out = np.zeros(log_snr.shape)
+        log_gain = np.log(self.sharp.texture_gain[design])
+        log_snr, centre_log_snr = log_snr + log_gain[:, None], centre_log_snr + log_gain
         low, centre, high = f_number
         least, middle = (self.blur_px(design, b) for b in blur_s)
         blur = np.minimum(middle, np.maximum(least, SHARP_PX))

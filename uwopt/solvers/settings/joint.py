@@ -135,7 +135,9 @@ def most_information(sharp: SharpRows, working_factor: Array, ends: Array, snr_d
     reached = np.clip((np.maximum(snr_db, -999.0) - low_db) / (LEVELS_DB - low_db), 0.0, 1.0)[:, None, :]
     reached[:, :, 0] = 1.0
     below = np.concatenate([bits[:, :, :1], bits[:, :, :-1]], axis=2)
-    return np.asarray((below + reached * (bits - below)) / sharp.pixel_area_m2[:, None, None])
+    gain = sharp.texture_gain[:, None, None]  # log(1 + g^2 x) is at most g^2 log(1 + x), and at most that plus log g^2
+    plain = below + reached * (bits - below)
+    return np.asarray(np.minimum(plain * np.square(gain), plain + np.log2(gain)) / sharp.pixel_area_m2[:, None, None])
 
 
 # ---------------------------------------------------------------- designs
