@@ -429,14 +429,14 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a key of the mission is told to be a refusal",
-        file="uwopt/report/text/doubts.py",
+        file="uwopt/report/text/nothing_fits.py",
         old="in REFUSED.items() if key not in given}",
         new="in REFUSED.items()}",
         test="tests/report/test_short.py::test_where_no_change_helps_the_rules_that_exclude_most_are_told",
     ),
     Defect(
         name="what is possible looks like what is asked",
-        file="uwopt/report/text/doubts.py",
+        file="uwopt/report/text/nothing_fits.py",
         old="asked, possible = formats.quantities_apart(item.limit, item.needed, unit=unit, digits=4)",
         new="asked, possible = (formats.quantity(end, unit, 4) for end in (item.limit, item.needed))",
         test="tests/report/test_tables.py::test_what_is_possible_is_told_apart_from_what_is_asked",

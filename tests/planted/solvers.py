@@ -661,7 +661,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="the page keeps to itself what helps together",
-        file="uwopt/report/text/doubts.py",
+        file="uwopt/report/text/nothing_fits.py",
         old="if alone else (TOGETHER, together_of(result))",
         new="if alone else (TOGETHER, [])",
         test="tests/report/test_short.py::test_changes_that_help_together_alone_are_told_on_the_page",

@@ -13,7 +13,7 @@ import pytest
 from uwopt.api.risks import with_risks
 from uwopt.report.page.page import report_html
 from uwopt.report.text.console import print_blocks
-from uwopt.report.text.doubts import helpful_lines
+from uwopt.report.text.nothing_fits import helpful_lines
 from uwopt.report.text.short import short_text_blocks
 from uwopt.report.text.tables import result_blocks
 from uwopt.results.basis import Risk

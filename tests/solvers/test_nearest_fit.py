@@ -8,7 +8,7 @@ import pytest
 from test_least_change import FILES
 
 from uwopt.api.solving import solve
-from uwopt.report.text.doubts import fit_sentence
+from uwopt.report.text.nothing_fits import fit_sentence
 from uwopt.results.basis import NearestFit
 from uwopt.results.result import Result
 

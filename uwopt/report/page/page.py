@@ -16,7 +16,7 @@ from uwopt.report.page.front import front_cards, front_data, history_figure
 from uwopt.report.page.html_file import compact_json, packed, rendered, safe_id, slim
 from uwopt.report.page.sections import DesignPart
 from uwopt.report.page.svg import clean_svg
-from uwopt.report.text import doubts, exactness, formats, tables, words
+from uwopt.report.text import doubts, exactness, formats, nothing_fits, tables, words
 from uwopt.report.text.certainty import percent
 from uwopt.report.text.front_tables import METHOD_HEADS, method_rows, pick_names
 from uwopt.report.text.in_hand import fails_first
@@ -179,7 +179,7 @@ def add_pictures(
 
 def why_block(result: Result | FrontResult) -> Block | None:
     """Why nothing fits, if so."""
-    return doubts.infeasible_block(result) if result.infeasible else None
+    return nothing_fits.infeasible_block(result) if result.infeasible else None
 
 
 def trust_blocks(result: Result | FrontResult) -> Iterator[Block]:

@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
-from uwopt.mission.reserves import REFUSED
-from uwopt.report.text import formats, vocabulary, words
-from uwopt.report.text.helps import contradiction_lines, move_lines
-from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, fact_lines, sentence
-from uwopt.results.basis import Assumption, Excluded, Relaxed
+from uwopt.report.text import formats, words
+from uwopt.report.text.layout import Block, Line, Text, block, columns, fact_lines, sentence
+from uwopt.results.basis import Assumption
 from uwopt.results.result import Certificate, Result
 from uwopt.units import format_within, split_unit
 
@@ -18,15 +16,7 @@ if TYPE_CHECKING:
 
 MOST_ASSUMPTIONS = 12
 LONGEST_REASON = 80
-MOST_RULES = 3  # told on the first page where no change alone helps
 NO_QUOTE_MATTERS = "no single number, known better, would change the answer"
-AT_CENTRAL_PRICES = (
-    "At the central price it would fit: the limit of cost is broken only where estimated prices turn out high "
-    "(limits.cost_basis: high, the default). Ask for quotes, or hold their middle against it (cost_basis: central)."
-)
-HELPFUL = "Each of these changes alone would let a system through:"
-SMALLER = "Or these together, each a smaller share of what is asked than any of those:"
-TOGETHER = "No change alone is known to help; these together would let a system through:"
 
 
 def certificate_block(result: Result, certificate: Certificate) -> Block:
@@ -67,139 +57,6 @@ def account_lines(certificate: Certificate) -> list[Line]:
         if item.count:
             account.add_row(Text(formats.count_text(item.count)), Text("  " + words.rule_name(item.rule)))
     return [account, sentence(words.account_sentence(certificate))]
-
-
-def infeasible_block(result: Result | FrontResult) -> Block:
-    """The least that single requirements would have to give, and what excludes how much."""
-    stopped = result.status == "stopped"
-    lines = helpful_lines(result)
-    alone = what_helps(result)[1]
-    if not alone and not stopped and isinstance(result, Result):  # of fronts, the verdict has said it
-        lines.insert(0, sentence(f"{no_change_helps(result)}."))
-    lines += [] if (fit := fit_sentence(result)) is None else [fit]
-    table = columns(("combinations", "right"), ("excluded because", "left"))
-    bounded = False
-    for item in result.infeasible.requirements if result.infeasible is not None else []:
-        if ": " in item.name:  # a part that the mission does not allow; the certificate counts those
-            continue
-        bounded |= item.n_is_bound
-        count = formats.count_text(item.n_excluded) + ("*" if item.n_is_bound else " ")
-        table.add_row(Text(count), Text(f"{words.rule_name(item.name)} ({formats.one_line(item.name)})"))
-    if table.row_count:
-        lines += [Text(""), table]
-    if bounded:
-        lines.append(sentence("* proven by a bound, before the settings were looked at", "dim"))
-    return block("What stood in the way so far" if stopped else "Why nothing fits", lines)
-
-
-def helpful_lines(result: Result | FrontResult) -> list[Line]:
-    """The changes that would help, and a limit of cost that only high prices break; nothing where none is known."""
-    said, helpful = what_helps(result)
-    lines: list[Line] = [sentence(said), relaxation_table(result, helpful)] if helpful else []
-    if any(item.fits_at_central_prices for item in helpful):
-        lines.append(sentence(AT_CENTRAL_PRICES))
-    if relaxations_of(result) and (smaller := together_of(result)):
-        lines += [sentence(SMALLER), relaxation_table(result, smaller)]
-    return [*lines, *move_lines(result), *contradiction_lines(result)]
-
-
-def no_change_helps(result: Result | FrontResult) -> str:
-    """What is known where no single change is known to help."""
-    cut = any(note.code == "time" and "could be met without" in note.message for note in result.warnings)
-    if cut:
-        return "No single requirement that alone stands in the way was found in the time there was"
-    return "No single requirement stands in the way; at least two have to give"
-
-
-def excluding_most(result: Result) -> Text | None:
-    """The rules that exclude most of what the mission allows, and which of them good practice asks for."""
-    rules = [r for r in result.infeasible.requirements if ": " not in r.name] if result.infeasible is not None else []
-    most = sorted(rules, key=lambda rule: -rule.n_excluded)[:MOST_RULES]
-    if not most:
-        return None
-    asked = result.mission.get("requirements") or {}
-    given = {key for key, value in asked.items() if value is not None}
-    given |= {"min_swath_m", "min_common_swath_m"} if "min_area_m2_h" in given else set()  # an area asks for a swath
-    by_refusal = {key: (word, value) for word, (key, value) in REFUSED.items() if key not in given}
-
-    def told(rule: Excluded) -> str:
-        key = formats.one_line(rule.name)
-        word, value = by_refusal.get(key, ("", 0.0))
-        return f"{words.rule_name(rule.name)} ({key}" + (f" {value:g}, by refuse: {word})" if word else ")")
-
-    return sentence(f"Most fall by: {'; '.join(map(told, most))}.")
-
-
-def fit_sentence(result: Result | FrontResult) -> Text | None:
-    """Which size stops the fit, and what comes nearest, where nothing goes into any housing."""
-    fit = None if result.infeasible is None else result.infeasible.nearest_fit
-    if fit is None:
-        return None
-    parts = {kind: formats.one_line(name, 60) for kind, name in fit.hardware.items()}
-    if not parts:
-        return sentence("None of the housings is made for any of the ports.")
-    said, nearest = "No port goes on any housing", f"{parts['port']} on {parts['housing']}"
-    if "camera" in parts:
-        said = "No camera with its lens that meets the rest so far fits into any housing"
-        nearest = f"{parts['camera']} with {parts['lens']} behind {parts['port']} in {parts['housing']}"
-    lacking = words.listed([
-        f"{formats.quantity(one.needed_mm - one.room_mm, 'mm')} of "
-        f"{vocabulary.SIZES.get(one.name, formats.one_line(one.name))} "
-        f"({formats.quantity(one.needed_mm, 'mm', 4)} needed, {formats.quantity(one.room_mm, 'mm', 4)} there)"
-        for one in fit.lacking
-    ])  # fmt: skip
-    return sentence(f"{said}. What comes nearest, {nearest}, lacks {lacking}.")
-
-
-def miss_sentence(result: Result | FrontResult) -> Text | None:
-    """What the nearest miss does not meet."""
-    text = miss_text(result)
-    return sentence(f"It {text}.") if text else None
-
-
-def miss_text(result: Result | FrontResult) -> str:
-    """`meets all that is asked but signal to noise (min_snr): 28 dB instead of 30 dB`; "" if not known."""
-    helpful = relaxations_of(result)
-    if not helpful:
-        return ""
-    name, asked, possible = relaxation_texts(result, helpful[0])
-    return f"meets all that is asked but {name}: {possible} instead of {asked}"
-
-
-def what_helps(result: Result | FrontResult) -> tuple[str, list[Relaxed]]:
-    """How changes help, each alone or else together, and these changes."""
-    alone = relaxations_of(result)
-    return (HELPFUL, alone) if alone else (TOGETHER, together_of(result))
-
-
-def relaxations_of(result: Result | FrontResult) -> list[Relaxed]:
-    """Relaxations that help."""
-    return result.infeasible.relaxations if result.infeasible is not None else []
-
-
-def together_of(result: Result | FrontResult) -> list[Relaxed]:
-    """Changes that help together."""
-    return result.infeasible.together if result.infeasible is not None else []
-
-
-def relaxation_table(result: Result | FrontResult, items: list[Relaxed]) -> Grid:
-    """What is asked and what could be had."""
-    table = columns(("requirement", "left"), ("asked", "right"), ("possible", "right"))
-    for item in items:
-        table.add_row(*map(Text, relaxation_texts(result, item)))
-    return table
-
-
-def relaxation_texts(result: Result | FrontResult, item: Relaxed) -> tuple[str, str, str]:
-    """Requirement, what is asked, what could be had."""
-    currency = str((result.mission.get("limits") or {}).get("currency") or "")
-    unit = {"cost": currency, "min_snr": "dB"}.get(item.name, split_unit(item.name)[1])
-    asked, possible = formats.quantities_apart(item.limit, item.needed, unit=unit, digits=4)
-    return (
-        f"{words.requirement_name(item.name)} ({formats.one_line(item.name)})",
-        asked,
-        "left out" if item.needed is None else possible,
-    )
 
 
 def robustness_block(result: Result) -> Block:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from uwopt.report.text import formats, words
-from uwopt.report.text.doubts import infeasible_block, miss_sentence
 from uwopt.report.text.layout import Block, Text, block, sentence
+from uwopt.report.text.nothing_fits import infeasible_block, miss_sentence
 from uwopt.report.text.prices import price_blocks
 from uwopt.report.text.tables import nearest_miss
 from uwopt.results.result import Result

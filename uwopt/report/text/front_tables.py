@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from uwopt.report.text import formats, words
-from uwopt.report.text.doubts import infeasible_block
 from uwopt.report.text.layout import Block, Text, block, columns, sentence
+from uwopt.report.text.nothing_fits import infeasible_block
 from uwopt.report.text.verdict import axis_name, verdict
 from uwopt.results.front import FrontMethod, FrontPoint, FrontResult
 from uwopt.units import format_number

@@ -11,17 +11,17 @@ from collections.abc import Iterator, Sequence
 from uwopt.quantities import BY_NAME, TERMS
 from uwopt.report.text import formats, words
 from uwopt.report.text.certainty import ask_first, certainty_block, status_text, surer_block
-from uwopt.report.text.doubts import (
+from uwopt.report.text.doubts import quoted_number
+from uwopt.report.text.in_hand import fails_first
+from uwopt.report.text.knee import goal_text
+from uwopt.report.text.layout import Block, Joined, Line, Text, block, columns, fact_lines, sentence
+from uwopt.report.text.nothing_fits import (
     excluding_most,
     fit_sentence,
     helpful_lines,
     miss_sentence,
     no_change_helps,
-    quoted_number,
 )
-from uwopt.report.text.in_hand import fails_first
-from uwopt.report.text.knee import goal_text
-from uwopt.report.text.layout import Block, Joined, Line, Text, block, columns, fact_lines, sentence
 from uwopt.report.text.prices import short_price_sentence
 from uwopt.report.text.tables import (
     hardware_block,

@@ -14,8 +14,6 @@ from uwopt.report.text import formats, vocabulary, words
 from uwopt.report.text.doubts import (
     assumption_blocks,
     certificate_block,
-    infeasible_block,
-    miss_sentence,
     robustness_block,
     second_opinion_block,
 )
@@ -24,6 +22,7 @@ from uwopt.report.text.frame import frame_facts
 from uwopt.report.text.in_hand import fails_first
 from uwopt.report.text.knee import knee_blocks
 from uwopt.report.text.layout import Block, Grid, Joined, Line, Text, block, columns, fact_lines, sentence
+from uwopt.report.text.nothing_fits import infeasible_block, miss_sentence
 from uwopt.report.text.prices import price_blocks
 from uwopt.results.design import BillRow, Cost, Design, Margin, Note, SceneResult
 from uwopt.results.result import Result

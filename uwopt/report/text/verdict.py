@@ -7,16 +7,9 @@ from __future__ import annotations
 
 from uwopt.quantities import TERMS
 from uwopt.report.text import formats, vocabulary, words
-from uwopt.report.text.doubts import (
-    NO_QUOTE_MATTERS,
-    bad_ends_text,
-    miss_text,
-    no_change_helps,
-    quote_text,
-    relaxation_texts,
-    what_helps,
-)
+from uwopt.report.text.doubts import NO_QUOTE_MATTERS, bad_ends_text, quote_text
 from uwopt.report.text.in_hand import fails_first
+from uwopt.report.text.nothing_fits import miss_text, no_change_helps, relaxation_texts, what_helps
 from uwopt.report.text.tables import nearest_miss
 from uwopt.results.design import Design
 from uwopt.results.front import FrontObjective, FrontPoint, FrontResult
