@@ -193,8 +193,8 @@ DEFECTS = (
     Defect(
         name="a colour that is scattered little bounds detail",
         file="uwopt/forward/detail.py",
-        old="float(particles.scattering_per_m.max())",
-        new="float(particles.scattering_per_m.min())",
+        old="float(scene.particles_per_m().max())",
+        new="float(scene.particles_per_m().min())",
         test="tests/forward/test_detail.py::test_no_colour_and_no_smaller_pixel_has_more_than_bounds_say",
     ),
     Defect(
@@ -203,5 +203,21 @@ DEFECTS = (
         old="np.where(frequency > 0.0, detail(frequency), 1.0)",
         new="detail(frequency)",
         test="tests/report/test_picture.py::test_a_veil_that_shows_detail_lifts_what_varies_and_not_the_mean",
+    ),
+    Defect(
+        name="scenarios show the detail of the water as it is known",
+        file="uwopt/solvers/confidence/together.py",
+        old="detail=rows.sharp.detail.hazier(ratio)",
+        new="detail=rows.sharp.detail",
+        test="tests/solvers/test_confidence_proof.py"
+        "::test_detail_in_the_veil_is_each_scenarios_own_and_no_bound_shows_less",
+    ),
+    Defect(
+        name="the easiest water shows least detail in its veil",
+        file="uwopt/solvers/confidence/panels.py",
+        old="max(float(one.particles_per_m().max()) for one in self.states)",
+        new="min(float(one.particles_per_m().min()) for one in self.states)",
+        test="tests/solvers/test_confidence_proof.py"
+        "::test_detail_in_the_veil_is_each_scenarios_own_and_no_bound_shows_less",
     ),
 )

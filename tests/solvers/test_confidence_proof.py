@@ -197,6 +197,34 @@ def test_the_best_of_waters_is_no_worse_where_light_is_scattered_more_than_once(
         assert all(np.all(ours <= own + 1e-12) for ours, own in zip(beside(best), beside(one_), strict=True))
 
 
+def test_detail_in_the_veil_is_each_scenarios_own_and_no_bound_shows_less() -> None:
+    """Bars and information in water whose particles scatter more or less than thought."""
+    made_case = one(
+        "information", scenes=({"visibility_m": 8.0, "water": None},), vehicle={"altitude_tolerance_m": 0.1},
+        wanted={"resolve_mm": 20.0, "min_swath_m": 0.1, "min_snr_db": 20.0},
+    )  # fmt: skip
+    sought = sought_of(made_case)
+    problem, objective = sought.problem, sought.search.objective
+    central = problem.scenes[0]
+    scenarios = Scenarios.drawn(problem.mission, problem.scenes, problem.mission.doubt, seed=1, count=24)
+    group = Together.of(problem, [sought.outcome.best[0]], scenarios)
+    (rows,) = group.rows(objective, NEVER)
+    assert rows.sharp is not None and rows.sharp.detail is not None
+    every = [scenarios.scenes[int(k)][0].particles_per_m() for k in group.scenario]
+    own = np.array([np.interp(550.0, central.wavelength_nm, one_) for one_ in every])
+    found = rows.sharp.detail.scattered[:, 1]
+    shown = np.interp(550.0, central.wavelength_nm, central.particles_per_m())
+    assert found / own == pytest.approx(found.mean() / own.mean())  # as much more as of green light
+    assert found / own == pytest.approx(2.0, rel=0.15)  # 2 m; other colours than green arrive, too
+    assert own.min() < 0.95 * shown and own.max() > 1.05 * shown
+    easiest = best_scene([scenes[0] for scenes in scenarios.scenes])
+    (bounded,) = group._lit(group.problem.in_scenes([easiest]), objective, NEVER)
+    assert bounded.sharp is not None and bounded.sharp.detail is not None
+    nu = np.full((len(own), 3), 0.2)
+    assert np.all(bounded.sharp.detail.gain(nu) >= rows.sharp.detail.gain(nu))
+    assert np.all(bounded.sharp.texture_gain >= rows.sharp.texture_gain)
+
+
 def in_doubt(part: Any, rng: np.random.Generator) -> Any:
     """A part of whose numbers most are estimates."""
     changes = {}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -35,6 +35,10 @@ class DetailRows(Columns):
             frequency_cyc_per_px * self.cycles_per_rad[rows, altitude], scattered=self.scattered[rows, altitude],
             table=self.table,
         )  # fmt: skip
+
+    def hazier(self, ratio: Array) -> DetailRows:
+        """The same in water whose particles scatter by a factor (n,) more, or less."""
+        return replace(self, scattered=self.scattered * ratio[:, None], texture_gain=self.texture_gain**ratio)
 
 
 def particles_of(scene: SceneOptics) -> Scattering | None:
@@ -85,5 +89,4 @@ def texture_gain(scene: SceneOptics, *, area_m2: Array, pixels: Array, scatterin
 
 def most_scattering_per_m(scene: SceneOptics) -> float:
     """No light's colour is scattered by more [1/m]."""
-    particles = particles_of(scene)
-    return 0.0 if particles is None else float(particles.scattering_per_m.max())
+    return float(scene.particles_per_m().max())

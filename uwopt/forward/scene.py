@@ -139,6 +139,11 @@ class SceneOptics:
         """What daylight's path radiance loses on its way: a."""
         return self._effective_per_m(lambda one: 0.0)
 
+    def particles_per_m(self) -> Array:
+        """What particles scatter, of which some shows detail; 0 where none are known."""
+        own = [one.scattering_per_m for one in self.scattering if one.table is not None]
+        return np.asarray(sum(own)) if own else np.zeros_like(self.wavelength_nm)
+
     def sun_backward_per_m(self) -> Array:
         """What of daylight is scattered back, before it is scattered again."""
         angle = float(np.deg2rad(multiple.SUN_BACK_DEG))

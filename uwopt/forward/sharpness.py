@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.columns import Columns, placed, rows_alike
-from uwopt.forward.detail import DetailRows, detail_rows, particles_of, shows_detail
+from uwopt.forward.detail import DetailRows, detail_rows, shows_detail
 from uwopt.forward.lamps import relative_spectrum
 from uwopt.forward.motion import motion_along
 from uwopt.forward.part_columns import (
@@ -296,9 +296,9 @@ def sharp_rows(
     spreads = tuple(spread_of(scene, contraction, spectrum, int(q)) for q in curves) if flat.any() else ()
     wavelength = np.array([mean_wavelength_nm(scene, density) for density in colours])
     pixels = cameras.resolution_x_px * cameras.resolution_y_px
-    particles, detail = particles_of(scene), None
-    if particles is not None and shows_detail(contraction, forward_veil=forward_veil):
-        scattered = np.array([mean_of(scene, density, particles.scattering_per_m) for density in colours])
+    detail = None
+    if shows_detail(contraction, forward_veil=forward_veil):
+        scattered = np.array([mean_of(scene, density, scene.particles_per_m()) for density in colours])
         detail = detail_rows(scene, view, pixels=pixels, scattering_per_m=scattered[index])
     return SharpRows(
         wavelength_nm=wavelength[index],

@@ -186,6 +186,10 @@ class EasiestScene(SceneOptics):
         """What leaves the least path radiance beside the image: exp(c R - a r) is the less, the more a is."""
         return np.asarray(np.max([one.absorption_per_m() for one in self.states], axis=0))
 
+    def particles_per_m(self) -> Array:
+        """What shows most detail in the veil that there is: the most of all states and colours."""
+        return np.full_like(self.wavelength_nm, max(float(one.particles_per_m().max()) for one in self.states))
+
     def sun_backward_per_m(self) -> Array:
         """The least of all states."""
         return least([one.sun_backward_per_m() for one in self.states])

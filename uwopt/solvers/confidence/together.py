@@ -19,9 +19,10 @@ from uwopt.catalog.records import Part
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.part_columns import FLASH
 from uwopt.forward.problem import Parts, Problem
-from uwopt.forward.scene import SceneOptics
+from uwopt.forward.scene import DESIGN_WAVELENGTH_NM, SceneOptics
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.forward.sharpness import SharpRows
+from uwopt.forward.spectra import TINY
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.panels import CLOSED, SHORTER, Anchor, may_close
 from uwopt.solvers.confidence.response import LIT, VEILED, WaterResponse, of_deciding_pixels
@@ -135,8 +136,29 @@ class Together:
             for response, hardware in responses:
                 mine = np.flatnonzero(np.isin(self.hardware, hardware))
                 seen.append((mine, response.seen_in(index, rows.take(mine), [states[k] for k in mine])))
-            made.append(seen[0][1] if len(seen) == 1 else SceneRows.in_places(seen, len(self.scenario)))
+            whole = seen[0][1] if len(seen) == 1 else SceneRows.in_places(seen, len(self.scenario))
+            made.append(self._shown(index, whole))
         return made
+
+    def _shown(self, index: int, rows: SceneRows) -> SceneRows:
+        """Rows with the detail that each scenario's particles show in the veil.
+
+        By what they scatter of green light over what is scattered in the water as it is known; no more than they
+        scatter of any colour, which bounds take.
+        """
+        if rows.sharp is None or rows.sharp.detail is None:
+            return rows
+        scene, which = self.problem.scenes[index], np.unique(self.scenario)
+        every = [self.scenarios.scenes[int(k)][index].particles_per_m() for k in which]
+        green, known = (
+            np.array([np.interp(DESIGN_WAVELENGTH_NM, scene.wavelength_nm, one) for one in some])
+            for some in (every, [scene.particles_per_m()])
+        )
+        place = np.searchsorted(which, self.scenario)
+        seen = np.maximum(rows.sharp.detail.scattered[:, 1] / scene.range_m[scene.nominal], TINY)
+        most = np.array([one.max() for one in every])[place] / seen
+        ratio = np.minimum(green[place] / np.maximum(known, TINY), most)
+        return replace(rows, sharp=replace(rows.sharp, detail=rows.sharp.detail.hazier(ratio)))
 
     def only(self, rows: Array) -> Together:
         """These imagers alone."""
