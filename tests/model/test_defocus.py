@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from typing import Any
 
 import casadi
@@ -22,15 +21,6 @@ IMX = {"f_number": 2.8, "focal_length_m": 8e-3, "pixel_pitch_m": 3.45e-6}
 
 angles = st.floats(0.0, 0.9)
 ranges = st.floats(0.3, 10.0)
-
-
-@pytest.fixture(params=["SX", "MX"])
-def symbol(request: pytest.FixtureRequest) -> Iterator[Any]:
-    """A CasADi symbol, with NumPy functions made aware of CasADi for the time of one test."""
-    mode = casadi.GlobalOptions.getNumpyMode()
-    casadi.GlobalOptions.setNumpyMode(1)
-    yield getattr(casadi, request.param).sym("x")
-    casadi.GlobalOptions.setNumpyMode(mode)
 
 
 # ---------------------------------------------------------------- rays in three dimensions, from air to floor

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -50,15 +49,6 @@ IMX = {"focal_length_m": 8e-3, "pixel_pitch_m": 3.45e-6}
 TABLE = lateral.spread_table(WAVELENGTH_NM, electrons_per_nm=LED, n_water=N_WATER)
 
 tangents = st.floats(0.0, 1.2)
-
-
-@pytest.fixture(params=["SX", "MX"])
-def symbol(request: pytest.FixtureRequest) -> Iterator[Any]:
-    """A CasADi symbol, with NumPy functions made aware of CasADi for the time of one test."""
-    mode = casadi.GlobalOptions.getNumpyMode()
-    casadi.GlobalOptions.setNumpyMode(1)
-    yield getattr(casadi, request.param).sym("x")
-    casadi.GlobalOptions.setNumpyMode(mode)
 
 
 def radii_px(angle_air_rad: float) -> np.ndarray:

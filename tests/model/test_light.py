@@ -1,6 +1,5 @@
 """Spectral flux, electrical power, pulses and flashes."""
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -19,15 +18,6 @@ REFERENCE = Path(__file__).parents[1] / "reference"
 PHOTOPIC = pd.read_csv(REFERENCE / "photopic_v_5nm.csv", comment="#")
 GRID_NM = wavelength_grid_nm()
 V = np.interp(GRID_NM, PHOTOPIC.wavelength_nm, PHOTOPIC.V)
-
-
-@pytest.fixture(params=["SX", "MX"])
-def symbol(request: pytest.FixtureRequest) -> Iterator[Any]:
-    """A CasADi symbol, with NumPy functions made aware of CasADi for the time of one test."""
-    mode = casadi.GlobalOptions.getNumpyMode()
-    casadi.GlobalOptions.setNumpyMode(1)
-    yield getattr(casadi, request.param).sym("x")
-    casadi.GlobalOptions.setNumpyMode(mode)
 
 
 def test_a_watt_of_555_nm_is_683_lumens() -> None:

@@ -2,7 +2,6 @@
 
 import json
 import math
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -32,15 +31,6 @@ radii = st.floats(0.02, 0.3)
 wall_fractions = st.floats(0.01, 0.4)
 glasses = st.floats(1.4, 1.8)
 waters = st.floats(1.32, 1.36)
-
-
-@pytest.fixture(params=["SX", "MX"])
-def symbol(request: pytest.FixtureRequest) -> Iterator[Any]:
-    """A CasADi symbol, with NumPy functions made aware of CasADi for the time of one test."""
-    mode = casadi.GlobalOptions.getNumpyMode()
-    casadi.GlobalOptions.setNumpyMode(1)
-    yield getattr(casadi, request.param).sym("x")
-    casadi.GlobalOptions.setNumpyMode(mode)
 
 
 def refracted(direction: np.ndarray, normal: np.ndarray, ratio: float) -> np.ndarray:

@@ -1,7 +1,6 @@
 """The sensor: electrons, digital numbers and noise, by hand, by mpmath and by simulated pixels."""
 
 import math
-from collections.abc import Iterator
 from typing import Any
 
 import casadi
@@ -20,15 +19,6 @@ signals = st.floats(1e-3, 1e6)
 noises = st.floats(0.5, 50.0)
 gains = st.floats(0.01, 10.0)
 ratios = st.floats(0.0, 3.0)
-
-
-@pytest.fixture(params=["SX", "MX"])
-def symbol(request: pytest.FixtureRequest) -> Iterator[Any]:
-    """A CasADi symbol, with NumPy functions made aware of CasADi for the time of one test."""
-    mode = casadi.GlobalOptions.getNumpyMode()
-    casadi.GlobalOptions.setNumpyMode(1)
-    yield getattr(casadi, request.param).sym("x")
-    casadi.GlobalOptions.setNumpyMode(mode)
 
 
 # ---------------------------------------------------------------- electrons

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -27,15 +26,6 @@ blurs = st.floats(0.0, 4.0)
 f_numbers = st.floats(1.0, 32.0)
 discs = st.floats(0.0, 12.0)
 ratings = st.floats(0.0, 3.0)
-
-
-@pytest.fixture(params=["SX", "MX"])
-def symbol(request: pytest.FixtureRequest) -> Iterator[Any]:
-    """A CasADi symbol, with NumPy functions made aware of CasADi for the time of one test."""
-    mode = casadi.GlobalOptions.getNumpyMode()
-    casadi.GlobalOptions.setNumpyMode(1)
-    yield getattr(casadi, request.param).sym("x")
-    casadi.GlobalOptions.setNumpyMode(mode)
 
 
 def led_table() -> lateral.SpreadTable:
