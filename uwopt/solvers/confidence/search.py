@@ -168,10 +168,12 @@ def candidates(
     first = list(sought.outcome.best[:OF_CENTRAL])
     known.update(names(problem, found) for found in first)
     yield first
-    fits = False
+    fits, least = False, np.inf  # of numbers worse than so many nothing fits, so that it does not where they are worse
     for worse in (*WORSE, *LESS_WORSE):
         if done() or (hopeful() and worse not in rungs) or (fits and worse in LESS_WORSE):
             return
+        if worse >= least:
+            continue
         changed = worse_problem(problem, scenarios, worse)
         for goal in (objective, Objective.of("snr_db")):
             if done() or (goal is not objective and (hopeful() or not wants_light or not fits)):
@@ -179,6 +181,7 @@ def candidates(
             searched = Search(changed, goal, top=A_SEARCH, deadline=deadline).run()
             deadline.check()
             fits |= bool(searched.best)
+            least = least if searched.best else min(least, worse)
             wants_light &= goal is objective
             here = {names(problem, one): one for one in (among(problem, found, changed) for found in searched.best)}
             fresh = [one for name, one in here.items() if name not in known]
