@@ -97,11 +97,13 @@ def views(
     alike = (along, across, pitch, effective)
     if len(along) > 1:
         first, back = rows_alike(*alike)
-        seen = {name: column[back] for name, column in geometry(scene, shape, *(own[first] for own in alike)).items()}
+        made = geometry(scene, shape, *(own[first] for own in alike))
+        seen = {name: column.take(back, axis=0) for name, column in made.items()}
     else:
         seen = geometry(scene, shape, *alike)
+    axis = np.broadcast_to(image_places(scene, shape, None, 1), (len(along), 2, 3))
     return Views(
-        tan_along=along, tan_across=across, **seen, coc_m=circle_of_confusion_m(scene, cameras),
+        tan_along=along, tan_across=across, **seen, axis_image=axis, coc_m=circle_of_confusion_m(scene, cameras),
         focal_length_m=effective, collecting_m2=np.square(pitch) * transmission * cameras.qe_scale,
     )  # fmt: skip
 
@@ -114,7 +116,6 @@ def geometry(
     return dict(
         **covered,
         **seen_by_pair(scene, shape, across, pitch / effective, covered["footprint_across_m"]),
-        axis_image=image_places(scene, shape, None, len(along)),
         corner_image=tilted_places(scene, shape, along, across, CORNER_FIELD),
         rms_image=tilted_places(scene, shape, along, across, float(RMS_FIELD)),
     )
