@@ -48,12 +48,14 @@ AS_CENTRAL = "certainty_left_out"  # that there was no time for it
 
 
 def with_confidence(
-    sought: Sought, winner: Design, goal: Objective, deadline: Deadline, progress: Progress | None,
+    sought: Sought, winner: Design | None, goal: Objective, deadline: Deadline, progress: Progress | None,
     timing: dict[str, float],
 ) -> tuple[Sought, Design, Confidence | None, bool]:  # fmt: skip
     """What is recommended at the mission's confidence: the search with it at its head, its design, what was counted.
 
     And whether it is proven best. There must be a design, and a mission that does not take every number as central.
+
+    winner : the best by central numbers, as it can be set; None: made only where nothing was counted
     """
     from uwopt.solvers.confidence.summary import told
 
@@ -68,6 +70,8 @@ def with_confidence(
         why = "no time was left to count scenarios" if patience.left_out else "no stop that was counted fits by them"
         text = f"this is the best by central numbers, which alone are held: {why}"
         note = Note(AS_CENTRAL, "confidence", text)
+        if winner is None:
+            sought, winner = best_settable(sought, goal, deadline)
         return sought, replace(winner, warnings=[note, *winner.warnings]), None, False
     with timed(timing, "certainty", progress):
         certain, design = as_settable(sought, certain, goal, deadline)
@@ -94,18 +98,18 @@ def surer_of_all_parts(
     if sold is None or sold.enough or not leaves_out_generic(sought):
         return None
 
-    def found() -> tuple[Sought, Design] | None:
+    def found() -> Sought | None:
         with timed(timing, "search_generic"):
             every = of_all_parts(sought, goal, deadline, progress)
             if not every.outcome.complete:
                 raise OutOfTimeError
             room = has_room(every.problem, goal, sold.asked, deadline)
-            return best_settable(every, goal, deadline) if room else None
+            return every if room else None
 
     made = deadline.within(ALL_PARTS, found, None)
     if made is None:
         return None
-    every, winner, counted, surely_best = with_confidence(*made, goal, deadline, progress, timing)
+    every, winner, counted, surely_best = with_confidence(made, None, goal, deadline, progress, timing)
     if counted is None or not counted.enough:
         return None
     asked = "at every end" if sold.asked == ENDS else f"in {100.0 * float(sold.asked):g} % of the scenarios"
@@ -114,7 +118,7 @@ def surer_of_all_parts(
         f"be made this does in {100.0 * counted.held:.0f} %"
     )
     winner = replace(winner, warnings=[Note(MADE_IS_SURER, "catalog.generic", text), *winner.warnings])
-    return every, made[0].outcome, winner, counted, surely_best
+    return every, made.outcome, winner, counted, surely_best
 
 
 def as_settable(sought: Sought, certain: Certain, goal: Objective, deadline: Deadline) -> tuple[Certain, Design]:

@@ -211,15 +211,17 @@ def found_result(
     cut = alternative is not None and alternative.outcome.interrupted
     cut_short = cut or sought.outcome.interrupted
     others: list[Design] = []
+    central, winner = sought.problem.mission.confidence == CENTRAL, None
     with timed(timing, "evaluation"):
         try:
-            sought, winner = best_settable(sought, goal, deadline)
+            if central or math.isfinite(deadline.end_s):  # else what is recommended is still to be counted
+                sought, winner = best_settable(sought, goal, deadline)
             runners_up = sought.outcome.best[1:]
             others = [design_of(sought, found, goal, with_rounding=False) for found in runners_up]
         except KeyboardInterrupt:  # what is proven is not lost; asked again, it is
             cut, winner = True, design_of(sought, sought.outcome.best[0], goal)
     certain, surely_best, proven_outcome = None, True, sought.outcome  # of central numbers
-    if not cut and sought.outcome.best and sought.problem.mission.confidence != CENTRAL:
+    if not cut and not central:
         from uwopt.api.certainty import surer_of_all_parts, with_confidence
 
         try:
@@ -230,6 +232,7 @@ def found_result(
                 sought, proven_outcome, winner, certain, surely_best = surer
         except KeyboardInterrupt:
             cut = True
+    winner = winner or design_of(sought, sought.outcome.best[0], goal)
     best = sought.outcome.best[0]
     cut_short = cut_short or cut
     generic = None

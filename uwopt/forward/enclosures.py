@@ -22,6 +22,7 @@ from uwopt.catalog.readers.read_lens import circle_class
 from uwopt.catalog.records import Camera, Housing, Lens, Port, Quantity
 from uwopt.forward.part_columns import Cameras, Lenses, Ports
 from uwopt.model.enclosure import Bodies, dome_needed_m, mouth_needed_m, sphere_needed_m, tube_needed_m
+from uwopt.model.path_table import product
 from uwopt.tolerances import ROUND
 
 Array = NDArray[Any]
@@ -193,4 +194,4 @@ def beaten(fits: Array, worth: Sequence[NDArray[np.float64]], names: Sequence[st
     first = np.arange(n)[:, None] < np.arange(n)[None, :]
     rival = np.array(names, object)[:, None] != np.array(names, object)[None, :]
     beats = no_worse & (better | first) & rival
-    return np.asarray(fits & ((fits.astype(np.float32) @ beats.astype(np.float32)) > 0.5))
+    return np.asarray(fits & (product(fits.astype(np.float32), beats.astype(np.float32)) > 0.5))

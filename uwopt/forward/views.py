@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.forward.columns import Columns
+from uwopt.forward.columns import Columns, rows_alike
 from uwopt.forward.part_columns import Cameras, Lenses, Ports
 from uwopt.forward.scene import PAPER_N_WATER, SceneOptics
 from uwopt.model import defocus, operation, port, stereo
@@ -87,19 +87,35 @@ def table_reach_m(view: Views) -> float:
 def views(
     scene: SceneOptics, cameras: Cameras, lenses: Lenses, shape: PortShape, *, landscape: bool
 ) -> Views:
-    """Geometry of imagers behind one port; camera and lens columns row by row."""
+    """Geometry of imagers behind one port; camera and lens columns row by row.
+
+    What is the same of like sensors behind lenses of one focal length is worked out once: a catalogue
+    has some twenty pairs of each kind.
+    """
     pitch, (along, across, effective) = cameras.pixel_pitch_m, field_of_view(scene, cameras, lenses, shape, landscape)
     transmission = lenses.transmission * (1.0 if scene.paper else port_transmission(shape))
-    covered = footprints(scene, shape, along, across, pitch, effective, altitudes_m(scene))
+    alike = (along, across, pitch, effective)
+    if len(along) > 1:
+        first, back = rows_alike(*alike)
+        made = geometry(scene, shape, *(own[first] for own in alike))
+        seen = {name: column.take(back, axis=0) for name, column in made.items()}
+    else:
+        seen = geometry(scene, shape, *alike)
+    axis = np.broadcast_to(image_places(scene, shape, None, 1), (len(along), 2, 3))
     return Views(
-        tan_along=along,
-        tan_across=across,
+        tan_along=along, tan_across=across, **seen, axis_image=axis, coc_m=circle_of_confusion_m(scene, cameras),
+        focal_length_m=effective, collecting_m2=np.square(pitch) * transmission * cameras.qe_scale,
+    )  # fmt: skip
+
+
+def geometry(
+    scene: SceneOptics, shape: PortShape, along: Array, across: Array, pitch: Array, effective: Array
+) -> dict[str, Array]:
+    """The columns of `Views` that follow from the field of view and the pixel: footprints, and where images lie."""
+    covered = footprints(scene, shape, along, across, pitch, effective, altitudes_m(scene))
+    return dict(
         **covered,
         **seen_by_pair(scene, shape, across, pitch / effective, covered["footprint_across_m"]),
-        coc_m=circle_of_confusion_m(scene, cameras),
-        focal_length_m=effective,
-        collecting_m2=np.square(pitch) * transmission * cameras.qe_scale,
-        axis_image=image_places(scene, shape, None, len(along)),
         corner_image=tilted_places(scene, shape, along, across, CORNER_FIELD),
         rms_image=tilted_places(scene, shape, along, across, float(RMS_FIELD)),
     )

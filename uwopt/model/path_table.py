@@ -123,6 +123,34 @@ def build_path_table(
     )
 
 
+def product(left: Any, right: Any) -> Any:
+    """A product of matrices, in parts of rows that wake no threads of BLAS, which would wait for one another.
+
+        (left @ right)_ij = sum over k of left_ik right_kj
+
+    Parameters
+    ----------
+    left : (n, k)
+    right : (k, m)
+
+    Returns
+    -------
+    (n, m)
+
+    Notes
+    -----
+    Valid for any; of small matrices it is one product. Parts agree with the whole to rounding.
+
+    References
+    ----------
+    Definition of the product; OpenBLAS, `interface/gemm.c`, for the size from which it takes threads.
+    """
+    rows = max(MOST_PRODUCTS // right.size, 1)
+    if len(left) <= rows:
+        return left @ right
+    return np.concatenate([left[start : start + rows] @ right for start in range(0, len(left), rows)])
+
+
 def log_mean_transmission(table: PathTable, lamp_range_m: ArrayLike, camera_range_m: ArrayLike) -> Any:
     """ln of the mean transmission of a table at given ranges.
 

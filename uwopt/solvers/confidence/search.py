@@ -39,7 +39,7 @@ LESS_WORSE = (0.5, 0.3)  # where nothing fits so
 A_SEARCH = 4  # hardware that each brings up
 OF_CENTRAL = 2  # of the central search
 ENOUGH = 3  # hardware that holds: no further search is made
-PROOF_SHARE = 0.6  # of the time that is left: the rest is for what is told of the choice
+PROOF_SHARE = 0.6  # of the time that is left: the rest is for what is told of the choice, or to count what is known
 FRESH = 1024  # scenarios that the choice has not seen
 FRESH_SEED = 1_000_003
 
@@ -165,26 +165,32 @@ def candidates(
     problem, known = sought.problem, set[Any]()
     rungs = WORSE[:1] if can_be_proven(problem, objective) else WORSE
     wants_light = objective.single != "snr_db" and any(scene.view.requirements.min_snr for scene in problem.scenes)
-    first = list(sought.outcome.best[:OF_CENTRAL])
-    known.update(names(problem, found) for found in first)
-    yield first
-    fits = False
+    waiting = list(sought.outcome.best[:OF_CENTRAL])  # counted with the first that have room: light is worked out once
+    known.update(names(problem, found) for found in waiting)
+    fits, least = False, np.inf  # of numbers worse than so many nothing fits, so that it does not where they are worse
     for worse in (*WORSE, *LESS_WORSE):
         if done() or (hopeful() and worse not in rungs) or (fits and worse in LESS_WORSE):
-            return
+            break
+        if worse >= least:
+            continue
         changed = worse_problem(problem, scenarios, worse)
         for goal in (objective, Objective.of("snr_db")):
             if done() or (goal is not objective and (hopeful() or not wants_light or not fits)):
                 break
-            searched = Search(changed, goal, top=A_SEARCH, deadline=deadline).run()
-            deadline.check()
+            patience = deadline.at_most(PROOF_SHARE * deadline.left_s) if waiting else deadline
+            searched = Search(changed, goal, top=A_SEARCH, deadline=patience).run()
+            if patience.passed():
+                yield waiting
+                raise OutOfTimeError
             fits |= bool(searched.best)
+            least = least if searched.best else min(least, worse)
             wants_light &= goal is objective
             here = {names(problem, one): one for one in (among(problem, found, changed) for found in searched.best)}
-            fresh = [one for name, one in here.items() if name not in known]
+            waiting += [one for name, one in here.items() if name not in known]
             known.update(here)
-            if fresh:
-                yield fresh
+            if waiting:
+                yield waiting
+                waiting = []
 
 
 def judged_anew(problem: Problem, objective: Objective, certain: Certain, deadline: Deadline) -> Certain:

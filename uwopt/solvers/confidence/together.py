@@ -236,7 +236,7 @@ class Together:
             deadline.check()
             made = node_rows(self.problem.in_scenes(scenes), alone.imagers, objective, deadline)
             parts = [
-                (mine, rows_under(made, mine, alone.light[mine], alone.count[mine], lighting, with_rules=False))
+                (mine, rows_under(made, mine, alone.light[mine], alone.count[mine], lighting, light_alone=True))
                 for lighting, mine in alone._under_each(made.tables.lightings)
             ]
             return [
@@ -368,8 +368,8 @@ def node_rows(problem: Problem, imagers: Imagers, objective: Objective, deadline
 
 
 def rows_under(
-    made: NodeRows, rows: Array, light: Array, count: Array, lighting: Lighting, *, with_rules: bool = True
+    made: NodeRows, rows: Array, light: Array, count: Array, lighting: Lighting, *, light_alone: bool = False
 ) -> list[SceneRows]:
     """The settings' view of these imagers, each under its own light of one optics."""
     lights = [made.tables.exact(s, lighting, rows) for s in range(len(made.problem.scenes))]
-    return made.rows(rows, lights, light, count, lighting, with_rules=with_rules)
+    return made.rows(rows, lights, light, count, lighting, light_alone=light_alone)

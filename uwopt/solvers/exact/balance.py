@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from uwopt.forward.scene import COLOURS
 from uwopt.forward.spectra import Contraction, sees_colours
+from uwopt.model.path_table import product
 
 Array = NDArray[Any]
 Box = tuple[float, float]
@@ -45,7 +46,7 @@ def least_white_balance(
         np.exp(-np.outer(path, loss[lit] - loss[lit].min()))  # what all lose alike changes no ratio
         for path, loss in ((lamp, contraction.lamp_leg_per_m(spectrum)), (camera, scene.attenuation_per_m))
     )
-    seen = {name: (lost_lamp * weight[lit]) @ lost_camera.T for name, weight in weights.items()}
+    seen = {name: product(lost_lamp * weight[lit], lost_camera.T) for name, weight in weights.items()}
     return max(1.0, SUMS_DIFFER * max(least_ratio(seen[a], seen[b]) for a, b in permutations(COLOURS, 2)))
 
 

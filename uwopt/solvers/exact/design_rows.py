@@ -40,9 +40,9 @@ class NodeRows:
 
     def rows(
         self, imager: Array, lights: list[ImageLight], light: Array, count: Array, lighting: Lighting, *,
-        optimistic: bool = False, stage: Veils = "none", with_rules: bool = True,
+        optimistic: bool = False, stage: Veils = "none", light_alone: bool = False,
     ) -> list[SceneRows]:  # fmt: skip
-        """The settings' view of these designs, by scene; `with_rules`: none for what no setting mends."""
+        """The settings' view of these designs, by scene; `light_alone`: without rules and sharpness."""
         result = []
         for index, seen in enumerate(lights):
             pixels = self.problem.scenes[index].pixels
@@ -61,11 +61,11 @@ class NodeRows:
                 self.problem, index, camera=self.imagers.camera[imager], light=light, count=count,
                 focused=self.imagers.scenes[index].focused.take(imager), image_light=seen,
                 sun=self._sun(index, imager, count, lighting, pixels=pixels, few=unlit),
-                sharp=self.sharp(index, imager, lighting),
+                sharp=None if light_alone else self.sharp(index, imager, lighting),
             )  # fmt: skip
             if optimistic:
                 rows = of_darkest_pixels(rows, LIKELY_PLACES)
-            if with_rules and not optimistic and self.has_rules(index):
+            if not light_alone and not optimistic and self.has_rules(index):
                 kept = self.keep_rules_in(index, imager, light, count, lighting)
                 rows = replace(rows, time_max_s=np.where(kept, rows.time_max_s, -1.0))
             result.append(replace(rows, optimistic=optimistic))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -92,27 +93,28 @@ def view_rules(
     yield (
         "max_gsd_mm",
         all_of(
-            view.gsd_m.max(axis=1) * 1e3 <= limit(scene.view.requirements.max_gsd_mm) * ROUND for scene, view in every
+            of_rows(np.maximum, view.gsd_m) * 1e3 <= limit(scene.view.requirements.max_gsd_mm) * ROUND
+            for scene, view in every
         ),
     )
     yield (
         "min_swath_m",
         all_of(
-            view.footprint_across_m.min(axis=1) * ROUND >= (scene.view.requirements.min_swath_m or 0.0)
+            of_rows(np.minimum, view.footprint_across_m) * ROUND >= (scene.view.requirements.min_swath_m or 0.0)
             for scene, view in every
         ),
     )
     yield (
         "min_common_swath_m",
         all_of(
-            view.common_across_m.min(axis=1) * ROUND >= (scene.view.requirements.min_common_swath_m or 0.0)
+            of_rows(np.minimum, view.common_across_m) * ROUND >= (scene.view.requirements.min_common_swath_m or 0.0)
             for scene, view in every
         ),
     )
     yield (
         "max_depth_error_mm",
         all_of(
-            view.depth_error_m.max(axis=1) * 1e3 <= limit(scene.view.requirements.max_depth_error_mm) * ROUND
+            of_rows(np.maximum, view.depth_error_m) * 1e3 <= limit(scene.view.requirements.max_depth_error_mm) * ROUND
             for scene, view in every
         ),
     )
@@ -174,6 +176,11 @@ def own_rules(
     powers = problem.camera_powers_w(cameras, rates)
     yield "power_w", np.max(powers, axis=0) <= limit(limits.power_w) * ROUND
     yield "energy_wh", problem.duration.mean(powers) <= problem.duration.mean_power_limit_w * ROUND
+
+
+def of_rows(least_or_most: np.ufunc, rows: Array) -> Array:
+    """Least or most of each row, (n,): column by column, of few columns far quicker than row by row."""
+    return np.asarray(reduce(least_or_most, rows.T))
 
 
 def limit(value: float | None) -> float:

@@ -39,7 +39,7 @@ from uwopt.solvers.exact.screen import pair_rules
 Array = NDArray[Any]
 
 FIRST_BATCH, LARGEST_BATCH = 32, 2048
-LARGEST_COSTLY = 256  # where each node takes light at pixels: the next batch then knows what this one found
+LARGEST_COSTLY = 256  # where each node takes light at pixels: the next batch then knows what this one found, if any
 DEAR_REFINED, CHEAP_REFINED = 256, 2048  # at least, where bounds weigh quality: each call sorts all nodes anew
 REFINED_AHEAD = 8  # batches of nodes whose bounds are made better before the first of them is taken
 FIRST_DEAR = 4  # of a first batch where one may be enough, or where information counts: dear to bound while nothing is
@@ -339,7 +339,7 @@ class Search(Evaluation):
                 self._waiting = waited
                 return min(self._none_left(order[position:], value, size), self._not_reached())
             position += len(ahead)
-            batch = min(2 * batch, largest)
+            batch = min(2 * batch, largest if np.isfinite(self.ranking.threshold()) else LARGEST_BATCH)
             look = max(least_look, REFINED_AHEAD * batch)
         try:
             self._solve_waiting()
