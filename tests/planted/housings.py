@@ -99,8 +99,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a housing that does not fit makes another needless",
         file="uwopt/forward/enclosures.py",
-        old="((fits.astype(np.float32) @ beats",
-        new="((np.ones(fits.shape, np.float32) @ beats",
+        old="(product(fits.astype(np.float32), beats",
+        new="(product(np.ones(fits.shape, np.float32), beats",
         test=NEEDLESS,
     ),
     Defect(
