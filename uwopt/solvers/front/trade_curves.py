@@ -22,7 +22,7 @@ from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.node_bounds import bit_per_px_bound
 from uwopt.solvers.settings import closed_form, dark
-from uwopt.solvers.settings.best import Best, best_settings, settings_at_dark
+from uwopt.solvers.settings.best import Best, best_settings
 from uwopt.solvers.settings.closed_form import Chosen
 from uwopt.solvers.settings.mean_limit import MeanLimit
 from uwopt.units import db_to_ratio, ratio_to_db
@@ -286,13 +286,12 @@ class Trade:
         start = Answers.unasked(alive, least_w, np.full(len(alive), -np.inf), n_scenes)
         if self.quality is None:
             return replace(start, bound=np.zeros(len(alive)))
-        parts = [start]
-        for light in first_limits_w(some, np.maximum(least_w - some.camera_power_w, 0.0)).T:
-            new = np.nonzero(np.isfinite(light))[0]
-            if len(new):
-                limit = (some.camera_power_w + light)[new]
-                parts.append(Answers.unasked(alive[new], limit, self.bound_within(some.take(new), limit), n_scenes))
-        return Answers.joined(parts)
+        limits = some.camera_power_w[:, None] + first_limits_w(some, np.maximum(least_w - some.camera_power_w, 0.0))
+        row, column = np.nonzero(np.isfinite(limits))
+        bounds = self.bounds_within(some, limits)
+        return Answers.joined([start, Answers.unasked(
+            alive[row], limits[row, column], bounds[row, column], n_scenes
+        )])  # fmt: skip
 
     def least_power_bound(self, some: Hopeful) -> Array:
         """No settings of designs draw less, lamps and cameras together; inf: they have none."""
@@ -315,13 +314,28 @@ class Trade:
             return -self._whole(some, Objective({self.quality: 1.0}), limit_w * ABOVE, points=False).lower_bound
         return self._from_snr(some, self.most_snr_db(some, limit_w * ABOVE))
 
+    def bounds_within(self, some: Hopeful, limits_w: Array) -> Array:
+        """`bound_within` at several limits of each design, (n, k), nan: none; what no limit changes is found once."""
+        if some.sunlit or self.quality in (None, "contrast"):
+            columns = []
+            for limit_w in limits_w.T:
+                new = np.nonzero(np.isfinite(limit_w))[0]
+                column = np.full(len(some), np.nan)
+                if len(new):
+                    column[new] = self.bound_within(some.take(new), limit_w[new])
+                columns.append(column)
+            return np.stack(columns, axis=1)
+        snr_db = self.most_snr_db(some, limits_w * ABOVE)
+        return np.stack([self._from_snr(some, column) for column in snr_db.T], axis=1)
+
     def most_snr_db(self, some: Hopeful, limit_w: Array) -> Array:
-        """SNR that no settings within a power exceed; -inf: there are none."""
+        """SNR that no settings within a power, (n,) or (n, k), exceed; -inf: there are none."""
         if some.sunlit:
             return -self._whole(some, SNR, limit_w, points=False).lower_bound
-        rows = unhindered(some.rows)
-        _, feasible, snr_db = settings_at_dark(rows, some.motorised, SNR, some.camera_power_w, limit_w)
-        return np.where(feasible, snr_db, -np.inf)
+        camera_w = some.camera_power_w.reshape(-1, *[1] * (limit_w.ndim - 1))
+        most = closed_form.greatest_snr(unhindered(some.rows), some.motorised, limit_w - camera_w)
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.where(np.isfinite(most), ratio_to_db(np.where(most > 0, most, np.nan)), -np.inf))
 
     def _whole(self, some: Hopeful, goal: Objective, limit_w: Array | float, *, points: bool) -> CellResult:
         """All settings of each design as one cell: what is best of some points in it, and what none can beat."""

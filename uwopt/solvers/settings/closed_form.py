@@ -397,19 +397,42 @@ def least_power(
 def greatest_snr(scenes: list[SceneRows], motorised: Array, power_limit_w: Array) -> Array:
     """Highest SNR at the nominal altitude that all scenes can reach within their light power.
 
+    power_limit_w : (n,), or (n, k) of k limits each, nan: none; the answer has its shape, nan where there is none.
+
     The worst scene counts. At a given level more light comes through a smaller f-number, so the best is
-    where some level's range of f-numbers starts; each such start is tried.
+    where some level's range of f-numbers starts; each such start is tried. Of one scene each level has its own.
     """
     windows = [window(rows) for rows in scenes]
     ranges = [f_number_ranges(rows, low, high) for rows, (low, high) in zip(scenes, windows, strict=True)]
-    own_best, common_best = [], []
-    tried = np.concatenate([start for start, _ in ranges], axis=1)
-    for rows, (low, high), (start, _) in zip(scenes, windows, ranges, strict=True):
-        own_best.append(best_over(rows, start, low, high, power_limit_w).max(axis=1))
-        common_best.append(best_over(rows, tried, low, high, power_limit_w))
-    common = np.min(common_best, axis=0).max(axis=1)
-    best = np.where(motorised, np.min(own_best, axis=0), common)
-    return np.where(np.isfinite(best), best, np.nan)
+    starts = [start for start, _ in ranges]
+
+    def within(limit_w: Array) -> Array:
+        own = [
+            brightest_snr(rows, start, low, high, limit_w)
+            for rows, start, (low, high) in zip(scenes, starts, windows, strict=True)
+            if len(scenes) == 1 or motorised.any()
+        ]
+        if len(scenes) == 1:
+            return own[0]
+        tried = np.concatenate(starts, axis=1)
+        common = np.min([
+            best_over(rows, tried, low, high, limit_w) for rows, (low, high) in zip(scenes, windows, strict=True)
+        ], axis=0).max(axis=1)  # fmt: skip
+        return np.where(motorised, np.min(own, axis=0), common) if own else np.asarray(common)
+
+    if power_limit_w.ndim == 1:
+        best = within(power_limit_w)
+    else:
+        best = np.stack([within(limit_w) for limit_w in power_limit_w.T], axis=1)
+    return np.where(np.isfinite(best) & ~np.isnan(power_limit_w), best, np.nan)
+
+
+def brightest_snr(rows: SceneRows, starts: Array, low: Array, high: Array, power_limit_w: Array) -> Array:
+    """Nominal SNR with the most light of any level at its own smallest f-number (n, n_levels), -inf: none; (n,)."""
+    inside = np.isfinite(starts) & (starts <= (rows.n_high * (1 + SLACK))[:, None])
+    light_x = light_by_level(rows, np.where(inside, starts, np.nan), low, high, power_limit_w).max(axis=1)
+    found = np.isfinite(light_x)  # SNR grows with the light
+    return np.where(found, nominal_snr(rows, np.where(found, light_x, 0.0)), -np.inf)
 
 
 def best_over(rows: SceneRows, f_numbers: Array, low: Array, high: Array, power_limit_w: Array) -> Array:
@@ -427,7 +450,13 @@ def best_over(rows: SceneRows, f_numbers: Array, low: Array, high: Array, power_
 
 def most_light(rows: SceneRows, f_number: Array, low: Array, high: Array, power_limit_w: Array) -> Array:
     """Greatest X in the window that the lights reach at this f-number within a mean power; NaN: none."""
-    square = np.square(f_number * rows.working_factor)
+    best = light_by_level(rows, f_number[:, None], low, high, power_limit_w).max(axis=1)
+    return np.where(np.isfinite(best), best, np.nan)
+
+
+def light_by_level(rows: SceneRows, f_number: Array, low: Array, high: Array, power_limit_w: Array) -> Array:
+    """Greatest X in the window at each level and f-number, (n, 1) or (n, n_levels), within a power; -inf: none."""
+    square = np.square(f_number * rows.working_factor[:, None])
     left_w = power_limit_w - rows.idle
     burnt = np.isfinite(rows.leads_s) & (rows.kind == CONTINUOUS)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -456,15 +485,14 @@ def most_light(rows: SceneRows, f_number: Array, low: Array, high: Array, power_
         energy = np.where(shortened, left, energy_cap[:, None])
         most = np.minimum(levels * rows.time_max_s[:, None], energy)
         least = floor_level * rows.time_min_s[:, None]
-        scale = (rows.light_lm / square)[:, None]
+        scale = rows.light_lm[:, None] / square
         light_x = np.minimum(most * scale, high[:, None])
         fits = (
             (least * scale <= high[:, None] * (1 + SLACK))
             & (light_x >= low[:, None] * (1 - SLACK))
             & (least <= most * (1 + SLACK))
         )
-    best = np.where(fits, light_x, -np.inf).max(axis=1)
-    return np.where(np.isfinite(best), best, np.nan)
+    return np.where(fits, light_x, -np.inf)
 
 
 def nominal_snr(rows: SceneRows, light_x: Array) -> Array:
