@@ -810,9 +810,23 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="pixels that are alike leave each other out",
-        file="uwopt/forward/lamp_light.py",
+        file="uwopt/forward/pixels.py",
         old="(worse & (~worse.T | earlier)).sum(axis=1) <= may_miss",
         new="worse.sum(axis=1) <= may_miss",
+        test="tests/forward/test_remembered.py::test_pixels_that_never_decide_are_left_out",
+    ),
+    Defect(
+        name="a pixel under more veil, that sees more, is called the worse one",
+        file="uwopt/forward/pixels.py",
+        old="worse = (s <= s[:, None]) & (v >= v[:, None])",
+        new="worse = v >= v[:, None]",
+        test="tests/forward/test_remembered.py::test_pixels_that_never_decide_are_left_out",
+    ),
+    Defect(
+        name="the brightest pixels are looked at for the worst",
+        file="uwopt/forward/pixels.py",
+        old="order = np.lexsort((-flat_veiled, flat_signal), axis=1)",
+        new="order = np.lexsort((-flat_veiled, -flat_signal), axis=1)",
         test="tests/forward/test_remembered.py::test_pixels_that_never_decide_are_left_out",
     ),
     Defect(

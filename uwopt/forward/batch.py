@@ -20,7 +20,7 @@ from uwopt.forward.figures import DesignRows, Figures, SettingRows, figures_of, 
 from uwopt.forward.lamp_light import ImageLight, Veils, image_light
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import Pixels, SceneOptics
-from uwopt.forward.sharpness import SharpRows, sharpness_of
+from uwopt.forward.sharpness import SharpRows, Unfocused, unfocused_of
 from uwopt.forward.sun_light import sun_light
 from uwopt.forward.views import Views, focus_map, table_reach_m, views
 from uwopt.model.effects import Effects
@@ -40,6 +40,7 @@ class Batch:
         self.views = [self._views(scene, index) for index, scene in enumerate(problem.scenes)]
         self.problem = problem.reaching([table_reach_m(view) for view in self.views])
         self._signals: dict[int, ImageLight] = {}
+        self._unfocused: dict[int, Unfocused] = {}
 
     def signal(self, index: int) -> ImageLight:
         """Image-forming light of all designs in one scene, worked out once: bounds and figures both rest on it."""
@@ -150,25 +151,17 @@ class Batch:
         return FocusMap(*(np.array([getattr(m, f.name) for m in maps])[back] for f in fields(FocusMap)))
 
     def sharp_rows(self, index: int, dioptre_per_m: Array) -> SharpRows:
-        """What the sharpness of all designs depends on at this focus."""
-        d = self.designs
-        parts = [
-            (
-                rows,
-                sharpness_of(
-                    self.problem,
-                    index,
-                    self.views[index].take(rows),
-                    camera=d.camera[rows],
-                    lens=d.lens[rows],
-                    port=d.port[rows],
-                    optics=optics,
-                    dioptre_per_m=dioptre_per_m[rows],
-                ),
-            )
-            for rows, _, optics in self.groups(by_curve=False)
-        ]
-        return SharpRows.in_places(parts, len(d))
+        """What the sharpness of all designs depends on at this focus; what no focus changes is worked out once."""
+        if index not in self._unfocused:
+            d, problem = self.designs, self.problem
+            hardware = unfocused_of(
+                problem, index, self.views[index], camera=d.camera, lens=d.lens, port=d.port,
+                optics=problem.lights.optics_index[d.light],
+            )  # fmt: skip
+            if problem.scenes[index].view.requirements.min_mtf_half_nyquist is not None:
+                hardware = hardware.with_colour_left()
+            self._unfocused[index] = hardware
+        return self._unfocused[index].focused(dioptre_per_m)
 
     def figures(
         self, index: int, rows: DesignRows, settings: SettingRows, *, information: bool = False
