@@ -538,8 +538,8 @@ DEFECTS = (
     Defect(
         name="bars arrive at the mean of the image",
         file="uwopt/forward/figures.py",
-        old="np.minimum(mean, reached_by_most(share_of(seen.worst_e",
-        new="np.maximum(mean, reached_by_most(share_of(seen.worst_e",
+        old="np.minimum(mean[some], reached_by_most(share_of(",
+        new="np.maximum(mean[some], reached_by_most(share_of(",
         test="tests/evaluation/test_resolve.py"
         "::test_bars_arrive_at_the_darkest_pixel_through_the_veil_that_is_there",
     ),

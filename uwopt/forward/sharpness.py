@@ -160,8 +160,8 @@ class SharpRows(Columns):
         return np.asarray(pitch)
 
     def at(
-        self, rows: Array | slice, spread: SpreadTable | None, *, f_number: Array, working_f_number: Array, blur_s: Array,
-        field: Field, altitude: int | slice = 1,
+        self, rows: Array | slice, spread: SpreadTable | None, *, f_number: Array, working_f_number: Array,
+        blur_s: Array, field: Field, altitude: int | slice = 1,
     ) -> Sharpness:  # fmt: skip
         """The model's record of some rows, (n, n_altitudes) for a slice of them; the settings are those of all rows."""
         along, across = self.colour(field)
