@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,8 +14,10 @@ from uwopt.forward.batch import Batch
 from uwopt.forward.designs import Designs, Hardware
 from uwopt.forward.effects import effects_kept
 from uwopt.forward.figures import SettingRows
+from uwopt.forward.views import field_dioptres_per_m
 from uwopt.mission.mission import load_mission
 from uwopt.model.effects import Effects
+from uwopt.model.sharpness import mtf
 
 MISSION: dict[str, Any] = {
     "practice": "bare", "physics": "full",
@@ -69,6 +72,34 @@ def test_a_batch_gives_what_one_design_at_a_time_gives(batch: Batch) -> None:
             np.testing.assert_allclose(
                 getattr(many, name)[i], getattr(one, name)[0], rtol=SAME, atol=1e-9, err_msg=f"{name} of {i}"
             )
+
+
+def test_transfer_of_a_batch_is_the_models_of_each_design(batch: Batch) -> None:
+    assert any(not batch.problem.ports.is_dome[port] for port in batch.designs.port)  # some have lateral colour
+    rows = batch.rows(0)
+    for dioptre in (1.0 / 1.1, 0.5):  # one batch, at one focus and then another
+        given = replace(settings(N), dioptre_per_m=np.full(N, dioptre))
+        figures = batch.figures(0, rows, given)
+        sharp = batch.sharp_rows(0, given.dioptre_per_m)
+        aperture = {"f_number": given.f_number, "working_f_number": figures.working_f_number}
+        least = np.full((N, 3), np.nan)
+        for some, table in sharp.groups("place"):
+            focus = given.dioptre_per_m[some, None]
+            for k, range_m in enumerate(batch.problem.scenes[0].range_m[[0, batch.problem.scenes[0].nominal, -1]]):
+                at = sharp.at(some, table, **aperture, blur_s=figures.smear_s, field="place", altitude=k)
+                images = [
+                    field_dioptres_per_m(places[some], range_m)
+                    for places in (batch.views[0].axis_image, batch.views[0].corner_image)
+                ]
+                focal = batch.views[0].focal_length_m[some, None]
+                discs = focal**2 / (given.f_number[some, None] * (1 - focal * focus)) * np.abs(
+                    np.concatenate(images, axis=1) - focus
+                ) / at.pixel_pitch_m[:, None]  # fmt: skip
+                at = replace(at, defocus_px=discs.max(axis=1))
+                least[some, k] = np.minimum(
+                    mtf(0.25, across_cyc_per_px=0.0, sharpness=at), mtf(0.0, across_cyc_per_px=0.25, sharpness=at)
+                )
+        assert figures.mtf_half_nyquist == pytest.approx(least, rel=1e-12, abs=1e-15)
 
 
 def test_what_a_few_designs_need_is_kept_for_all(batch: Batch) -> None:

@@ -11,7 +11,8 @@ import pytest
 from random_cases import case
 
 from uwopt.forward.floor_light import most_uniformities, uniformity
-from uwopt.forward.lamp_light import decisive_pixels, image_light
+from uwopt.forward.lamp_light import image_light
+from uwopt.forward.pixels import decisive_pixels
 from uwopt.forward.remembered import RememberedSunField, once_an_image
 from uwopt.forward.sun_light import SunField
 from uwopt.model.image_mean import FRAME_MAY_MISS, reached_by_most

@@ -538,8 +538,8 @@ DEFECTS = (
     Defect(
         name="bars arrive at the mean of the image",
         file="uwopt/forward/figures.py",
-        old="np.minimum(mean, reached_by_most(share_of(seen.worst_e",
-        new="np.maximum(mean, reached_by_most(share_of(seen.worst_e",
+        old="np.minimum(mean[some], reached_by_most(share_of(",
+        new="np.maximum(mean[some], reached_by_most(share_of(",
         test="tests/evaluation/test_resolve.py"
         "::test_bars_arrive_at_the_darkest_pixel_through_the_veil_that_is_there",
     ),
@@ -578,9 +578,30 @@ DEFECTS = (
     Defect(
         name="sharpness of the better direction",
         file="uwopt/model/sharpness.py",
-        old="return np.minimum(mtf_along(nu, sharpness=sharpness)",
-        new="return np.maximum(mtf_along(nu, sharpness=sharpness)",
+        old="return np.minimum(*mtf_axes(HALF",
+        new="return np.maximum(*mtf_axes(HALF",
         test="tests/model/test_sharpness.py::test_motion_counts_along_and_the_worse_direction_is_reported",
+    ),
+    Defect(
+        name="lateral colour along and across for each other",
+        file="uwopt/forward/sharpness.py",
+        old='for axis, k in enumerate(self.colour("place")',
+        new='for axis, k in enumerate(self.colour("place")[::-1]',
+        test="tests/forward/test_batch.py::test_transfer_of_a_batch_is_the_models_of_each_design",
+    ),
+    Defect(
+        name="the first design's lamp colours the light of all",
+        file="uwopt/forward/sharpness.py",
+        old="spectra = np.broadcast_to(spectrum, pitch.shape)",
+        new="spectra = np.broadcast_to(np.ravel(spectrum)[:1], pitch.shape)",
+        test="tests/forward/test_batch.py::test_a_batch_gives_what_one_design_at_a_time_gives",
+    ),
+    Defect(
+        name="what a batch keeps of one focus serves for another",
+        file="uwopt/forward/sharpness.py",
+        old="focus_dioptre_per_m=imaged_at[:, None, None],",
+        new="focus_dioptre_per_m=0.0 * imaged_at[:, None, None] + 1.0 / 1.1,",
+        test="tests/forward/test_batch.py::test_transfer_of_a_batch_is_the_models_of_each_design",
     ),
     Defect(
         name="resolution of the better direction",

@@ -17,10 +17,11 @@ from uwopt.forward import effects as influence
 from uwopt.forward.columns import rows_alike
 from uwopt.forward.designs import Designs
 from uwopt.forward.figures import DesignRows, Figures, SettingRows, figures_of, levers_m
-from uwopt.forward.lamp_light import ImageLight, Veils, image_light
+from uwopt.forward.lamp_light import ImageLight, SunLight, Veils, image_light
+from uwopt.forward.pixels import fewest_pixels
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import Pixels, SceneOptics
-from uwopt.forward.sharpness import SharpRows, sharpness_of
+from uwopt.forward.sharpness import SharpRows, Unfocused, unfocused_of
 from uwopt.forward.sun_light import sun_light
 from uwopt.forward.views import Views, focus_map, table_reach_m, views
 from uwopt.model.effects import Effects
@@ -29,6 +30,7 @@ from uwopt.model.port import FocusMap
 Array = NDArray[Any]
 
 FEW = 4  # designs that are judged first: what they need, the batch needs
+MOST_CHANNELS = 3  # of colour columns, where pixels are more
 VEILS = {"forward_veil", "backscatter"}
 
 
@@ -40,6 +42,7 @@ class Batch:
         self.views = [self._views(scene, index) for index, scene in enumerate(problem.scenes)]
         self.problem = problem.reaching([table_reach_m(view) for view in self.views])
         self._signals: dict[int, ImageLight] = {}
+        self._unfocused: dict[int, Unfocused] = {}
 
     def signal(self, index: int) -> ImageLight:
         """Image-forming light of all designs in one scene, worked out once: bounds and figures both rest on it."""
@@ -131,16 +134,18 @@ class Batch:
             known=None if scene.paper else self.signal(index),
         )
         lights = problem.lights.take(d.light)
+        sun = sun_light(problem, index, view, d.camera, port_index=d.port, mount=d.mount, pixels=asked)
+        light, sun = at_fewest_pixels(light, sun)
         return DesignRows(
             cameras=problem.cameras.take(d.camera),
             lenses=problem.lenses.take(d.lens),
             lights=lights,
             count=d.count.astype(float),
-            view=view,
+            view=view.with_arrays(by_altitude),
             focus_map=self._focus_map(scene, index),
-            lever_m=levers_m(scene, problem.ports.outer_radius_m[d.port]),
-            light=light.scaled(lights.output_factor),
-            sun=sun_light(problem, index, view, d.camera, port_index=d.port, mount=d.mount, pixels=asked),
+            lever_m=by_altitude(levers_m(scene, problem.ports.outer_radius_m[d.port])),
+            light=light.scaled(lights.output_factor).with_arrays(by_altitude),
+            sun=None if sun is None else sun.with_arrays(by_altitude),
         )
 
     def _focus_map(self, scene: SceneOptics, index: int) -> FocusMap:
@@ -150,25 +155,17 @@ class Batch:
         return FocusMap(*(np.array([getattr(m, f.name) for m in maps])[back] for f in fields(FocusMap)))
 
     def sharp_rows(self, index: int, dioptre_per_m: Array) -> SharpRows:
-        """What the sharpness of all designs depends on at this focus."""
-        d = self.designs
-        parts = [
-            (
-                rows,
-                sharpness_of(
-                    self.problem,
-                    index,
-                    self.views[index].take(rows),
-                    camera=d.camera[rows],
-                    lens=d.lens[rows],
-                    port=d.port[rows],
-                    optics=optics,
-                    dioptre_per_m=dioptre_per_m[rows],
-                ),
-            )
-            for rows, _, optics in self.groups(by_curve=False)
-        ]
-        return SharpRows.in_places(parts, len(d))
+        """What the sharpness of all designs depends on at this focus; what no focus changes is worked out once."""
+        if index not in self._unfocused:
+            d, problem = self.designs, self.problem
+            hardware = unfocused_of(
+                problem, index, self.views[index], camera=d.camera, lens=d.lens, port=d.port,
+                optics=problem.lights.optics_index[d.light],
+            )  # fmt: skip
+            if problem.scenes[index].view.requirements.min_mtf_half_nyquist is not None:
+                hardware = hardware.with_colour_left()
+            self._unfocused[index] = hardware
+        return self._unfocused[index].focused(dioptre_per_m)
 
     def figures(
         self, index: int, rows: DesignRows, settings: SettingRows, *, information: bool = False
@@ -184,3 +181,31 @@ class Batch:
         lean = Batch(self.problem.with_effects(effects), self.designs)
         lean._signals = self._signals  # with the window's loss by angle, which is then no less true
         return lean
+
+
+def by_altitude(column: Array) -> Array:
+    """The same numbers, designs of one altitude next to each other: what is done for all goes along them.
+
+    Of pixels (n, n_altitudes, n_pixels) those of one design stay together, for there they are compared.
+    """
+    return column if column.ndim == 3 and column.shape[2] > MOST_CHANNELS else np.asfortranarray(column)
+
+
+def at_fewest_pixels(light: ImageLight, sun: SunLight | None) -> tuple[ImageLight, SunLight | None]:
+    """The same light at those pixels alone that may decide: figures of many settings look at no others."""
+    worst = light.worst_e
+    if worst is None or worst.shape[2] <= light.may_miss + 1:
+        return light, sun
+    veil = light.worst_veil_e
+    sources = [(worst, np.zeros_like(worst) if veil is None else veil)]
+    shining = None if sun is None else sun.worst_e_s
+    if sun is not None and shining is not None:
+        over = sun.worst_veil_e_s
+        sources += [(shining, np.zeros_like(shining) if over is None else over)]
+    (worst_e, worst_veil_e), *others = fewest_pixels(sources, light.may_miss)
+    light = replace(light, worst_e=worst_e, worst_veil_e=None if veil is None else worst_veil_e)
+    for at_sun, over_sun in others:
+        assert sun is not None
+        kept = None if sun.worst_veil_e_s is None else over_sun
+        sun = replace(sun, worst_e_s=at_sun, worst_veil_e_s=kept)
+    return light, sun

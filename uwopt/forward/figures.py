@@ -7,6 +7,7 @@ requirement holds over a band.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,6 +30,8 @@ from uwopt.model.image_mean import reached_by_most
 from uwopt.model.port import FocusMap, water_distance_m
 
 Array = NDArray[Any]
+
+PIXELS_AT_ONCE = 16_000  # whose arrays stay in the cache
 
 
 @dataclass(frozen=True)
@@ -180,7 +183,7 @@ def figures_of(
         electrons_dark=dark,
         contrast=contrast,
         snr=snr,
-        snr_pixels=None if seen.worst_e is None else snr_of_pixels(seen, noise, rows.light.may_miss),
+        snr_pixels=snr_of_pixels(rows, light_x, open_y, noise),
         snr_red=None if seen.colour_e is None else np.asarray(
             sensor.snr(seen.colour_e[:, :, 0], veil_e=0.0 if seen.red_veil_e is None else seen.red_veil_e, **noise)
         ),
@@ -202,7 +205,7 @@ def figures_of(
         data_rate_mb_s=cam.frame_mb * settings.rate_hz,
         mtf_half_nyquist=rows.sharp.mtf_half_nyquist(**apertures) if needs_mtf and rows.sharp else None,
         smallest_bars_m=rows.sharp.smallest_bars_m(
-            bars_contrast(seen, contrast, rows.light.may_miss)[:, [0, scene.nominal, -1]], **apertures
+            bars_contrast(rows, light_x, open_y, contrast)[:, [0, scene.nominal, -1]], **apertures
         )
         if needs_bars and rows.sharp
         else None,
@@ -214,15 +217,13 @@ def figures_of(
 
 @dataclass(frozen=True)
 class Electrons:
-    """Electrons of n designs, image means (n, n_altitudes) and at the pixels that an SNR is asked of."""
+    """Electrons of n designs, image means (n, n_altitudes)."""
 
     signal_e: Array
     forward_e: Array | None
     backscatter_e: Array | None
     sun_e: Array | None
     veil_e: Array | None
-    worst_e: Array | None
-    worst_veil_e: Array | None
     colour_e: Array | None = None  # image-forming, of the channels asked for (n, n_altitudes, n_channels), red first
     red_veil_e: Array | None = None
     background_e: Array | None = None
@@ -233,13 +234,12 @@ def electrons_in_image(rows: DesignRows, light_x: Array, open_y: Array) -> Elect
     lamps, sun = rows.light, rows.sun
 
     def lit(column: Array | None) -> Array | None:
-        return None if column is None else column * light_x.reshape(-1, *([1] * (column.ndim - 1)))
+        return None if column is None else scaled(column, light_x)
 
     def sunlit(column: Array | None) -> Array | None:
-        return None if column is None else column * open_y.reshape(-1, *([1] * (column.ndim - 1)))
+        return None if column is None else scaled(column, open_y)
 
     signal, forward, back = lit(lamps.signal_e), lit(lamps.forward_e), lit(lamps.backscatter_e)
-    worst, worst_veil = lit(lamps.worst_e), lit(lamps.worst_veil_e)
     colour, red_veil = lit(lamps.colour_e), lit(lamps.red_veil_e)
     sun_e = None
     assert signal is not None
@@ -249,40 +249,75 @@ def electrons_in_image(rows: DesignRows, light_x: Array, open_y: Array) -> Elect
         )
         sun_e = added(sun_signal, added(sun_forward, sun_path))
         signal, forward, back = signal + sun_signal, added(forward, sun_forward), added(back, sun_path)
-        if worst is not None:
-            worst = added(worst, sunlit(sun.worst_e_s))
-            worst_veil = added(worst_veil, sunlit(sun.worst_veil_e_s))
         if colour is not None:
             colour = added(colour, sunlit(sun.colour_e_s))
             red_veil = added(red_veil, sunlit(sun.red_veil_e_s))
     veil = added(forward, back)
     return Electrons(
-        signal, forward, back, sun_e, veil, worst, worst_veil, colour, red_veil, lit(lamps.background_e)
+        signal, forward, back, sun_e, veil, colour, red_veil, lit(lamps.background_e)
     )
 
 
-def snr_of_pixels(seen: Electrons, noise: dict[str, Array], may_miss: int) -> Array:
-    """The SNR that all but `may_miss` of the pixels reach, (n, n_altitudes)."""
-    assert seen.worst_e is not None
-    veil = 0.0 if seen.worst_veil_e is None else seen.worst_veil_e
-    at_pixels = {name: column[:, :, None] for name, column in noise.items()}
-    return reached_by_most(np.asarray(sensor.snr(seen.worst_e, veil_e=veil, **at_pixels)), may_miss)
+def scaled(column: Array, factor: Array) -> Array:
+    """A column, every row times its own factor."""
+    return np.asarray(column * factor.reshape(-1, *([1] * (column.ndim - 1))))
 
 
-def bars_contrast(seen: Electrons, mean: Array, may_miss: int) -> Array:
+def at_pixels(rows: DesignRows, light_x: Array, open_y: Array) -> Iterator[tuple[slice, Array, Array | None]]:
+    """Signal and veil at the pixels that an SNR is asked of, (some, n_altitudes, n_pixels), and of which designs.
+
+    A few designs at a time, so that arrays stay in the cache.
+    """
+    lamps, sun = rows.light, rows.sun
+    if lamps.worst_e is None:
+        return
+    step = max(1, PIXELS_AT_ONCE // max(1, lamps.worst_e[0].size))
+    for at in range(0, len(lamps.worst_e), step):
+        some = slice(at, at + step)
+
+        def lit(column: Array | None, factor: Array, some: slice = some) -> Array | None:
+            return None if column is None else scaled(column[some], factor[some])
+
+        signal, veil = lit(lamps.worst_e, light_x), lit(lamps.worst_veil_e, light_x)
+        if sun is not None:
+            signal, veil = added(signal, lit(sun.worst_e_s, open_y)), added(veil, lit(sun.worst_veil_e_s, open_y))
+        assert signal is not None
+        yield some, signal, veil
+
+
+def snr_of_pixels(rows: DesignRows, light_x: Array, open_y: Array, noise: dict[str, Array]) -> Array | None:
+    """The SNR that all but `may_miss` of the pixels reach, (n, n_altitudes); None where none is asked of them."""
+    found = [
+        reached_by_most(
+            np.asarray(
+                sensor.snr(
+                    signal, veil_e=0.0 if veil is None else veil,
+                    **{name: column[some, :, None] for name, column in noise.items()},
+                )
+            ), rows.light.may_miss,
+        )
+        for some, signal, veil in at_pixels(rows, light_x, open_y)
+    ]  # fmt: skip
+    return np.concatenate(found) if found else None
+
+
+def bars_contrast(rows: DesignRows, light_x: Array, open_y: Array, mean: Array) -> Array:
     """Image-forming over all light where bars must arrive, (n, n_altitudes): the image's `mean`, or less at pixels.
 
         C = min(mean, what all but `may_miss` of the pixels reach that the SNR is asked of)
     """
-    if seen.worst_e is None or seen.worst_veil_e is None:
-        return mean
-    return np.minimum(mean, reached_by_most(share_of(seen.worst_e, seen.worst_e + seen.worst_veil_e), may_miss))
+    found = [
+        mean[some] if veil is None
+        else np.minimum(mean[some], reached_by_most(share_of(signal, signal + veil), rows.light.may_miss))
+        for some, signal, veil in at_pixels(rows, light_x, open_y)
+    ]  # fmt: skip
+    return np.concatenate(found) if found else mean
 
 
 def bars_contrast_at(rows: DesignRows, settings: SettingRows, figures: Figures) -> Array:
     """The same of designs whose figures are known."""
-    seen = electrons_in_image(rows, figures.light_x, open_s(rows, settings) / np.square(figures.working_f_number))
-    return bars_contrast(seen, figures.contrast, rows.light.may_miss)
+    open_y = open_s(rows, settings) / np.square(figures.working_f_number)
+    return bars_contrast(rows, figures.light_x, open_y, figures.contrast)
 
 
 def forms_image(rows: DesignRows, settings: SettingRows) -> Array:

@@ -20,6 +20,7 @@ from uwopt.forward.lamps import (
     on_axis_gain,
     one_side,
 )
+from uwopt.forward.pixels import decisive_pixels, worst_candidates
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import Pixels
 from uwopt.forward.spectra import LightPart, sees_colours
@@ -428,48 +429,6 @@ def with_colours(
         red = field(channel="red").light(view, veils="all", known=ImageLight(colour[:, :, 0]))
         red_veil = red_veil if red.veil_e is None else red.veil_e
     return replace(light, colour_e=colour, red_veil_e=red_veil)
-
-
-def worst_candidates(signal: Array, veil_there: Array | None) -> Array:
-    """Pixels with, for some row and altitude, no other pixel that has less signal and more veil.
-
-    Arrays (n, n_altitudes, n_pixels); returns the indices of these pixels.
-    """
-    if veil_there is None:
-        return np.unique(signal.argmin(axis=2))
-    flat_signal, flat_veil = (a.reshape(-1, a.shape[2]) for a in (signal, veil_there))
-    order = np.lexsort((-flat_veil, flat_signal), axis=1)
-    sorted_veil = np.take_along_axis(flat_veil, order, axis=1)
-    before = np.maximum.accumulate(sorted_veil, axis=1)
-    leads = np.ones_like(sorted_veil, bool)
-    leads[:, 1:] = sorted_veil[:, 1:] > before[:, :-1]
-    keep = np.zeros_like(leads)
-    np.put_along_axis(keep, order, leads, axis=1)
-    return np.nonzero(keep.any(axis=0))[0]
-
-
-def decisive_pixels(signal: Array, veil_there: Array, may_miss: int) -> tuple[Array, Array]:
-    """Pixels (n, n_altitudes, n_pixels) of which one decides what all but k = `may_miss` reach, at any settings.
-
-    Left out are those that k + 1 others or more have no more signal and no less veil than: these come first. Rows that
-    keep fewer end with what is easier than any pixel, as does each row, so that its end may be repeated.
-    """
-    shape = signal.shape
-    flat, veil = (a.reshape(-1, shape[2]) for a in (signal, veil_there))
-    keep = np.empty(flat.shape, bool)
-    earlier = np.tri(shape[2], k=-1, dtype=bool)
-    for row, (s, v) in enumerate(zip(flat, veil, strict=True)):
-        worse = (s <= s[:, None]) & (v >= v[:, None])
-        keep[row] = (worse & (~worse.T | earlier)).sum(axis=1) <= may_miss
-    most = int(keep.sum(axis=1).max()) + 1
-    order = np.argsort(~keep, axis=1, kind="stable")[:, :most]
-    kept = np.take_along_axis(keep, order, axis=1)
-    kept[:, -1] = False
-    flat, veil = (
-        np.where(kept, np.take_along_axis(a, order, axis=1), easiest)
-        for a, easiest in ((flat, flat.max(axis=1)[:, None]), (veil, veil.min(axis=1)[:, None]))
-    )
-    return flat.reshape(*shape[:2], -1), veil.reshape(*shape[:2], -1)
 
 
 def image_light(

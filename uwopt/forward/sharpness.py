@@ -8,7 +8,7 @@ the disc is the larger of centre and corner, and colours and lens blur as they d
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, Literal, Self
 
@@ -30,9 +30,9 @@ from uwopt.forward.spectra import TINY, Contraction
 from uwopt.forward.views import CORNER_FIELD, RMS_FIELD, Views, altitudes_m, field_dioptres_per_m
 from uwopt.model import aberration, lateral, operation, sharpness
 from uwopt.model.defocus import defocus_px
-from uwopt.model.lateral import SpreadTable
+from uwopt.model.lateral import SpreadTable, spread_mtf
 from uwopt.model.lens import airy_diameter_m
-from uwopt.model.sharpness import NYQUIST_CYC_PER_PX, Gain, Sharpness
+from uwopt.model.sharpness import HALF_NYQUIST_CYC_PER_PX, NYQUIST_CYC_PER_PX, Gain, Sharpness
 from uwopt.model.spectrum import trapezoid_weights_nm
 
 if TYPE_CHECKING:
@@ -92,6 +92,7 @@ class SharpRows(Columns):
     fineness: float = 1.0  # of integrals over spatial frequency
     place_lens_blur: float = 1.0  # of the lens where MTF must hold, over that on the axis
     detail: DetailRows | None = None  # of light scattered nearly forward; None: it shows none
+    place_colour: Array | None = None  # (n, 2) what it leaves of MTF along and across; None: looked up when needed
 
     @classmethod
     def in_places(cls, parts: Sequence[tuple[Array, Self]], count: int) -> Self:
@@ -159,8 +160,8 @@ class SharpRows(Columns):
         return np.asarray(pitch)
 
     def at(
-        self, rows: Array, spread: SpreadTable | None, *, f_number: Array, working_f_number: Array, blur_s: Array,
-        field: Field, altitude: int | slice = 1,
+        self, rows: Array | slice, spread: SpreadTable | None, *, f_number: Array, working_f_number: Array,
+        blur_s: Array, field: Field, altitude: int | slice = 1,
     ) -> Sharpness:  # fmt: skip
         """The model's record of some rows, (n, n_altitudes) for a slice of them; the settings are those of all rows."""
         along, across = self.colour(field)
@@ -190,14 +191,25 @@ class SharpRows(Columns):
 
     def mtf_half_nyquist(self, *, f_number: Array, working_f_number: Array, blur_s: Array) -> Array:
         """Transfer at a quarter cycle per pixel where it must hold, (n, 3) by altitude."""
-        settings = dict(f_number=f_number, working_f_number=working_f_number, blur_s=blur_s)
-        return np.stack(
-            [
-                self.each(lambda at, _: sharpness.mtf_half_nyquist(at), field="place", altitude=k, **settings)
-                for k in range(3)
-            ],
-            axis=1,
-        )
+        at = self.at(
+            slice(None), None, f_number=f_number, working_f_number=working_f_number, blur_s=blur_s, field="place",
+            altitude=slice(None),
+        )  # fmt: skip
+        along, across = sharpness.mtf_axes(HALF_NYQUIST_CYC_PER_PX, sharpness=at)
+        left = self.colour_left() if self.place_colour is None else self.place_colour
+        return np.minimum(along * left[:, :1], across * left[:, 1:])
+
+    def colour_left(self) -> Array:
+        """What lateral colour leaves of the transfer at half the Nyquist frequency, along and across, (n, 2).
+
+        Of hardware alone: `Unfocused.with_colour_left` keeps it as `place_colour`.
+        """
+        left = np.ones((len(self.wavelength_nm), 2), order="F")
+        for rows, table in self.groups("place"):
+            for axis, k in enumerate(self.colour("place")):
+                if table:
+                    left[rows, axis] = spread_mtf(k[rows] * HALF_NYQUIST_CYC_PER_PX, table=table)
+        return left
 
     def transfer(self, bars: Bars, *, f_number: Array, working_f_number: Array, blur_s: Array) -> Array:
         """What is left of the contrast of bars, even veil apart: the worse of along and across, (n, 3) by altitude."""
@@ -205,10 +217,8 @@ class SharpRows(Columns):
 
         def left(k: int, at: Sharpness, rows: Array) -> Array:
             frequency = bars.frequency_cyc_per_px[rows, k]
-            one, other = (
-                of(frequency, sharpness=at, falling=bars.veiled) for of in (sharpness.mtf_along, sharpness.mtf_across)
-            )
-            return bars.still(np.minimum(one, other), frequency) * bars.detail_at(rows, k)
+            both = sharpness.mtf_axes(frequency, sharpness=at, falling=bars.veiled)
+            return bars.still(np.minimum(*both), frequency) * bars.detail_at(rows, k)
 
         return np.stack(
             [
@@ -250,28 +260,61 @@ class SharpRows(Columns):
         return np.asarray(sharpness.information_bit_per_m2(per_px, pixel_area_m2=self.pixel_area_m2))
 
 
-def sharp_rows(
+@dataclass(frozen=True)
+class Unfocused:
+    """All of n designs that no focus changes: the other columns of `SharpRows`, and where the floor's images lie.
+
+    Dioptres are (n, 2, 3) of both images at near, nominal and far altitude.
+    """
+
+    columns: dict[str, Any]
+    focal_length_m: Array
+    axis_per_m: Array
+    corner_per_m: Array
+    rms_per_m: Array
+    at_corner: bool  # MTF must hold there
+
+    def with_colour_left(self) -> Unfocused:
+        """The same with what lateral colour leaves of MTF, which many settings of this hardware ask for."""
+        left = self.focused(np.zeros_like(self.focal_length_m)).colour_left()
+        return replace(self, columns={**self.columns, "place_colour": left})
+
+    def focused(self, dioptre_per_m: Array) -> SharpRows:
+        """The rows at a focus: discs of the floor's images, the larger of both."""
+        focal, pitch = self.focal_length_m, self.columns["pixel_pitch_m"]
+        imaged_at = np.where(focal * dioptre_per_m < 1.0, dioptre_per_m, 0.0)  # else N_w is infinite, MTF 0
+        optical = dict(
+            f_number=1.0, focal_length_m=focal[:, None, None], pixel_pitch_m=pitch[:, None, None],
+            focus_dioptre_per_m=imaged_at[:, None, None],
+        )  # fmt: skip
+
+        def discs(dioptres: Array) -> Array:
+            return np.asarray(defocus_px(dioptres, **optical).max(axis=1))
+
+        on_axis = discs(self.axis_per_m)
+        corner, rms = (
+            on_axis if one is self.axis_per_m else discs(one) for one in (self.corner_per_m, self.rms_per_m)
+        )
+        both = np.maximum(on_axis, corner)
+        return SharpRows(
+            **self.columns, place_disc_px=both if self.at_corner else on_axis, corner_disc_px=both, rms_disc_px=rms
+        )
+
+
+def unfocused(
     scene: SceneOptics, contraction: Contraction, view: Views, *, cameras: Cameras, lenses: Lenses, ports: Ports,
-    spectrum: int, dioptre_per_m: Array, lateral_colour: bool, image_curvature: bool, forward_veil: bool,
-) -> SharpRows:  # fmt: skip
-    """Everything but the settings, row by row; one light spectrum for all."""
+    spectrum: Array | int, lateral_colour: bool, image_curvature: bool, forward_veil: bool,
+) -> Unfocused:  # fmt: skip
+    """Everything but the settings, row by row; `spectrum` of each row's light, or one for all."""
     pitch, focal = cameras.pixel_pitch_m, view.focal_length_m
     lever = altitudes_m(scene)[None, :] + ports.outer_radius_m[:, None]
     blur = operation.blur_px(1.0, ground_sample_m=view.pixel_along_m, **motion_along(scene, lever))
-    imaged_at = np.where(focal * dioptre_per_m < 1.0, dioptre_per_m, 0.0)  # else N_w is infinite, MTF 0
-    optical = dict(
-        f_number=1.0, focal_length_m=focal[:, None, None], pixel_pitch_m=pitch[:, None, None],
-        focus_dioptre_per_m=imaged_at[:, None, None],
-    )  # fmt: skip
 
-    def discs(places: Array) -> Array:
-        dioptres = field_dioptres_per_m(places, altitudes_m(scene))
-        return np.asarray(defocus_px(dioptres, **optical).max(axis=1))
+    def dioptres(places: Array) -> Array:
+        return np.asfortranarray(field_dioptres_per_m(places, altitudes_m(scene)))
 
-    axis = np.array(view.axis_image)
-    rms, corner = (view.rms_image, view.corner_image) if image_curvature else (axis, axis)
-    on_axis = discs(axis)
-    both = np.maximum(on_axis, discs(corner))
+    axis = dioptres(view.axis_image)
+    rms, corner = (dioptres(view.rms_image), dioptres(view.corner_image)) if image_curvature else (axis, axis)
     at_corner = scene.view.requirements.dof_at == "corner"
     radius = np.hypot(view.tan_along, view.tan_across)
     flat = ~ports.is_dome & lateral_colour
@@ -291,38 +334,43 @@ def sharp_rows(
 
     corner_k, rms_k = lateral_k(CORNER_FIELD), lateral_k(float(RMS_FIELD))
     place_k = corner_k if at_corner else lateral_k(0.0)
-    curves, index = np.unique(cameras.qe_index, return_inverse=True)
-    colours = [arriving(scene, contraction, spectrum, int(q)) for q in curves]
-    spreads = tuple(spread_of(scene, contraction, spectrum, int(q)) for q in curves) if flat.any() else ()
+    spectra = np.broadcast_to(spectrum, pitch.shape)
+    first, index = rows_alike(spectra, cameras.qe_index)
+    seen = [(int(spectra[n]), int(cameras.qe_index[n])) for n in first]
+    colours = [arriving(scene, contraction, *one) for one in seen]
     wavelength = np.array([mean_wavelength_nm(scene, density) for density in colours])
     pixels = cameras.resolution_x_px * cameras.resolution_y_px
     detail = None
     if shows_detail(contraction, forward_veil=forward_veil):
         scattered = np.array([mean_of(scene, density, scene.particles_per_m()) for density in colours])
         detail = detail_rows(scene, view, pixels=pixels, scattering_per_m=scattered[index])
-    return SharpRows(
-        wavelength_nm=wavelength[index],
-        pixel_pitch_m=pitch,
-        rated_pitch_px=lenses.rated_pitch_m / pitch,
-        aberration_px=lenses.aberration_f1_m / pitch,
-        aberration_exponent=lenses.aberration_exponent,
-        blur_px_per_s=np.asarray(blur),
-        place_disc_px=both if at_corner else on_axis,
-        corner_disc_px=both,
-        rms_disc_px=discs(rms),
-        place_k_along=place_k[0],
-        place_k_across=place_k[1],
-        corner_k_along=corner_k[0],
-        corner_k_across=corner_k[1],
-        rms_k_along=rms_k[0],
-        rms_k_across=rms_k[1],
-        spread_index=np.asarray(index),
-        pixel_area_m2=view.area_m2[:, 1] / pixels,
-        gsd_m=view.gsd_m,
-        spreads=spreads,
-        fineness=scene.fineness.sharpness,
-        place_lens_blur=float(aberration.field_blur(1.0 if at_corner else 0.0)),
-        detail=detail,
+    return Unfocused(
+        columns=dict(
+            wavelength_nm=wavelength[index],
+            pixel_pitch_m=pitch,
+            rated_pitch_px=lenses.rated_pitch_m / pitch,
+            aberration_px=lenses.aberration_f1_m / pitch,
+            aberration_exponent=lenses.aberration_exponent,
+            blur_px_per_s=np.asfortranarray(blur),
+            place_k_along=place_k[0],
+            place_k_across=place_k[1],
+            corner_k_along=corner_k[0],
+            corner_k_across=corner_k[1],
+            rms_k_along=rms_k[0],
+            rms_k_across=rms_k[1],
+            spread_index=np.asarray(index),
+            pixel_area_m2=view.area_m2[:, 1] / pixels,
+            gsd_m=view.gsd_m,
+            spreads=tuple(spread_of(scene, contraction, *one) for one in seen) if flat.any() else (),
+            fineness=scene.fineness.sharpness,
+            place_lens_blur=float(aberration.field_blur(1.0 if at_corner else 0.0)),
+            detail=detail,
+        ),
+        focal_length_m=focal,
+        axis_per_m=axis,
+        corner_per_m=corner,
+        rms_per_m=rms,
+        at_corner=at_corner,
     )
 
 
@@ -384,15 +432,23 @@ def spread_of(scene: SceneOptics, contraction: Contraction, spectrum: int, effic
     return table
 
 
+def unfocused_of(
+    problem: Problem, scene_index: int, view: Views, *, camera: Array, lens: Array, port: Array, optics: Array | int
+) -> Unfocused:  # fmt: skip
+    """The same of designs of a problem; `optics` of each row's light, or one for all."""
+    contraction = problem.contractions[scene_index]
+    return unfocused(
+        problem.scenes[scene_index], contraction, view, cameras=problem.cameras.take(camera),
+        lenses=problem.lenses.take(lens), ports=problem.ports.take(port), spectrum=contraction.spectrum_of[optics],
+        lateral_colour=problem.effects.lateral_colour, image_curvature=problem.effects.image_curvature,
+        forward_veil=problem.effects.forward_veil,
+    )  # fmt: skip
+
+
 def sharpness_of(
     problem: Problem, scene_index: int, view: Views, *, camera: Array, lens: Array, port: Array, optics: int,
     dioptre_per_m: Array,
 ) -> SharpRows:  # fmt: skip
     """What the sharpness of designs under one light depends on beside their settings."""
-    contraction = problem.contractions[scene_index]
-    return sharp_rows(
-        problem.scenes[scene_index], contraction, view, cameras=problem.cameras.take(camera),
-        lenses=problem.lenses.take(lens), ports=problem.ports.take(port), spectrum=int(contraction.spectrum_of[optics]),
-        dioptre_per_m=dioptre_per_m, lateral_colour=problem.effects.lateral_colour,
-        image_curvature=problem.effects.image_curvature, forward_veil=problem.effects.forward_veil,
-    )  # fmt: skip
+    hardware = unfocused_of(problem, scene_index, view, camera=camera, lens=lens, port=port, optics=optics)
+    return hardware.focused(dioptre_per_m)

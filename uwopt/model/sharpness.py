@@ -247,10 +247,24 @@ def mtf_across(frequency_cyc_per_px: Numeric, *, sharpness: Sharpness, falling: 
     return mtf(0.0, across_cyc_per_px=frequency_cyc_per_px, sharpness=sharpness, falling=falling)
 
 
+def mtf_axes(
+    frequency_cyc_per_px: Numeric, *, sharpness: Sharpness, falling: bool = False
+) -> tuple[Numeric, Numeric]:
+    """`mtf_along` and `mtf_across` at one frequency, with what is the same in all directions worked out once [sym]."""
+    still = round_mtf(frequency_cyc_per_px, sharpness=sharpness) * sinc_mtf(frequency_cyc_per_px)
+    moved = still * sinc_mtf(frequency_cyc_per_px, width_px=sharpness.motion_blur_px)
+    if sharpness.spread is None:
+        return moved, still
+    along, across = (
+        spread_mtf(k * frequency_cyc_per_px, table=sharpness.spread, falling=falling)
+        for k in (sharpness.lateral_k_along, sharpness.lateral_k_across)
+    )
+    return moved * along, still * across
+
+
 def mtf_half_nyquist(sharpness: Sharpness) -> Numeric:
     """Transfer at 0.25 cycles per px, the worse of along and across, 0..1 [sym]. Physics page, section 12."""
-    nu = HALF_NYQUIST_CYC_PER_PX
-    return np.minimum(mtf_along(nu, sharpness=sharpness), mtf_across(nu, sharpness=sharpness))
+    return np.minimum(*mtf_axes(HALF_NYQUIST_CYC_PER_PX, sharpness=sharpness))
 
 
 # ---------------------------------------------------------------- frequencies of a level

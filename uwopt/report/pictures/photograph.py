@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.evaluation.recompute import Replay
-from uwopt.forward.sharpness import sharp_rows
+from uwopt.forward.sharpness import unfocused
 from uwopt.model import sensor, sharpness
 from uwopt.model.sharpness import Gain, Sharpness
 from uwopt.report.pictures.chart import BOARD_WIDTH, nice_unit_mm, scene_reflectance
@@ -238,13 +238,13 @@ def sharpness_at(design: Replay, scene_index: int, place: Place) -> Sharpness:
     scene, contraction = problem.scenes[scene_index], problem.contractions[scene_index]
     one = np.array([0])
     needs = scene.view.requirements.model_copy(update={"dof_at": "axis" if place == "centre" else "corner"})
-    rows = sharp_rows(
+    rows = unfocused(
         replace(scene, view=replace(scene.view, requirements=needs)), contraction, model.views[scene_index],
         cameras=model.cameras, lenses=model.lenses, ports=problem.ports.take(one + hw.port),
         spectrum=int(contraction.spectrum_of[int(model.lights.optics_index[0])]),
-        dioptre_per_m=settings.dioptre_per_m, lateral_colour=not scene.paper, image_curvature=not scene.paper,
+        lateral_colour=not scene.paper, image_curvature=not scene.paper,
         forward_veil=problem.effects.forward_veil,
-    )  # fmt: skip
+    ).focused(settings.dioptre_per_m)  # fmt: skip
     figures = model.figures(scene_index, settings)
     (group, table), *_ = rows.groups("place")
     return rows.at(

@@ -20,8 +20,9 @@ from uwopt.deadline import NEVER, Deadline
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.evaluation.leaning import LeaningModel
 from uwopt.forward.figures import DesignRows, Figures, SettingRows, figures_of
-from uwopt.forward.lamp_light import ImageLight, worst_candidates
+from uwopt.forward.lamp_light import ImageLight
 from uwopt.forward.part_columns import FLASH, PULSED
+from uwopt.forward.pixels import worst_candidates
 from uwopt.model.sensor import QUANTISATION_VARIANCE_DN2, light_for_snr
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL, depth_of_field_margins

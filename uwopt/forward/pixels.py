@@ -1,0 +1,135 @@
+"""Which pixels of an image may decide its SNR, at whatever settings: few of those that are looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations_with_replacement
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+
+MOST_PAIRS = 2**21  # of pixels compared at once
+SPARE = 60  # pixels that others are compared with, beside those that may miss an SNR
+
+
+def worst_candidates(signal: Array, veil_there: Array | None) -> Array:
+    """Pixels with, for some row and altitude, no other pixel that has less signal and more veil.
+
+    Arrays (n, n_altitudes, n_pixels); returns the indices of these pixels.
+    """
+    if veil_there is None:
+        return np.unique(signal.argmin(axis=2))
+    flat_signal, flat_veil = (a.reshape(-1, a.shape[2]) for a in (signal, veil_there))
+    order = np.lexsort((-flat_veil, flat_signal), axis=1)
+    sorted_veil = np.take_along_axis(flat_veil, order, axis=1)
+    before = np.maximum.accumulate(sorted_veil, axis=1)
+    leads = np.ones_like(sorted_veil, bool)
+    leads[:, 1:] = sorted_veil[:, 1:] > before[:, :-1]
+    keep = np.zeros_like(leads)
+    np.put_along_axis(keep, order, leads, axis=1)
+    return np.nonzero(keep.any(axis=0))[0]
+
+
+def decisive_pixels(signal: Array, veil_there: Array, may_miss: int) -> tuple[Array, Array]:
+    """Pixels (n, n_altitudes, n_pixels) of which one decides what all but k = `may_miss` reach, at any settings.
+
+    Left out are those that k + 1 others or more have no more signal and no less veil than: these come first. Rows that
+    keep fewer end with what is easier than any pixel, as does each row, so that its end may be repeated.
+    """
+    shape = signal.shape
+    flat, veil = (a.reshape(-1, shape[2]) for a in (signal, veil_there))
+    keep = np.empty(flat.shape, bool)
+    earlier = np.tri(shape[2], k=-1, dtype=bool)
+    for row, (s, v) in enumerate(zip(flat, veil, strict=True)):
+        worse = (s <= s[:, None]) & (v >= v[:, None])
+        keep[row] = (worse & (~worse.T | earlier)).sum(axis=1) <= may_miss
+    most = int(keep.sum(axis=1).max()) + 1
+    order = np.argsort(~keep, axis=1, kind="stable")[:, :most]
+    kept = np.take_along_axis(keep, order, axis=1)
+    kept[:, -1] = False
+    flat, veil = (
+        np.where(kept, np.take_along_axis(a, order, axis=1), easiest)
+        for a, easiest in ((flat, flat.max(axis=1)[:, None]), (veil, veil.min(axis=1)[:, None]))
+    )
+    return flat.reshape(*shape[:2], -1), veil.reshape(*shape[:2], -1)
+
+
+def fewest_pixels(
+    sources: Sequence[tuple[Array, Array]], may_miss: int
+) -> list[tuple[Array, Array]]:
+    """Pixels of which one decides what all but k = `may_miss` reach in SNR and contrast, however sources are mixed.
+
+        SNR = s / sqrt(F + a + (PRNU a)^2),   a = s + v,   s = sum of X_m s_m,   v = sum of X_m v_m,   X_m >= 0
+
+    rises with s and falls with v/s, and so does contrast, s/a. Pixel i is never worse than pixel j if for all sources
+
+        s_im >= s_jm,   v_im s_jn + v_in s_jm <= v_jm s_in + v_jn s_im
+
+    Left out are pixels that are never worse than k + 1 others or more.
+
+    Parameters
+    ----------
+    sources : signal and veil, (n, n_altitudes, n_pixels) each, of the lamps and perhaps of the sun
+    may_miss : scalar
+
+    Returns
+    -------
+    The same with fewer pixels, each row's first. Rows that keep fewer end with what is easier than any pixel.
+
+    Notes
+    -----
+    Exact but for the rounding of products. Each pixel is compared with some of the worst ones, not with all: what is
+    left out is left out for good reason, what stays may be one too many. `decisive_pixels` keeps more, by signal and
+    veil alone: among them the veil's mean tells how an image changes with the water.
+    """
+    shape = sources[0][0].shape
+    flat = [tuple(np.ascontiguousarray(part).reshape(-1, shape[2]) for part in source) for source in sources]
+    step = max(1, MOST_PAIRS // (shape[2] * (may_miss + 1 + SPARE)))
+    keep = np.concatenate(
+        [
+            _may_decide([(s[at : at + step], v[at : at + step]) for s, v in flat], may_miss)
+            for at in range(0, len(flat[0][0]), step)
+        ]
+    )
+    most = min(int(keep.sum(axis=1).max()) + 1, shape[2])
+    order = np.argsort(~keep, axis=1, kind="stable")[:, :most]
+    kept = np.take_along_axis(keep, order, axis=1)
+
+    def few(column: Array, easiest: Array) -> Array:
+        return np.where(kept, np.take_along_axis(column, order, axis=1), easiest[:, None]).reshape(*shape[:2], -1)
+
+    return [(few(s, s.max(axis=1)), few(v, v.min(axis=1))) for s, v in flat]
+
+
+def _may_decide(sources: Sequence[tuple[Array, Array]], may_miss: int) -> Array:
+    """Which pixels (n, n_pixels) are no worse than at most k of those that look worst."""
+    scaled: list[tuple[Array, Array]] = []
+    ranks: Array = np.zeros(sources[0][0].shape)
+    for s, v in sources:
+        largest = np.maximum(np.maximum(s, v).max(axis=1), 1e-300)[:, None]  # products neither vanish nor overflow
+        scaled.append((s / largest, v / largest))
+        ranks += _rank(scaled[-1][0]) + _rank(-scaled[-1][1] / np.maximum(scaled[-1][0], 1e-300))
+    count = min(may_miss + 1 + SPARE, ranks.shape[1])
+    worst = np.argpartition(ranks, count - 1, axis=1)[:, :count]
+    place = np.arange(ranks.shape[1])
+    no_worse: Array = np.ones((*ranks.shape, count), bool)
+    no_better = no_worse.copy()
+    pairs = [(s[:, :, None], v[:, :, None], *(np.take_along_axis(c, worst, axis=1)[:, None, :] for c in (s, v)))
+             for s, v in scaled]  # fmt: skip
+    for s_i, _, s_j, _ in pairs:
+        no_worse &= s_i >= s_j
+        no_better &= s_i <= s_j
+    for (s_im, v_im, s_jm, v_jm), (s_in, v_in, s_jn, v_jn) in combinations_with_replacement(pairs, 2):
+        of_i, of_j = v_im * s_jn + v_in * s_jm, v_jm * s_in + v_jn * s_im
+        no_worse &= of_i <= of_j
+        no_better &= of_i >= of_j
+    earlier = worst[:, None, :] < place[:, None]
+    return np.asarray((no_worse & (~no_better | earlier)).sum(axis=2) <= may_miss)
+
+
+def _rank(column: Array) -> Array:
+    """Place of each in rising order, along the last axis."""
+    return np.asarray(column.argsort(axis=1).argsort(axis=1))
