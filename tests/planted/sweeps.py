@@ -8,6 +8,13 @@ TESTS = "tests/sweeps/test_sweep.py"
 
 DEFECTS = (
     Defect(
+        name="a sweep whose time is over sends more missions",
+        file="uwopt/sweeps/run.py",
+        old="if self.done < self.total and self.deadline.passed():",
+        new="if self.done > self.total and self.deadline.passed():",
+        test=f"{TESTS}::test_time_that_is_over_keeps_what_is_done",
+    ),
+    Defect(
         name="rows of another catalogue are believed",
         file="uwopt/sweeps/identity.py",
         old='DECIDING = ("uwopt", "program", "catalogue")',

@@ -17,7 +17,10 @@ from typer.testing import CliRunner
 
 import uwopt
 from uwopt.cli.app import app
+from uwopt.cli.status import LIMIT_REACHED
+from uwopt.deadline import Deadline
 from uwopt.errors import MissionError, OutputError
+from uwopt.report.text.sweep_tables import sweep_opening
 from uwopt.results.result import Result
 from uwopt.solvers.warm.searches import Warm
 from uwopt.sweeps import inputs as inputs_room
@@ -221,6 +224,27 @@ def test_a_changed_input_is_noticed(tmp_path: Path, stub: Stub, changed: str):
     assert sweep(mission, {"speed_m_s": [0.1, 0.2]}, out=tmp_path / "out", **ways).kept == 0
     assert len(worked) == 4
     assert sweep(mission, {"speed_m_s": [0.1, 0.2]}, out=tmp_path / "out", **ways).kept == 2
+
+
+def test_time_that_is_over_keeps_what_is_done(tmp_path: Path, stub: Stub, monkeypatch: pytest.MonkeyPatch):
+    honest, now_s = Deadline.after, [0.0]
+    monkeypatch.setattr(Deadline, "after", lambda seconds: honest(seconds, lambda: now_s[0]))
+
+    def fault(count: int) -> None:
+        now_s[0] = float(count >= 3)
+
+    stub(fault)
+    first = sweep(FEW, {"speed_m_s": "0.1:0.6:6"}, out=tmp_path / "cut", seconds=1e-3)
+    n_done = first.counts["violated"]
+    assert (first.status, first.counts) == ("stopped", {"violated": n_done, "missing": 6 - n_done})
+    assert 3 <= n_done < 6 and "Stopped" in " ".join(sweep_opening(first))
+    asked = ["sweep", str(TANK), "--vary", "speed_m_s=0.1:0.8:8", "--out", str(tmp_path / "none"), "--workers", "1"]
+    now_s[0] = 0.0
+    stub(lambda count: now_s.__setitem__(0, 1.0))
+    assert CliRunner().invoke(app, [*asked, "--seconds", "0.001"]).exit_code == LIMIT_REACHED
+    worked = stub()
+    whole = sweep(FEW, {"speed_m_s": "0.1:0.6:6"}, out=tmp_path / "cut")
+    assert (len(worked), whole.kept, whole.status) == (6 - n_done, n_done, "complete")
 
 
 def test_an_interruption_keeps_what_is_done(tmp_path: Path, stub: Stub):

@@ -79,7 +79,7 @@ class FailedMissions(Record):
 class SweepSummary(FiledRecord):
     """What many missions amount to, as it is written to sweep.json."""
 
-    status: str = Field(description="complete | interrupted: missions are missing")
+    status: str = Field(description="complete | interrupted, stopped by --seconds: missions are missing")
     what: str = Field(description="solve | evaluate | pareto")
     missions: Whole = Field(description="that are asked for")
     counts: dict[str, Whole] = Field(description="missions by their status; missing: not worked out yet")

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import OutputError, RangeError, SchedulerError
 from uwopt.mission.system import System
 from uwopt.mission.varying import Asked
@@ -55,6 +56,7 @@ def sweep(
     workers: int = 1,
     scheduler: str | None = None,
     kits: int = MOST_KITS,
+    seconds: float | None = None,
     progress: Progress | None = None,
 ) -> SweepSummary:
     """Many missions solved, or a system evaluated in each: a row a mission, in a folder that a later run goes on with.
@@ -68,6 +70,7 @@ def sweep(
     confidence : share of the scenarios in which hardware must hold, `central` or `ends`, instead of the missions'
     pareto : two or three objectives, as of `pareto`: the trade-off of each mission, a row a point, instead of its best
     kits : how many of the kits that win most often are tried in every mission, for a portfolio; 0 leaves it out
+    seconds : for all missions; what is worked out by then is kept, a mission under way is left to a later run
     workers : processes of this machine; with more than 1 call it below `if __name__ == "__main__":`
 
     scheduler : address of a running Dask cluster, such as tcp://127.0.0.1:8786, instead of processes of this machine
@@ -80,7 +83,7 @@ def sweep(
     """
     if workers < 1:
         raise RangeError(f"sweep: workers = {workers}; at least one is needed")
-    start = time.perf_counter()
+    start, deadline = time.perf_counter(), Deadline.after(seconds)
     several: list[Named] = list(named) if isinstance(named, (list, tuple)) else [named]  # type: ignore[list-item]
     ways = SweepWays(objective=objective, physics=physics, confidence=confidence, pareto=tuple(pareto or ()))
     job = job_of(several, vary, ways=ways, system=system, with_files=scheduler is not None)
@@ -90,22 +93,23 @@ def sweep(
         SweepStore(folder, SERVED) as served,
         Crew(job, workers, scheduler) as crew,
     ):
-        run = SweepRun(job, store, progress)
+        run = SweepRun(job, store, progress, deadline=deadline)
         run.all(crew)
-        made = summary_of(job, store, interrupted=run.interrupted, kept=run.kept)
+        made = summary_of(job, store, interrupted=bool(run.ended), kept=run.kept)
         timing = {"missions": run.spent_s}
-        if len(made.kits[:kits]) > 1 and not run.interrupted:
+        if len(made.kits[:kits]) > 1 and not run.ended:
             trial = Trial(job, tuple(made.kits[:kits]), solved_keys(job, store))
             second = SweepRun(
-                trial.job, served, progress, trial.tasks, trial.kits, f"{len(trial.kits)} kits tried in "
+                trial.job, served, progress, trial.tasks, trial.kits, f"{len(trial.kits)} kits tried in ",
+                deadline=deadline,
             )
             second.all(crew)
             timing["kits"] = second.spent_s
-            run.memory_mb, run.interrupted = max(run.memory_mb, second.memory_mb), second.interrupted
+            run.memory_mb, run.ended = max(run.memory_mb, second.memory_mb), second.ended
             made = with_portfolio(made, *trial.table(served))
         timing["total"] = time.perf_counter() - start
         made = replace(
-            made, status="interrupted" if run.interrupted else made.status, workers=crew.count,
+            made, status=run.ended or made.status, workers=crew.count,
             memory_mb=run.memory_mb, timing_s=timing,
         )  # fmt: skip
         write_sweep(made, job, store, folder)
@@ -208,7 +212,8 @@ class SweepRun:
     tasks: Callable[[], Iterator[SweepTask]] | None = None  # those of the job unless given
     kits: tuple[SweepKit, ...] = ()  # tried in each mission, instead of a search for the best
     does: str = ""  # before the number of missions, for who waits
-    interrupted: bool = False
+    deadline: Deadline = NEVER
+    ended: str = ""  # before all was done: interrupted by a person, or stopped where time was over
     kept: int = 0
     memory_mb: float = 0.0
     spent_s: float = 0.0
@@ -231,7 +236,7 @@ class SweepRun:
             try:
                 self._work(workers, Pace(workers.count))
             except KeyboardInterrupt:
-                self.interrupted = True
+                self.ended = "interrupted"
                 self._late(workers)
         self.spent_s = time.perf_counter() - self._start_s
 
@@ -242,6 +247,10 @@ class SweepRun:
         """Send batches and keep what comes back, until nothing is left."""
         tasks, more = self._tasks(), True
         while True:
+            if self.done < self.total and self.deadline.passed():
+                self.ended = "stopped"
+                self._late(workers)
+                return
             if self._suspects and not self._flying:
                 self._send(workers, self._suspects.popleft())  # alone, so that it is clear whose process ends
             while more and not self._suspects and self._flying < AHEAD * workers.count:
@@ -328,7 +337,7 @@ class SweepRun:
         self.done += len(rows)
 
     def _late(self, workers: Workers) -> None:
-        """Keep what was done when a person interrupted."""
+        """Keep what was done when a person interrupted, or time was over."""
         with contextlib.suppress(KeyboardInterrupt):
             while (finished := workers.next(0.0)) is not None:
                 if isinstance(finished[1], SweepReply):

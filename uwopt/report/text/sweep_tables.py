@@ -16,6 +16,8 @@ STATUS = {
     "missing": "not worked out yet: the same command goes on",
 }  # fmt: skip
 
+ENDED = {"interrupted": "Interrupted", "stopped": "Stopped by --seconds"}
+
 
 def sweep_blocks(made: SweepSummary) -> Iterator[Block | Text]:
     """The summary block by block, each ending with an empty line."""
@@ -47,8 +49,8 @@ def sweep_opening(made: SweepSummary) -> list[str]:
             f"Something fits in {won} of them; {words.counted(len(made.kits), 'kit')} of hardware "
             f"{'wins' if len(made.kits) == 1 else 'win'} somewhere, the first in {made.kits[0].wins}."
         )
-    if made.status == "interrupted":
-        told.append("Interrupted: what is done is kept, and the same command goes on with the rest.")
+    if (why := ENDED.get(made.status)) is not None:
+        told.append(f"{why}: what is done is kept, and the same command goes on with the rest.")
     return told
 
 
