@@ -248,7 +248,7 @@ means of c d 4 to 8 within 20 %:
 What misses is dim: where a narrow lobe leaves a corner in the dark its light is light that the water moved sideways on
 its way from the lamp, which an attenuation does not. `widened lobes` were tried (`docs/validation/orders/lobes.py`): order l of the
 lobe's Legendre series comes with exp(b r chi_l) beside its unscattered light, chi_l the mean of P_l over the phase function up to
-90° along the way, as for detail above but on the lamps' side; r is the altitude, and half of it for backscatter. Nothing
+90° along the way, as for detail below but on the lamps' side; r is the altitude, and half of it for backscatter. Nothing
 in it is fitted, and signals of corners follow it. It is not in the model: a lobe then depends on the water, and with it every bound of
 light in water that is in doubt, which has only attenuations to bound so far.
 
