@@ -145,6 +145,17 @@ def system() -> dict[str, Any]:
     }  # fmt: skip
 
 
+@pytest.mark.parametrize(("half_deg", "water", "warned"), [(40, "3C", False), (6, "3C", True), (6, "I", False)])
+def test_a_result_says_that_lobes_are_beyond_those_tested(half_deg: float, water: str, warned: bool) -> None:
+    # c at 550 nm of I is 0.06 1/m: 0.12 lengths at 2 m, where nothing of it matters
+    lamp = system()
+    lamp["light"]["beam_half_angle_deg"] = half_deg
+    mission = {"name": "t", "physics": "full", "practice": "bare",
+               "scene": {"water": water, "seafloor": 0.2, "depth_m": 50},
+               "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.0}, "requirements": {"frame_interval_s": 1.0}}  # fmt: skip
+    assert ("untested_lobe" in str(uwopt.evaluate(mission, lamp).to_dict())) is warned
+
+
 @pytest.mark.parametrize(("water", "orders", "warned"), [("9C", True, True), ("9C", False, False), ("II", True, False)])
 def test_a_result_says_that_it_leaves_the_tested_range(water: str, orders: bool, warned: bool) -> None:
     # c at 550 nm of 9C is 3.4 1/m: 6.8 lengths at 2 m; of II 0.45: 0.9

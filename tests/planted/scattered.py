@@ -111,7 +111,7 @@ DEFECTS = (
     ),
     Defect(
         name="nothing is said of water thicker than was tested",
-        file="uwopt/evaluation/figures_by_name.py",
+        file="uwopt/evaluation/tested.py",
         old="thickness > TESTED_THICKNESS:",
         new="thickness > 1e9:",
         test=f"{TABLES}::test_a_result_says_that_it_leaves_the_tested_range[9C-True-True]",
@@ -219,5 +219,12 @@ DEFECTS = (
         new="min(float(one.particles_per_m().min()) for one in self.states)",
         test="tests/solvers/test_confidence_proof.py"
         "::test_detail_in_the_veil_is_each_scenarios_own_and_no_bound_shows_less",
+    ),
+    Defect(
+        name="nothing is said of lobes narrower than were tested",
+        file="uwopt/evaluation/tested.py",
+        old="not narrow <= lobe_deg <= wide",
+        new="not lobe_deg <= wide",
+        test=f"{TABLES}::test_a_result_says_that_lobes_are_beyond_those_tested[6-3C-True]",
     ),
 )

@@ -20,10 +20,10 @@ from uwopt.evaluation.figures_by_name import (
     plain_figures,
     plain_settings,
     stop_notes,
-    thick_notes,
     uneven_notes,
 )
 from uwopt.evaluation.pair_light import pair_notes
+from uwopt.evaluation.tested import tested_notes
 from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.enclosures import tight_at_worst
 from uwopt.forward.figures import Figures, SettingRows
@@ -104,7 +104,7 @@ def evaluate_design(
         scenes=scenes,
         bom=bill,
         warnings=[
-            *light_notes(model), *pair_notes(model, each), *thick_notes(model), *housing_notes(model),
+            *light_notes(model), *pair_notes(model, each), *tested_notes(model), *housing_notes(model),
             *uneven_notes(scenes), *stop_notes(model),
         ],
     )  # fmt: skip

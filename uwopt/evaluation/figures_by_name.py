@@ -23,7 +23,7 @@ from uwopt.forward.figures import (
 from uwopt.forward.lamps import LAMP_FRONT_M
 from uwopt.forward.motion import blur_time_s, required_rate_hz
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
-from uwopt.forward.scene import COLOURS, DESIGN_WAVELENGTH_NM, SceneOptics
+from uwopt.forward.scene import COLOURS, SceneOptics
 from uwopt.forward.sharpness import Field, airy_wavelength_nm, arriving
 from uwopt.forward.spacers import scale_distance_m
 from uwopt.forward.spectra import sees_colours
@@ -33,7 +33,6 @@ from uwopt.model import lens as lens_model
 from uwopt.model.defocus import defocus_px, dome_decentring
 from uwopt.model.footprint import floor_steps
 from uwopt.model.imaging import floor_point
-from uwopt.model.multiple import TESTED_THICKNESS
 from uwopt.model.port import dome_virtual_image_distance_m
 from uwopt.model.sharpness import Sharpness
 from uwopt.results.design import Note, SceneResult
@@ -447,23 +446,6 @@ def light_notes(model: DesignModel) -> list[Note]:
         if dark > DARK_SHARE:
             text = f"{scene.name}: no light reaches {100 * dark:.0f} % of the image; widen the beam, tilt or add lamps"
             notes.append(Note("dark_image", "light", text))
-    return notes
-
-
-def thick_notes(model: DesignModel) -> list[Note]:
-    """Warnings of water so thick that light of all orders of scattering was not tested in it."""
-    notes = []
-    for scene in model.problem.scenes:
-        thickness = float(scene.range_m[-1]) * float(
-            np.interp(DESIGN_WAVELENGTH_NM, scene.wavelength_nm, scene.attenuation_per_m)
-        )
-        if scene.counts_orders and not scene.paper and thickness > TESTED_THICKNESS:
-            text = (
-                f"{scene.name}: the target is {thickness:.1f} attenuation lengths away; light scattered more than "
-                f"once was tested up to {TESTED_THICKNESS:g}, beyond that signal and veils may be off by 20 % and "
-                "more; go closer"
-            )
-            notes.append(Note("thick_water", "vehicle.altitude_m", text))
     return notes
 
 

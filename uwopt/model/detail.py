@@ -56,7 +56,7 @@ def detail_table(table: PhaseTable) -> DetailTable:
     it does not matter that y counts the angle and not its tangent. Prudent beyond: the pole of a Fournier-Forand
     function within 0.0035 deg would carry more.
     """
-    angle, mass = _masses(table)
+    angle, mass = masses_by_angle(table)
     kernel = _kernel(2.0 * np.pi * FREQUENCIES[:, None] * angle)
     share = np.clip(np.minimum.accumulate(kernel @ mass), 0.0, 1.0)
     return DetailTable(np.log(FREQUENCIES), share)
@@ -90,7 +90,7 @@ def detail_gain(cycles_per_rad: ArrayLike, *, scattered: ArrayLike, table: Detai
     return np.asarray(np.exp(np.asarray(scattered, dtype=float) * detail_share(cycles_per_rad, table=table)))
 
 
-def _masses(table: PhaseTable) -> tuple[FloatArray, FloatArray]:
+def masses_by_angle(table: PhaseTable) -> tuple[FloatArray, FloatArray]:
     """Scattering angles (BINS,) and the share scattered about each: d Omega = 8 pi x dx, x = sin(psi / 2)."""
     n, phase = table.n_cell, table.phase_per_sr[:-1]
     x = np.arange(n + 1) / n

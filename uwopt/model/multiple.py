@@ -41,6 +41,8 @@ LOST_FACTORS = (0.3, 1.8)
 SUN_VEIL_DEG = 59.4
 SUN_BACK, SUN_BACK_DEG, SUN_BACK_POWER = 1.24, 104.6, 1.21  # of `sunlight.diffuse_path_radiance_w_m2_sr_nm`
 TESTED_THICKNESS = 4.0  # c times the altitude up to which the constants were fitted and judged
+TESTED_FROM = 0.2  # and from which: in thinner water nothing of it matters
+TESTED_LOBES_DEG = (10.0, 70.0)  # half angles at half power, in water
 
 
 def lamp_angle_rad(half_power_angle_rad: ArrayLike) -> Any:

@@ -14,6 +14,7 @@ from scipy.optimize import least_squares
 
 from uwopt.model import multiple, scattering
 
+from . import lobes
 from .cases import TALLIES, Case, Light, read
 from .model import Legs, phase_table, uwopt_light
 
@@ -55,13 +56,11 @@ def effective(case: Case, constants: Constants = USED) -> Legs:
     return Legs(lamp, near, veil, max(back, least), max(back, least))
 
 
-def spread(case: Case) -> Legs:
-    """The same with lamp light that leaves the lobe in a lobe 1.82 times as wide: tried, and not in the model."""
-    legs, b, table = effective(case), case.c_per_m * case.albedo, phase_table(case.phase)
-    angles_deg = 7.0 + 0.95 * case.lobe_half_deg, 90.7
-    lamp, every = (scattering.share_beyond(float(np.deg2rad(angle)), table) for angle in angles_deg)
-    k = [case.c_per_m - b * (1.0 - lost) for lost in (lamp, 0.021 + every)]
-    return legs._replace(lamp=k[0], spread=(min(k), min(1.82 * case.lobe_half_deg, 85.0)))
+def widened(case: Case) -> Legs:
+    """The same with lobes that scattering widens on the lamps' way (`lobes`): tried, and not in the model."""
+    legs = effective(case)
+    floor, back = (lobes.widened(case, legs.lamp, share * case.altitude_m) for share in (1.0, lobes.BACK_WAY))
+    return legs._replace(lobes=(floor, back))
 
 
 def rows_of(use: str, *, thin: bool = True) -> list[Light]:

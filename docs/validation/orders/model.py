@@ -6,7 +6,6 @@ from the vertical in water, mu0 = 0.86: between 1 and 2 times a + b_b, as in the
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -65,7 +64,7 @@ class Legs(NamedTuple):
     veil: float  # and of all; what lies between comes from elsewhere on the floor
     back_lamp: float  # of backscatter: from the lamp to where it is sent back
     back_camera: float  # and from there to the camera
-    spread: tuple[float, float] | None = None  # K of all lamp light, and half angle [deg] of the lobe it spreads to
+    lobes: tuple[beams.Beam, beams.Beam] | None = None  # of light on the floor and of backscatter; None: the lamp's own
 
 
 def single(case: Case) -> Legs:
@@ -85,8 +84,9 @@ def uwopt_light(case: Case, place: str, legs: Legs) -> dict[str, float]:
     """Signal, forward veil and backscatter in the table's unit, by uwopt's own functions."""
     tilt = np.deg2rad(case.tilt_deg)
     lamps = Lamps((0.0,), (case.baseline_m,), (0.0,), ((0.0, float(np.sin(tilt)), float(np.cos(tilt))),), (1.0,))
-    beam = beams.cosine_power_beam(np.deg2rad(2 * case.lobe_half_deg))
+    beam, back_beam = legs.lobes or [beams.cosine_power_beam(np.deg2rad(2 * case.lobe_half_deg))] * 2
     common: dict[str, Any] = dict(shape=PINHOLE, range_m=case.altitude_m, lamps=lamps, beam=beam)
+    sent_back = common | dict(beam=back_beam)
 
     def table(lamp: float, camera: float, least_m: tuple[float, float], less: float | None = None) -> PathTable:
         longest = 20.0 * case.altitude_m
@@ -108,19 +108,13 @@ def uwopt_light(case: Case, place: str, legs: Legs) -> dict[str, float]:
     if place == "mean":
         gains = [field_mean(half, half, table=loss, **common)[0] for loss in (signal, forward)]
         gains[1] += mean_wide_gain(half, half, **wide)[0]
-        back = mean_backscatter(half, half, scatterers=scatterers, **common)[0]
+        back = mean_backscatter(half, half, scatterers=scatterers, **sent_back)[0]
     else:
         u, v = PLACES[place] or (0.0, 0.0)
         at = u * half, v * half
         gains = [local_gain(*at, table=loss, **common)[0] for loss in (signal, forward)]
         gains[1] += wide_gain(*at, **wide)[0]
-        back = backscatter_gain(*at, scatterers=scatterers, **common)[0]
+        back = backscatter_gain(*at, scatterers=scatterers, **sent_back)[0]
     shares = (floor, floor, case.c_per_m * case.albedo)
-    if legs.spread is not None:  # what the lamp's leg loses and all light does not falls into a wider lobe
-        every, half_deg = legs.spread
-        wider = legs._replace(lamp=every, spread=None), legs._replace(spread=None)
-        lobe = replace(case, lobe_half_deg=half_deg)
-        more, less = (uwopt_light(lobe, place, one) for one in wider)
-        gains = [gain + (more[name] - less[name]) / floor for gain, name in zip(gains, TALLIES[:2], strict=True)]
     values = (float(gain) * share for gain, share in zip((*gains, back), shares, strict=True))
     return dict(zip(TALLIES, values, strict=True))
