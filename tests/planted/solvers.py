@@ -277,8 +277,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="ground samples are judged at the nominal altitude",
         file="uwopt/solvers/exact/imager_rules.py",
-        old="view.gsd_m.max(axis=1) * 1e3 <= limit(",
-        new="view.gsd_m.min(axis=1) * 0.999e3 <= limit(",
+        old="of_rows(np.maximum, view.gsd_m) * 1e3 <= limit(",
+        new="of_rows(np.minimum, view.gsd_m) * 0.999e3 <= limit(",
         test=f"{RULES}test_a_rule_discards_what_is_a_millionth_outside[max_gsd_mm]",
     ),
     Defect(

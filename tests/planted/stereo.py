@@ -69,8 +69,8 @@ DEFECTS = (
     Defect(
         name="a search forgets what both cameras see",
         file="uwopt/solvers/exact/imager_rules.py",
-        old="view.common_across_m.min(axis=1) * ROUND >=",
-        new="view.footprint_across_m.min(axis=1) * ROUND >=",
+        old="of_rows(np.minimum, view.common_across_m) * ROUND >=",
+        new="of_rows(np.minimum, view.footprint_across_m) * ROUND >=",
         test=f"{RULES}test_a_rule_discards_what_is_a_millionth_outside[min_common_swath_m]",
     ),
     Defect(
