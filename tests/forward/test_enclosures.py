@@ -124,6 +124,22 @@ def test_needless_is_what_another_housing_that_fits_does_for_no_more():
     assert not variants.any()  # the same housing at two prices
 
 
+def test_needless_of_many_pairs_is_that_of_each() -> None:
+    """A hundred housings, more than bits of a word; pairs fit into some of them, many pairs into the same."""
+    rng = np.random.default_rng(3)
+    fits = (rng.random((12, 100)) < 0.3)[rng.integers(12, size=400)]
+    worth, names = [rng.integers(1, 6, 100).astype(float) for _ in range(2)], [f"h{k // 2}" for k in range(100)]
+    together = beaten(fits, worth, names)
+    for pair in range(0, 400, 23):
+        assert together[pair].tolist() == beaten(fits[pair : pair + 1], worth, names)[0].tolist()
+    price, mass = worth
+    for pair, one in np.argwhere(fits)[::97]:
+        rivals = [k for k in np.flatnonzero(fits[pair]) if names[k] != names[one]]
+        better = [k for k in rivals if price[k] <= price[one] and mass[k] <= mass[one]
+                  and (price[k] < price[one] or mass[k] < mass[one] or k < one)]  # fmt: skip
+        assert bool(together[pair, one]) == bool(better)
+
+
 def test_port_of_a_photo_housing_has_a_housing_of_its_own():
     (bare,) = enclosed([replace(PORT, mount="nauticam-n120")], [TUBE, replace(TUBE, ports=("any",))])
     assert bare.housing is None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import cache
 from types import SimpleNamespace
 
@@ -11,7 +11,7 @@ import pytest
 from random_cases import case
 
 from uwopt.forward.scene import SceneOptics
-from uwopt.forward.views import footprints, port_shape, port_shapes
+from uwopt.forward.views import footprints, port_shape, port_shapes, views
 from uwopt.model import beam as beams
 from uwopt.model.image_mean import field_means
 from uwopt.model.imaging import Lamps
@@ -68,3 +68,26 @@ def test_means_behind_many_ports_are_those_behind_each(beam: beams.Beam, oblique
             one = slice(row, row + 1)
             alone = field_means(ALONG[one], ACROSS[one], shape=port_shape(PORTS, row, where), **lit)
             assert mean[place] == pytest.approx(alone[0], rel=1e-12)
+
+
+@pytest.mark.parametrize("oblique", [False, True])
+def test_what_many_pairs_see_is_what_each_sees(oblique: bool) -> None:
+    """Of a sensor, one of half its pixels twice as wide with the same field, and both again."""
+    problem = case(9, oblique=True).problem()
+    where, cameras, lenses = scene(oblique=oblique), problem.cameras, problem.lenses
+    sensor, lens = cameras.take(np.zeros(4, int)), lenses.take(np.zeros(4, int))
+    coarse = np.array([1.0, 0.5, 1.0, 0.5])
+    sensor = replace(
+        sensor, resolution_x_px=sensor.resolution_x_px * coarse, resolution_y_px=sensor.resolution_y_px * coarse,
+        pixel_pitch_m=sensor.pixel_pitch_m / coarse,
+    )  # fmt: skip
+    for row in np.flatnonzero(np.diff(PORTS.is_dome)):
+        shape = port_shape(PORTS, int(row), where)
+        seen = views(where, sensor, lens, shape, landscape=True)
+        assert seen.tan_along[0] == seen.tan_along[1] and seen.gsd_m[0, 1] != seen.gsd_m[1, 1]
+        for k in range(4):
+            one = np.array([k])
+            alone = views(where, sensor.take(one), lens.take(one), shape, landscape=True)
+            for column in fields(seen):
+                many, single = getattr(seen, column.name), getattr(alone, column.name)
+                assert many.shape[1:] == single.shape[1:] and (many[k] == single[0]).all(), column.name

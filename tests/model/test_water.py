@@ -308,3 +308,10 @@ def test_impossible_weights_are_refused(bad: float) -> None:
     weight[3] = bad
     with pytest.raises(RangeError, match="weight"):
         path_table.build_path_table(weight, **optics("II"), lamp_range_m=(1, 2), camera_range_m=(1, 2))
+
+
+@pytest.mark.parametrize("rows", [1, 25, 26, 61, 165])
+def test_a_product_in_parts_is_the_whole(rows: int) -> None:
+    rng = np.random.default_rng(rows)
+    left, right = rng.random((rows, 301)), rng.random((65, 301)).T
+    assert path_table.product(left, right) == pytest.approx(np.einsum("ik,kj->ij", left, right), rel=1e-13)

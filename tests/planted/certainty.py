@@ -284,4 +284,18 @@ DEFECTS = (
         new="far, unit",
         test="tests/solvers/test_confidence_deciding.py::test_a_limit_is_moved_as_far_as_its_number_reaches",
     ),
+    Defect(
+        name="a proof keeps to itself what it takes for granted",
+        file=f"{ROOM}/summary.py",
+        old="if problem.effects.veils:",
+        new="if not problem.effects.veils:",
+        test=f"{PROOF}::test_a_proof_tells_what_it_takes_for_granted",
+    ),
+    Defect(
+        name="worse numbers are searched where milder ones fit nothing",
+        file=f"{ROOM}/search.py",
+        old="if worse >= least:",
+        new="if worse > 1.0:",
+        test=f"{PROOF}::test_where_nothing_fits_no_worse_numbers_are_searched",
+    ),
 )

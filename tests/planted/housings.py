@@ -99,9 +99,16 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a housing that does not fit makes another needless",
         file="uwopt/forward/enclosures.py",
-        old="(product(fits.astype(np.float32), beats",
-        new="(product(np.ones(fits.shape, np.float32), beats",
+        old="(product(alike.astype(np.float32), beats",
+        new="(product(np.ones(alike.shape, np.float32), beats",
         test=NEEDLESS,
+    ),
+    Defect(
+        name="pairs are taken for alike by the first eight housings",
+        file="uwopt/forward/enclosures.py",
+        old="rows_alike(*words.T)",
+        new="rows_alike(bits[:, 0])",
+        test="tests/forward/test_enclosures.py::test_needless_of_many_pairs_is_that_of_each",
     ),
     Defect(
         name="groups of ports are as roomy as their tightest housing",

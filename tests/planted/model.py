@@ -631,4 +631,18 @@ DEFECTS = (
         new="return np.full(len(wanted), np.clip(np.searchsorted(FIELD_ORDERS, wanted.max()) - 1, 0, MOST_RUNG))",
         test="tests/model/test_veil.py::test_many_images_at_once_are_as_each_alone",
     ),
+    Defect(
+        name="the last rows of a large product are left out of it",
+        file="uwopt/model/path_table.py",
+        old="for start in range(0, len(left), rows)])",
+        new="for start in range(0, len(left) - rows, rows)])",
+        test="tests/model/test_water.py::test_a_product_in_parts_is_the_whole",
+    ),
+    Defect(
+        name="sensors that are alike but for their pixels see the same",
+        file="uwopt/forward/views.py",
+        old="rows_alike(*alike)",
+        new="rows_alike(along, across)",
+        test="tests/forward/test_port_columns.py::test_what_many_pairs_see_is_what_each_sees",
+    ),
 )

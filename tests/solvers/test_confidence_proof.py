@@ -25,7 +25,7 @@ from uwopt.solvers.confidence.panels import anchors_of, best_scene, least_covere
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.screen import bounds_of
 from uwopt.solvers.confidence.search import Certain, can_be_proven, most_certain
-from uwopt.solvers.confidence.summary import counted, wilson
+from uwopt.solvers.confidence.summary import counted, proof_told, wilson
 from uwopt.solvers.confidence.together import Together
 from uwopt.solvers.exact.imagers import fitting_pairs
 from uwopt.solvers.exact.lightings import Lighting
@@ -108,6 +108,34 @@ def test_what_is_proven_best_is_the_best_of_every_hardware() -> None:
     first = sought.outcome.best[0]
     assert certain.best.found.camera != first.camera
     assert certain.best.quantile(0.5) < 0.995 * certain.tried[0].quantile(0.5)
+
+
+def test_a_proof_tells_what_it_takes_for_granted() -> None:
+    """Of lamps in water that scatters: what is sent back, and the focus; strict is only what no bound discarded."""
+    sought, certain = known()
+    assert certain.proof is not None and certain.proof.by_bounds
+    told = proof_told(sought.problem, sought.search.objective, certain.proof)
+    assert sought.problem.effects.veils and any("sends back" in text for text in told.argued)
+    assert any("focus" in text for text in told.argued)
+    alone = replace(certain.proof, by_panel=0, by_bounds=0, counted=certain.proof.total)
+    assert proof_told(sought.problem, sought.search.objective, alone).argued == []
+
+
+def test_where_nothing_fits_no_worse_numbers_are_searched(monkeypatch: pytest.MonkeyPatch) -> None:
+    sought, certain = known()
+    worse: list[float] = []
+
+    def worse_problem(problem: Problem, scenarios: Scenarios, share: float) -> Problem:
+        worse.append(share)
+        return problem
+
+    nothing = SimpleNamespace(run=lambda: SimpleNamespace(best=[]))
+    monkeypatch.setattr(search_module, "Search", lambda *_, **__: nothing)
+    monkeypatch.setattr(search_module, "worse_problem", worse_problem)
+    never = dict(done=lambda: False, hopeful=lambda: False)
+    found = list(search_module.candidates(sought, sought.search.objective, certain.scenarios, NEVER, **never))
+    assert worse == [search_module.WORSE[0], *search_module.LESS_WORSE]
+    assert [len(some) for some in found] == [min(len(sought.outcome.best), search_module.OF_CENTRAL)]
 
 
 def test_what_fresh_scenarios_refute_is_not_certain_enough() -> None:

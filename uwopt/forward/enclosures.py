@@ -20,6 +20,7 @@ from uwopt.catalog.mounts import is_free
 from uwopt.catalog.parts.housing import ANY_PORT
 from uwopt.catalog.readers.read_lens import circle_class
 from uwopt.catalog.records import Camera, Housing, Lens, Port, Quantity
+from uwopt.forward.columns import rows_alike
 from uwopt.forward.part_columns import Cameras, Lenses, Ports
 from uwopt.model.enclosure import Bodies, dome_needed_m, mouth_needed_m, sphere_needed_m, tube_needed_m
 from uwopt.model.path_table import product
@@ -194,4 +195,8 @@ def beaten(fits: Array, worth: Sequence[NDArray[np.float64]], names: Sequence[st
     first = np.arange(n)[:, None] < np.arange(n)[None, :]
     rival = np.array(names, object)[:, None] != np.array(names, object)[None, :]
     beats = no_worse & (better | first) & rival
-    return np.asarray(fits & (product(fits.astype(np.float32), beats.astype(np.float32)) > 0.5))
+    bits = np.packbits(fits, axis=1)
+    words = np.pad(bits, ((0, 0), (0, -bits.shape[1] % 8))).view(np.uint64)
+    first_of, back = rows_alike(*words.T)  # most pairs fit into the same housings as many others
+    alike = fits[first_of]
+    return np.asarray((alike & (product(alike.astype(np.float32), beats.astype(np.float32)) > 0.5))[back])

@@ -145,7 +145,7 @@ def product(left: Any, right: Any) -> Any:
     ----------
     Definition of the product; OpenBLAS, `interface/gemm.c`, for the size from which it takes threads.
     """
-    rows = max(MOST_PRODUCTS // right.size, 1)
+    rows = max(MOST_PRODUCTS // (2 * right.size), 1)  # of a transposed matrix half as many wake them
     if len(left) <= rows:
         return left @ right
     return np.concatenate([left[start : start + rows] @ right for start in range(0, len(left), rows)])
@@ -335,7 +335,7 @@ class _Integrand:
             by_lamp, by_camera = np.exp(to_lamp), np.exp(to_camera)
             if self.excess is not None:
                 by_camera *= -np.expm1(-np.multiply.outer(camera, self.excess))
-            mean = (self.share[:, None, :] * by_lamp) @ by_camera.T
+            mean = np.stack([product(share * by_lamp, by_camera.T) for share in self.share])
             if mean.min() > LEAST_SUM:
                 lamp_left, camera_left = (
                     np.multiply.outer(slope - centre, ranges)

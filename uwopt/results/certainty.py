@@ -58,6 +58,10 @@ class CertaintyProof(Record):
     by_bounds: Whole = Field(description="discarded likewise by bounds in groups of scenarios of like water")
     counted: Whole = Field(description="counted in every scenario")
     left: Whole = Field(description="of which nothing is known but best_possible")
+    argued: list[str] = Field(
+        default_factory=list,
+        description="what its bounds rest on that is argued and held against counts, not strict; none: all is",
+    )
 
     def adds_up(self) -> bool:
         """Whether every combination is accounted for once."""

@@ -112,7 +112,10 @@ def proof_text(result: Result, proof: CertaintyProof) -> str:
     gone += [f"{formats.count_text(proof.by_bounds)} by bounds in groups of them"] if proof.by_bounds else []
     gone += [f"{formats.count_text(proof.counted)} counted in all of them"]
     gone += [f"{formats.count_text(proof.left)} not looked at further"] if proof.left else []
-    return f"{what}; of {formats.count_text(proof.combinations)} combinations " + ", ".join(gone)
+    text = f"{what}; of {formats.count_text(proof.combinations)} combinations " + ", ".join(gone)
+    if proof.argued:
+        text += f". Argued and held against counts, but not strictly proven, is {words.listed(proof.argued)}"
+    return text
 
 
 def lost_text(requirement: str) -> str:

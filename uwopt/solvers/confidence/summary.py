@@ -53,7 +53,7 @@ def told(problem: Problem, objective: Objective, certain: Certain, central: Foun
         central_objective=objective.reported(central.minimised), central_hardware=ids(problem, central),
         central_held=first.held, central_p50=reported(objective, first.quantile(0.5)),
         counted=len(certain.tried), complete=certain.complete, fresh=ends or certain.fresh is not None,
-        proof=None if certain.proof is None else proof_told(objective, certain.proof),
+        proof=None if certain.proof is None else proof_told(problem, objective, certain.proof),
         curve=[] if ends else list(curve(problem, objective, certain)),
         decided_by=[] if ends else decided_by(problem, objective, certain.best, certain.scenarios),
         ask_first=[] if ends else [
@@ -63,12 +63,24 @@ def told(problem: Problem, objective: Objective, certain: Certain, central: Foun
     )  # fmt: skip
 
 
-def proof_told(objective: Objective, proof: NoneBetter) -> CertaintyProof:
+def proof_told(problem: Problem, objective: Objective, proof: NoneBetter) -> CertaintyProof:
     """A proof as a result tells it."""
     return CertaintyProof(
         best_possible=reported(objective, proof.lower_bound), complete=proof.left == 0, combinations=proof.total,
         by_panel=proof.by_panel, by_bounds=proof.by_bounds, counted=proof.counted, left=proof.left,
+        argued=list(argued(problem)) if proof.by_panel or proof.by_bounds else [],
     )  # fmt: skip
+
+
+def argued(problem: Problem) -> Iterator[str]:
+    """What bounds of a panel and of groups of scenarios take for granted, in words: argued in `panels`, not proven."""
+    low, high = problem.mission.doubt.focus
+    if problem.effects.veils:
+        yield "that no water sends back less light, beside the image, than the best of its group"
+    if any(scene.pixels is not None for scene in problem.scenes):
+        yield "which pixel decides whether the SNR is reached"
+    if high > low:
+        yield "that no focus serves better than the one that is meant"
 
 
 def counted(
