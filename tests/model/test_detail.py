@@ -50,6 +50,10 @@ def test_share_of_a_sea_like_function_is_the_plain_integral(frequency: float) ->
     assert float(detail.detail_share(frequency, table=table)) == pytest.approx(known, rel=2e-3)
 
 
+def test_the_thickest_water_has_a_gain_that_can_be_squared() -> None:
+    assert np.isfinite(np.square(detail.detail_gain(0.1, scattered=1e4, table=WELLS)))
+
+
 @given(st.floats(0.01, 1e7), st.floats(0.0, 8.0))
 def test_coarser_detail_and_longer_ways_have_more_beside_the_straight_light(frequency: float, scattered: float) -> None:
     one = detail.detail_gain(frequency, scattered=scattered, table=WELLS)

@@ -26,6 +26,7 @@ from uwopt.model.spectrum import FloatArray
 
 FREQUENCIES = np.geomspace(0.1, 1e6, 127)  # cycles per radian, 18 a decade; held at both ends
 BINS = 400  # of scattering angles, even in their logarithm
+MOST_LOG = 300.0  # of a gain: its square is a number; where it is more, nothing is left to gain on
 LARGE, NODES, KERNEL_STEP = 40.0, 64, 0.02  # argument from which the kernel is its asymptotic form; below, a table
 
 
@@ -87,7 +88,8 @@ def detail_gain(cycles_per_rad: ArrayLike, *, scattered: ArrayLike, table: Detai
     All orders of small turns. Light is taken to fall evenly on the surroundings that it comes from: within 2 degrees of
     the place for f above 10 cycles per radian.
     """
-    return np.asarray(np.exp(np.asarray(scattered, dtype=float) * detail_share(cycles_per_rad, table=table)))
+    log_gain = np.asarray(scattered, dtype=float) * detail_share(cycles_per_rad, table=table)
+    return np.asarray(np.exp(np.minimum(log_gain, MOST_LOG)))
 
 
 def masses_by_angle(table: PhaseTable) -> tuple[FloatArray, FloatArray]:
