@@ -575,8 +575,8 @@ DEFECTS = (
     Defect(
         name="the brightest pixel for the darkest",
         file="uwopt/forward/figures.py",
-        old="reached_by_most(np.asarray(sensor.snr(",
-        new="-reached_by_most(-np.asarray(sensor.snr(",
+        old="reached_by_most(np.asarray(each)",
+        new="-reached_by_most(-np.asarray(each)",
         test="tests/evaluation/test_full_physics.py::test_darkest_pixel[one lamp, dome]",
     ),
     Defect(

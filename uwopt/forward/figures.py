@@ -287,17 +287,11 @@ def at_pixels(rows: DesignRows, light_x: Array, open_y: Array) -> Iterator[tuple
 
 def snr_of_pixels(rows: DesignRows, light_x: Array, open_y: Array, noise: dict[str, Array]) -> Array | None:
     """The SNR that all but `may_miss` of the pixels reach, (n, n_altitudes); None where none is asked of them."""
-    found = [
-        reached_by_most(
-            np.asarray(
-                sensor.snr(
-                    signal, veil_e=0.0 if veil is None else veil,
-                    **{name: column[some, :, None] for name, column in noise.items()},
-                )
-            ), rows.light.may_miss,
-        )
-        for some, signal, veil in at_pixels(rows, light_x, open_y)
-    ]  # fmt: skip
+    found = []
+    for some, signal, veil in at_pixels(rows, light_x, open_y):
+        there = {name: column[some, :, None] for name, column in noise.items()}
+        each = sensor.snr(signal, veil_e=0.0 if veil is None else veil, **there)
+        found.append(reached_by_most(np.asarray(each), rows.light.may_miss))
     return np.concatenate(found) if found else None
 
 
