@@ -69,8 +69,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a large search cut short claims the best it found",
         file="uwopt/solvers/exact/large.py",
-        old="return np.concatenate([self.floors[self.left], *(ideals for _, ideals in self.pending)])",
-        new="return self.floors[:0]",
+        old="return self.open.ideals()",
+        new="return self.open.ideals()[:0]",
         test=f"{CERTIFICATE}test_a_search_cut_short_has_a_bound_below_what_it_found[large-0]",
     ),
     Defect(

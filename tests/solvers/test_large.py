@@ -33,7 +33,7 @@ def as_if_large(monkeypatch: pytest.MonkeyPatch) -> None:
     """Few pairs, ports and imagers at a time."""
     monkeypatch.setattr(exact_search, "MOST_IMAGERS", 0)
     monkeypatch.setattr(outline, "BRANCHES", 2)
-    for name, value in (("FIRST_PAIRS", 1), ("LARGEST_PAIRS", 4), ("FIRST_LEAVES", 1), ("LARGEST_LEAVES", 2)):
+    for name, value in (("FIRST_ROWS", 1), ("LARGEST_ROWS", 4), ("FIRST_LEAVES", 1), ("LARGEST_LEAVES", 2)):
         monkeypatch.setattr(large, name, value)
 
 
@@ -211,8 +211,8 @@ def test_steps_below_the_least_share_of_a_dial(monkeypatch: pytest.MonkeyPatch) 
     same_best(replace(free, mission=free.mission.model_copy(update={"limits": limits})), monkeypatch)
 
 
-def test_interrupted_once_no_pair_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Ctrl-C in the last search of imagers, when pairs that cannot win are closed, keeps what was found."""
+def test_interrupted_while_only_what_cannot_win_waits(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ctrl-C in a search of imagers beside which only pairs wait that are beaten keeps what was found."""
     made = planted("power", (BURNING,), {"min_snr_db": 20.0, "max_blur_px": 1.0})
     noise_e, power_w = (40.0, 2.0, 1.0, 1.0), (1.0, 1.1, 1.2, 5000.0)
     cameras = tuple(
@@ -232,8 +232,8 @@ def test_interrupted_once_no_pair_is_left(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr(large.PairTree, "candidates", stopping)
     outcome = search.run()
     assert outcome.interrupted and not outcome.complete and outcome.account.adds_up()
-    assert outcome.account.discarded["bound"] > 0, "some pair was closed before"
-    assert outcome.lower_bound <= full.best[0].minimised < outcome.best[0].minimised
+    assert outcome.account.discarded["not_reached"] > 0, "what is beaten is closed when its turn comes"
+    assert outcome.lower_bound <= full.best[0].minimised <= outcome.best[0].minimised
 
 
 def test_many_lights_share_places_of_a_table(monkeypatch: pytest.MonkeyPatch) -> None:
