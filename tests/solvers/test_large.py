@@ -8,6 +8,7 @@ from typing import Any
 import front_cases
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from random_cases import CHOSEN, FEW, Case, case, lamp, planted
 from thorough import drawn
 
@@ -15,17 +16,21 @@ from uwopt.catalog.records import exact
 from uwopt.deadline import Deadline
 from uwopt.forward.problem import Problem
 from uwopt.objectives.dominance import hypervolume
+from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact import large, node_bounds, outline
 from uwopt.solvers.exact import search as exact_search
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.audit import audit
 from uwopt.solvers.exact.candidates import Candidates
-from uwopt.solvers.exact.imagers import enumerate_imagers
+from uwopt.solvers.exact.imagers import Imagers, enumerate_imagers, fitting_pairs
 from uwopt.solvers.exact.node_bounds import Corner
 from uwopt.solvers.exact.outline import Level, OutlineRows, OutlineScene, port_tree
+from uwopt.solvers.exact.pair_groups import PairGroups
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.front.designs import found_of
 from uwopt.solvers.front.search import Front, FrontSearch
+
+Array = NDArray[Any]
 
 
 @pytest.fixture(autouse=True)
@@ -48,12 +53,11 @@ def outlines_hold(problem: Problem) -> None:
     imagers = enumerate_imagers(problem)
     if len(imagers) == 0:
         pytest.skip("no imager")
-    slack = 1e-9
-    for groups in port_tree(problem):
-        place = np.argsort(groups.order)[imagers.port]
-        group = np.searchsorted(groups.start, place, side="right") - 1
-        rows = OutlineRows(imagers.camera, imagers.lens, imagers.landscape, group)
-        level = Level(problem, groups)
+    slack, ports = 1e-9, port_tree(problem)
+    pairs = PairGroups.levels(problem, fitting_pairs(problem), Objective.of("power"))
+    levels = [Level(problem, ports[0], groups) for groups in pairs] + [Level(problem, groups) for groups in ports]
+    for level in levels:
+        rows = rows_of(level, imagers)
         seen = level.imagers(rows)
         for name in ("cost", "limit_cost", "mass_kg", "camera_power_w", "gsd_mm"):
             assert (getattr(seen, name) <= getattr(imagers, name) * (1 + slack)).all(), name
@@ -71,6 +75,38 @@ def outlines_hold(problem: Problem) -> None:
             for name in ("pixel_along_m", "pixel_across_m"):
                 assert (getattr(own.view, name) <= getattr(out.most, name) * (1 + slack)).all(), name
             assert (out.view.gsd_m <= own.view.gsd_m * (1 + slack)).all()
+            assert (out.view.tan_along <= own.view.tan_along * (1 + slack)).all()
+
+
+def rows_of(level: Level, imagers: Imagers) -> OutlineRows:
+    """The row of a level that each imager is in."""
+
+    def group(order: Array, start: Array, part: Array) -> Array:
+        return np.asarray(np.searchsorted(start, np.argsort(order)[part], side="right") - 1)
+
+    camera, lens, pairs = imagers.camera, imagers.lens, level.pairs
+    if pairs is not None:
+        camera = group(pairs.camera_order, pairs.camera_start, camera)
+        lens = group(pairs.lens_order, pairs.lens_start, lens)
+    return OutlineRows(camera, lens, imagers.landscape, group(level.groups.order, level.groups.start, imagers.port))
+
+
+@pytest.mark.parametrize("seed", FEW)
+def test_every_pair_that_fits_is_in_one_group_of_each_level(seed: int) -> None:
+    """However groups are parted, each fitting pair comes out once; and the example of a group is one of its own."""
+    problem = case(seed).problem()
+    pairs = fitting_pairs(problem)
+    fit = sorted(zip(pairs.camera.tolist(), pairs.lens.tolist(), strict=True))
+    _, coarse, fine = PairGroups.levels(problem, pairs, Objective.of("power"))
+    assert coarse.count.sum() == fine.count.sum() == len(fit)
+    camera, lens = np.nonzero(coarse.count)
+    _, one, other = coarse.parted(camera, lens, fine)
+    held = sorted(zip(one.tolist(), other.tolist(), strict=True))
+    assert held == [(i, j) for i, j in np.argwhere(fine.count).tolist()]
+    for groups, of in ((coarse, (camera, lens)), (fine, (one, other))):
+        row, each, its = groups.parted(*of)
+        assert sorted(zip(each.tolist(), its.tolist(), strict=True)) == fit
+        assert (np.bincount(row, minlength=len(of[0])) == groups.count[of]).all()
 
 
 @pytest.mark.parametrize("seed", FEW)
