@@ -78,7 +78,14 @@ DEFECTS: tuple[Defect, ...] = (
         file="uwopt/solvers/exact/pair_groups.py",
         old='"read_noise_e", "prnu_frac", "min_exposure_s",',
         new='"prnu_frac", "min_exposure_s",',
-        test="tests/solvers/test_bounds.py::test_a_group_of_pairs_is_bounded_by_its_best[lamps in steps]",
+        test="tests/solvers/test_large.py::test_cameras_that_see_alike_are_bounded_together",
+    ),
+    Defect(
+        name="groups of cameras hold such as see otherwise",
+        file="uwopt/solvers/exact/pair_groups.py",
+        old='"resolution_x_px", "resolution_y_px", "pixel_pitch_m", "bits",',
+        new='"bits",',
+        test="tests/solvers/test_large.py::test_outlines_bound_their_imagers",
     ),
     Defect(
         name="groups of lenses see as far as their longest alone",

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from random_cases import CHOSEN, FEW, Case, case, lamp, planted
 from thorough import drawn
 
+from uwopt.bench.scaling_parts import central
 from uwopt.catalog.records import exact
 from uwopt.deadline import Deadline
 from uwopt.forward.problem import Problem
@@ -31,6 +32,7 @@ from uwopt.solvers.front.designs import found_of
 from uwopt.solvers.front.search import Front, FrontSearch
 
 Array = NDArray[Any]
+VARIED = ("read_noise_e", "saturation_e", "qe_scale", "power_w", "price")  # of cameras that see alike
 
 
 @pytest.fixture(autouse=True)
@@ -63,6 +65,13 @@ def outlines_hold(problem: Problem) -> None:
             assert (getattr(seen, name) <= getattr(imagers, name) * (1 + slack)).all(), name
         for rule, passes in level.rules(rows, seen):
             assert passes.all(), f"{rule} discards an imager that passes"
+        group, own = level.problem.cameras.take(rows.camera), problem.cameras.take(imagers.camera)
+        for name in ("read_noise_e", "prnu_frac", "min_exposure_s"):  # less makes a bound of the light lower
+            assert (getattr(group, name) <= getattr(own, name)).all(), name
+        for name in ("saturation_e", "max_gain", "gain_dn_per_e", "max_exposure_s", "exposure_offset_s"):
+            assert (getattr(group, name) >= getattr(own, name)).all(), name
+        for name in ("pixel_pitch_m", "bits", "black_level_dn", "qe_index"):
+            assert (getattr(group, name) == getattr(own, name)).all(), name
         for own, out in zip(imagers.scenes, seen.scenes, strict=True):
             for name in ("n_low", "working_factor", "rate_hz"):
                 assert (getattr(out.focused, name) <= getattr(own.focused, name) * (1 + slack)).all(), name
@@ -89,6 +98,34 @@ def rows_of(level: Level, imagers: Imagers) -> OutlineRows:
         camera = group(pairs.camera_order, pairs.camera_start, camera)
         lens = group(pairs.lens_order, pairs.lens_start, lens)
     return OutlineRows(camera, lens, imagers.landscape, group(level.groups.order, level.groups.start, imagers.port))
+
+
+def with_variants(made: Case, seed: int) -> Case:
+    """The same case with three variants of each of its first two cameras, which see alike, and none dominates."""
+    rng = np.random.default_rng([seed, 7])
+    cameras = []
+    for camera in made.parts.cameras[:2]:
+        for i in range(3):
+            more = {
+                name: exact(central(getattr(camera, name)) * float(factor))
+                for name, factor in zip(VARIED, np.exp(rng.uniform(-0.5, 0.5, len(VARIED))), strict=True)
+                if getattr(camera, name) is not None
+            }
+            cameras.append(replace(camera, id=f"{camera.id}-{i}", **more))
+    return replace(made, parts=replace(made.parts, cameras=tuple(cameras)))
+
+
+@pytest.mark.parametrize("seed", FEW)
+def test_cameras_that_see_alike_are_bounded_together(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Groups of them bound each, and the search finds what that of a small catalogue finds."""
+    case_ = with_variants(case(seed), seed)
+    problem = case_.problem()
+    _, groups, _ = PairGroups.levels(problem, fitting_pairs(problem), Objective.of("power"))
+    assert len(groups.camera_start) < len(problem.parts.cameras)
+    large_, small = case_.solve(top=1)[1], small_search(case_, monkeypatch)
+    assert large_.complete and large_.account.adds_up() and large_.account.total == small.account.total
+    assert [f.minimised for f in large_.best] == pytest.approx([f.minimised for f in small.best[:1]], rel=1e-6)
+    outlines_hold(problem)
 
 
 @pytest.mark.parametrize("seed", FEW)
