@@ -120,7 +120,7 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a row of a large search counts as one port",
         file="uwopt/solvers/exact/large.py",
-        old="int(level.groups.size[rows.group[lost]].sum()) * self._sizes",
+        old="int(level.imagers_in(block.rows.take(lost)).sum()) * self._sizes",
         new="len(lost) * self._sizes",
         test="tests/solvers/test_housings.py::test_ports_that_are_left_when_a_search_ends_are_counted_one_by_one",
     ),

@@ -190,8 +190,8 @@ DEFECTS = (
     Defect(
         name="outlines take oblique images for as large as behind the widest of their ports",
         file="uwopt/solvers/exact/outline.py",
-        old="view, most = (self.view(index, rows, ports) for ports in (self.groups.least,",
-        new="view, most = (self.view(index, rows, ports) for ports in (self.groups.most,",
+        old="view, most = (self.view(index, rows, most=end) for end in (False, True))",
+        new="view, most = (self.view(index, rows, most=end) for end in (True, True))",
         test=f"{SEARCHED}::test_outlines_of_oblique_views_bound_their_imagers",
     ),
     Defect(

@@ -326,8 +326,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="pairs are bounded behind the dearest port",
         file="uwopt/solvers/exact/large.py",
-        old="lenses.price[pairs.lens] + ports.price.min()",
-        new="lenses.price[pairs.lens] + ports.price.max()",
+        old="lenses.price[rows.lens] + ports.price[rows.group]",
+        new="lenses.price[rows.lens] + ports.price.max()",
         test=f"{BOUNDS}test_the_floor_of_a_pair_is_its_cost_without_light_behind_the_cheaper_dome",
     ),
     Defect(

@@ -16,7 +16,7 @@ def batches(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> 
     """
     if request.param == "as if large":
         monkeypatch.setattr(exact_search, "MOST_IMAGERS", 0)
-        for name, value in (("FIRST_PAIRS", 1), ("FIRST_LEAVES", 1), ("LARGEST_PAIRS", 4), ("BRANCHES", 2)):
+        for name, value in (("FIRST_ROWS", 1), ("FIRST_LEAVES", 1), ("LARGEST_ROWS", 4), ("BRANCHES", 2)):
             monkeypatch.setattr(outline if name == "BRANCHES" else large, name, value)
     if request.param != "as shipped":
         for name, value in (

@@ -25,11 +25,12 @@ from uwopt.solvers.exact import large
 from uwopt.solvers.exact.account import Account
 from uwopt.solvers.exact.attack import attack
 from uwopt.solvers.exact.bounds import Bounds
-from uwopt.solvers.exact.imagers import FittingPairs, Imagers
+from uwopt.solvers.exact.imagers import FittingPairs, Imagers, fitting_pairs
 from uwopt.solvers.exact.large import PairTree
 from uwopt.solvers.exact.light_tables import FieldTables
 from uwopt.solvers.exact.node_bounds import bit_per_px_bound, suffix_min
 from uwopt.solvers.exact.outline import Level, OutlineRows, OutlineTables, port_tree
+from uwopt.solvers.exact.pair_groups import PairGroups
 from uwopt.solvers.exact.screen import level_set, pair_rules
 from uwopt.solvers.exact.search import Cheapest, Search
 from uwopt.solvers.exact.signals import SignalTables
@@ -279,10 +280,30 @@ def test_a_group_of_ports_is_bounded_by_its_best(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", MISSIONS)
+def test_a_group_of_pairs_is_bounded_by_its_best(name: str) -> None:
+    """Cameras that see alike with lenses of any focal length, behind both domes together."""
+    search, imagers = searched(name)
+    problem = search.problem
+    like, ports = FieldTables(problem, imagers), port_tree(problem)[0]
+    for pairs in PairGroups.levels(problem, fitting_pairs(problem), search.objective):
+        level = Level(problem, ports, pairs)
+        camera, lens = np.nonzero(pairs.count)
+        rows = OutlineRows(camera, lens, np.ones(len(lens), bool), np.zeros(len(lens), int))
+        seen = level.imagers(rows)
+        passes = np.logical_and.reduce([ok for _, ok in level.rules(rows, seen)])
+        bounds = Bounds(search.objective, seen, OutlineTables(level, rows, seen, like), coupled=True)
+        nodes = [bounds.of_nodes(k, np.arange(len(lens))) for k in range(len(like.lightings))]
+        row, one, other = pairs.parted(camera, lens)
+        for at, own, its in zip(row, one, other, strict=True):
+            best = known(name).least(camera=own, lens=its)
+            if best is not None:
+                assert passes[at], "discarded, and yet feasible"
+                assert below(min(u.value[at] for u in nodes if u.rule[at] < 0), best)
+
+
+@pytest.mark.parametrize("name", MISSIONS)
 def test_the_floor_of_a_pair_is_below_its_best(name: str) -> None:
     """What camera and lens cost without light behind the cheapest port."""
-    from uwopt.solvers.exact.imagers import fitting_pairs
-
     search = searched(name)[0]
     pairs = fitting_pairs(search.problem)
     floors = floors_of(search, pairs)
@@ -294,8 +315,6 @@ def test_the_floor_of_a_pair_is_below_its_best(name: str) -> None:
 def test_the_floor_of_a_pair_is_its_cost_without_light_behind_the_cheaper_dome() -> None:
     """1000 + 500 + 100 USD for the first camera and lens, by hand: the second dome costs 100."""
     search = world("lamps in steps").searcher()
-    from uwopt.solvers.exact.imagers import fitting_pairs
-
     floors = floors_of(search, fitting_pairs(search.problem))
     assert floors.tolist() == [1600.0, 1400.0, 1300.0, 1100.0]
 
@@ -313,7 +332,14 @@ def test_a_camera_that_reaches_a_ceiling_is_looked_at(name: str) -> None:
 def floors_of(search: Search, pairs: FittingPairs) -> Array:
     """What pairs cost at least."""
     goal = Cheapest(search.objective, search.among, lambda: np.inf)
-    return PairTree(search.problem, search.objective, pairs, goal, Account()).floors[:, 0]
+    tree = PairTree(search.problem, search.objective, pairs, goal, Account())
+    groups = range(len(tree.levels[-1].groups.start))
+    behind = [
+        OutlineRows(pairs.camera, pairs.lens, np.full(len(pairs.camera), landscape), np.full(len(pairs.camera), group))
+        for group in groups for landscape in tree.orientations
+    ]  # fmt: skip
+    floors = [goal.ideals(tree.floor_terms(tree.levels[-1], rows))[:, 0] for rows in behind]
+    return np.asarray(np.min(floors, axis=0))
 
 
 # ---------------------------------------------------------------- signal and quality
@@ -431,7 +457,7 @@ def test_large_and_small_search_agree_on_the_best_of_the_enumeration(monkeypatch
     from uwopt.solvers.exact import search as exact_search
 
     for place, names in ((exact_search, ("FIRST_CHUNK", "FIRST_BATCH", "LARGEST_BATCH", "LARGEST_CHUNK")),
-                         (exact_search, ("FIRST_SIFTED",)), (large, ("FIRST_PAIRS", "FIRST_LEAVES"))):  # fmt: skip
+                         (exact_search, ("FIRST_SIFTED",)), (large, ("FIRST_ROWS", "FIRST_LEAVES"))):  # fmt: skip
         for name in names:
             monkeypatch.setattr(place, name, 1)
     monkeypatch.setattr(exact_search, "TOO_FEW_TO_BOUND", 0)

@@ -35,7 +35,7 @@ def test_search_of_a_large_catalogue_of_oblique_views_equals_that_of_a_small_one
     small = made.solve()[1]
     monkeypatch.setattr(exact_search, "MOST_IMAGERS", 0)
     monkeypatch.setattr(outline, "BRANCHES", 2)
-    for name, value in (("FIRST_PAIRS", 1), ("LARGEST_PAIRS", 4), ("FIRST_LEAVES", 1), ("LARGEST_LEAVES", 2)):
+    for name, value in (("FIRST_ROWS", 1), ("LARGEST_ROWS", 4), ("FIRST_LEAVES", 1), ("LARGEST_LEAVES", 2)):
         monkeypatch.setattr(large, name, value)
     found = made.solve()[1]
     assert found.account.adds_up() and found.complete

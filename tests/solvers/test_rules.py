@@ -408,7 +408,7 @@ def test_a_search_counts_what_cannot_win(way: str, monkeypatch: pytest.MonkeyPat
         as_if_large(monkeypatch)
     for module, names in (
         (exact_search, ("FIRST_CHUNK", "FIRST_BATCH")),
-        (large, ("FIRST_PAIRS", "FIRST_LEAVES")),
+        (large, ("FIRST_ROWS", "FIRST_LEAVES")),
     ):
         for name in names:
             monkeypatch.setattr(module, name, 1)

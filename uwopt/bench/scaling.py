@@ -1,4 +1,4 @@
-"""How time and memory of the exact search grow with the catalogue: four missions, 10^3 to 10^10 combinations.
+"""How time and memory of the exact search grow with the catalogue: four missions, 10^3 to 10^12 combinations.
 
 The catalogues are made by `scaling_parts`. Each point runs in a fresh process, so that its peak memory is its
 own. From the parts as records to the proven optimum: tables of the problem, search, certificate's account.
@@ -27,7 +27,7 @@ from uwopt.solvers.exact.search import Search
 
 NAME = "scaling"
 QUICK_SIZES = (1e3, 1e4, 1e5, 1e6, 1e7)
-FULL_SIZES = (*QUICK_SIZES, 1e8, 1e9, 1e10)
+FULL_SIZES = (*QUICK_SIZES, 1e8, 1e9, 1e10, 1e11, 1e12)
 PHYSICS = "full"  # what every default run proves its optimum with
 QUICK_S, FULL_S = 15.0, 150.0
 START_S = 3.0  # a process, its imports and the making of the parts

@@ -14,7 +14,7 @@ THIRDS = 3  # marks a stop
 SAME_REL = 1e-6  # as a mark and its number in a table agree
 
 
-@lru_cache(maxsize=1024)
+@lru_cache(maxsize=65536)  # more than there are lenses: with fewer places none would be found again
 def f_number_closed(f_number_min: float, stops: float) -> float:
     """The smallest f-number that counts as closed by so many stops from the widest opening.
 

@@ -1,9 +1,8 @@
-"""The tree above the imagers of a large catalogue: pairs of camera and lens, behind groups of ports.
+"""The tree above the imagers of a large catalogue: groups of cameras with groups of lenses, behind groups of ports.
 
-Pairs are taken in order of what they are at best without any port or light. Each is bounded behind groups of ports,
-the groups are split where the bound does not settle them, and the imagers that are left are handed to whoever
-searches, best bound first. Every combination is counted once, by the rule that discards it. What can matter is for a
-`Goal` to say: a search for one optimum and one for a front take the same way.
+Whatever has the best bound comes next, at any level: groups are bounded, those that it does not settle are split, and
+the imagers behind the last of them are handed to whoever searches. Every combination is counted once, by the rule that
+discards it. What can matter is for a `Goal` to say: a search for one optimum and one for a front take the same way.
 """
 
 from __future__ import annotations
@@ -28,13 +27,14 @@ from uwopt.solvers.exact.imagers import FittingPairs, PortBlock, imagers_behind,
 from uwopt.solvers.exact.light_tables import FieldTables
 from uwopt.solvers.exact.node_bounds import NODE_RULES
 from uwopt.solvers.exact.oblique import PlaneReach, deepest_m
+from uwopt.solvers.exact.open_rows import OpenRows, WaitingRows
 from uwopt.solvers.exact.outline import Level, OutlineRows, OutlineTables, port_tree
+from uwopt.solvers.exact.pair_groups import PairGroups, spread
 from uwopt.tolerances import COARSE_ROUND
 
 Array = NDArray[Any]
-FIRST_PAIRS, LARGEST_PAIRS = 512, 32768  # that are bounded together
-MOST_ROWS = 65536  # rows of an outline that are bounded together
-MOST_PENDING = 50_000  # imagers that wait for their search
+FIRST_ROWS, LARGEST_ROWS = 512, 32768  # of an outline, that are bounded together
+SHARE_OF_GROUPS = 16  # of that many are groups of pairs, which come apart into many rows
 FIRST_LEAVES, LARGEST_LEAVES = 256, 16384  # imagers that are searched together
 MOST_SAMPLES = 1024  # discarded imagers remembered per rule, for an audit
 
@@ -64,13 +64,14 @@ class PairTree:
     ):  # fmt: skip
         """`account` is charged with what is discarded here; `lights` marks those that are searched."""
         self.problem, self.objective, self.pairs, self.goal, self.account = problem, objective, pairs, goal, account
-        self.levels = [Level(problem, groups) for groups in port_tree(problem)]
+        ports = port_tree(problem)
+        alike, *grouped = (Level(problem, ports[0], groups) for groups in PairGroups.levels(problem, pairs, objective))
+        self.alike = alike  # every view that there is, and no other
+        self.levels = [*grouped, *(Level(problem, groups) for groups in ports)]
         self.n_port, self.orientations = len(problem.parts.ports), landscapes(problem)
         low, high = problem.count_range
         self.every = len(problem.parts.lights) * (high - low + 1) * len(problem.mounts)
         self.samples = pairs.samples
-        self.pending: list[tuple[OutlineRows, Array]] = []  # imagers with their ideals
-        self.left = np.arange(len(pairs.camera))  # pairs that are not taken yet, in their order
         self.outline_s = 0.0
         none = joined(problem, [], {}, self.samples)
         tables = FieldTables(
@@ -81,7 +82,10 @@ class PairTree:
                 tables.set_widest(index, altitude, self._widest(index, altitude))
         bounds = Bounds(objective, none, tables, lights=lights, coupled=True)
         self.none = Candidates(none, tables, bounds)  # its tables of lights serve all others
-        self.floors = goal.ideals(self.floor_terms())
+        rows = self._every_row(self.levels[0])
+        floors = goal.ideals(self.floor_terms(self.levels[0], rows))
+        self.n_ideals = floors.shape[1]
+        self.open = OpenRows.none(len(self.levels) + 1, goal).put(0, rows, floors)
 
     @property
     def _sizes(self) -> int:
@@ -115,18 +119,18 @@ class PairTree:
         return Rectangles(along_m, across_m, along_m * across_m, along_m, behind_m, share)
 
     def _small_enough(self, scene_index: int, group: int, *, landscape: bool) -> OutlineRows:
-        """Pairs behind one group of the first level whose pixels may be small enough, and whose view may end."""
-        level, scene = self.levels[0], self.problem.scenes[scene_index]
-        rows = self._rows(np.arange(len(self.pairs.camera)), group, landscape=landscape)
+        """Views behind one group of ports whose pixels may be small enough, and that may end."""
+        level, scene, rows = self.alike, self.problem.scenes[scene_index], self._every_row(self.alike)
+        rows = rows.take((rows.group == group) & (rows.landscape == landscape))
         limit_mm = limit(scene.view.requirements.max_gsd_mm)
         small = rows.take(level.gsd_m(scene_index, rows)[:, 2] * 1e3 <= limit_mm * COARSE_ROUND)
         if not scene.slope:
             return small
-        return small.take(level.view(scene_index, small, level.groups.least).farthest <= FARTHEST * COARSE_ROUND)
+        return small.take(level.view(scene_index, small, most=False).farthest <= FARTHEST * COARSE_ROUND)
 
     def _reach(self, scene_index: int, altitude: int) -> PlaneReach:
         """The most of `Level.reach` over all such pairs, as columns of length one."""
-        level, scene = self.levels[0], self.problem.scenes[scene_index]
+        level, scene = self.alike, self.problem.scenes[scene_index]
         most = np.full((len(PlaneReach._fields), 1), 1e-6)
         for group in range(len(level.groups.start)):
             for landscape in self.orientations:
@@ -137,133 +141,116 @@ class PairTree:
 
     def _widest_m(self, scene_index: int, altitude: int) -> tuple[float, float]:
         """No image of a pair whose pixels are small enough reaches farther from the axis, either way."""
-        level, scene = self.levels[0], self.problem.scenes[scene_index]
+        level, scene = self.alike, self.problem.scenes[scene_index]
         range_m, widest = np.array([scene.range_m[altitude]]), 1e-6
         for group in range(len(level.groups.start)):
-            rows = self._small_enough(scene_index, group, landscape=True)
+            rows = self._small_enough(scene_index, group, landscape=self.orientations[0])
             for _, _, most in level.ends(scene, rows.group[:1]):
                 tangent = np.max(level.tangents(scene, rows, most), keepdims=True)[0]
                 widest = max(widest, float(edge_m(scene, most, tangent, range_m)[0, 0]))
         return widest, widest
 
-    def _rows(self, pairs: Array, group: int, *, landscape: bool) -> OutlineRows:
-        """Pairs behind one group of the first level."""
-        n = len(pairs)
-        return OutlineRows(
-            self.pairs.camera[pairs], self.pairs.lens[pairs], np.full(n, landscape), np.full(n, group)
-        )
+    def _every_row(self, level: Level) -> OutlineRows:
+        """Every group of pairs behind every group of ports of a level, in all orientations."""
+        assert level.pairs is not None
+        pairs = level.pairs
+        camera, lens = np.nonzero(pairs.count)
+        groups = range(len(level.groups.start))
+        return OutlineRows.joined([
+            OutlineRows(camera, lens, np.full(len(lens), landscape), np.full(len(lens), group))
+            for group in groups for landscape in self.orientations
+        ])  # fmt: skip
 
-    # ------------------------------------------------------------ pairs
+    def floor_terms(self, level: Level, rows: OutlineRows) -> Terms:
+        """What rows are at best, before they are bounded: no light, the cheapest port, the smallest pixel."""
+        problem, cameras, lenses, ports = self.problem, level.problem.cameras, level.problem.lenses, level.groups.least
+        count, (extra_cost, extra_mass, _) = problem.mission.vehicle.camera_count, problem.extras
+        gsd_m = np.max([level.gsd_m(index, rows)[:, 1] for index in range(len(problem.scenes))], axis=0)
+        cost = cameras.price[rows.camera] + lenses.price[rows.lens] + ports.price[rows.group]
+        mass = cameras.mass_kg[rows.camera] + lenses.mass_kg[rows.lens] + ports.mass_kg[rows.group]
+        information = np.full(len(rows), np.inf if self.objective.weight("information") else 0.0)
+        return Terms(
+            problem.least_camera_power_w(cameras)[rows.camera], count * cost + extra_cost, count * mass + extra_mass,
+            np.full(len(rows), snr_ceiling(self.objective)), gsd_m * 1e3, np.ones(len(rows)), information,
+        )  # fmt: skip
+
+    # ------------------------------------------------------------ best first
 
     def search(self, deadline: Deadline) -> bool:
-        """Take all pairs that may matter; False when time ran out. Interrupted, it stays as it was before the step."""
-        self.left, chunk = self.goal.order(self.floors), FIRST_PAIRS
-        while len(self.left):
-            self._close_beaten()
-            pairs, rest = self.left[:chunk], self.left[chunk:]
-            if len(pairs) == 0:
-                break
+        """Take all that may matter; False when time ran out. Interrupted, it stays as it was before the step."""
+        chunk, leaves = FIRST_ROWS, FIRST_LEAVES
+        while len(self.open):
             if deadline.passed():
                 return False
-            before, waiting = self.account.snapshot(), list(self.pending)
+            before, dear = self.account.snapshot(), max(1, leaves // self._ports_in_a_row)
+            depth, some, rest = self.open.next(max(1, chunk // SHARE_OF_GROUPS), chunk, dear)
+            last = depth == len(self.levels)
             try:
-                self._outline(pairs)
+                if last:
+                    if not self._search_leaves(some):
+                        return False
+                    leaves = min(4 * leaves, LARGEST_LEAVES)
+                else:
+                    start = time.perf_counter()
+                    rest = rest.put(depth + 1, *self._parts_of(depth, some))
+                    chunk = min(2 * chunk, LARGEST_ROWS)
+                    self.outline_s += time.perf_counter() - start
             except KeyboardInterrupt:
                 self.account.restore(before)
-                self.pending = waiting
                 raise
-            self.left = rest
-            full = sum(len(rows) for rows, _ in self.pending) > MOST_PENDING
-            if (chunk == FIRST_PAIRS or full or not len(rest)) and not self._search_pending():
-                return False
-            chunk = min(2 * chunk, LARGEST_PAIRS)
-        return self._search_pending()
+            self.open = rest
+        return True
 
     def open_ideals(self) -> Array:
         """What is not searched yet could be at best, (n, n_objectives)."""
-        return np.concatenate([self.floors[self.left], *(ideals for _, ideals in self.pending)])
+        return self.open.ideals()
 
-    def floor_terms(self) -> Terms:
-        """What each pair is at best: no light, the cheapest port, the smallest pixel."""
-        problem, pairs, level = self.problem, self.pairs, self.levels[0]
-        cameras, lenses, ports = problem.cameras, problem.lenses, problem.ports
-        count, (extra_cost, extra_mass, _) = problem.mission.vehicle.camera_count, problem.extras
-        every, gsd_mm = np.arange(len(pairs.camera)), np.full(len(pairs.camera), np.inf)
-        for group in range(len(level.groups.start)):
-            turned = [self._rows(every, group, landscape=landscape) for landscape in (True, False)]
-            worst_m = np.max([
-                np.minimum(*(level.gsd_m(index, one)[:, 1] for one in turned)) for index in range(len(problem.scenes))
-            ], axis=0)  # fmt: skip
-            gsd_mm = np.minimum(gsd_mm, worst_m * 1e3)
-        cost = cameras.price[pairs.camera] + lenses.price[pairs.lens] + ports.price.min()
-        mass = cameras.mass_kg[pairs.camera] + lenses.mass_kg[pairs.lens] + ports.mass_kg.min()
-        information = np.full(len(every), np.inf if self.objective.weight("information") else 0.0)
-        return Terms(
-            problem.least_camera_power_w(cameras)[pairs.camera], count * cost + extra_cost, count * mass + extra_mass,
-            np.full(len(every), snr_ceiling(self.objective)), gsd_mm, np.ones(len(every)), information,
-        )  # fmt: skip
+    @property
+    def _ports_in_a_row(self) -> int:
+        """How many ports stand behind a row of the last level, about."""
+        return max(1, int(self.levels[-1].groups.size.mean()))
 
-    def _close_beaten(self) -> None:
-        """Pairs that cannot matter."""
-        beaten = self.goal.beaten(self.floors[self.left])
-        pairs, self.left = self.left[beaten], self.left[~beaten]
-        if len(pairs):
-            self.account.charge("bound", len(pairs) * self.n_port * len(self.orientations) * self._sizes)
-            rows = self._rows(pairs, 0, landscape=self.orientations[0])
-            self._remember("bound", self.levels[0], rows, np.arange(len(rows)))
+    def _search_leaves(self, block: WaitingRows) -> bool:
+        """Search the imagers of rows of the last level; False when time ran out before the end."""
+        candidates = self.candidates(self._hopeful(self.levels[-1], block)[0])
+        return len(candidates.imagers) == 0 or self.goal.search(candidates)
+
+    def _hopeful(self, level: Level, block: WaitingRows) -> tuple[OutlineRows, Array]:
+        """The rows that may still matter, with their ideals; the others are counted."""
+        beaten = self.goal.beaten(block.ideals)
+        lost = np.flatnonzero(beaten)
+        self.account.charge("bound", int(level.imagers_in(block.rows.take(lost)).sum()) * self._sizes)
+        self._remember("bound", level, block.rows, lost)
+        return block.rows.take(~beaten), block.ideals[~beaten]
+
+    def _parts_of(self, depth: int, block: WaitingRows) -> tuple[OutlineRows, Array]:
+        """The parts of the rows of one level that its bounds leave, with what the rows are at best."""
+        left, ideals = self._bounded(self.levels[depth], self._hopeful(self.levels[depth], block)[0])
+        if depth + 1 == len(self.levels):
+            return left, ideals
+        row, parts = self._parted(depth, left)
+        return parts, ideals[row]
+
+    def _parted(self, depth: int, rows: OutlineRows) -> tuple[Array, OutlineRows]:
+        """The same rows split into those of the next level, and of each which it comes from."""
+        groups, pairs = self.levels[depth].groups, self.levels[depth].pairs
+        if pairs is not None:
+            row, camera, lens = pairs.parted(rows.camera, rows.lens, self.levels[depth + 1].pairs)
+            return row, OutlineRows(camera, lens, rows.landscape[row], rows.group[row])
+        starts = self.levels[depth + 1].groups.start
+        first, end = np.searchsorted(starts, groups.start), np.searchsorted(starts, groups.stop)
+        row, group = spread(first[rows.group], end[rows.group])
+        return row, OutlineRows(rows.camera[row], rows.lens[row], rows.landscape[row], group)
 
     def _remember(self, rule: str, level: Level, rows: OutlineRows, discarded: Array) -> None:
-        """Some of what a rule discards, for an audit: the first port of each group."""
+        """Some of what a rule discards, for an audit: the first imager of each row."""
         kept = self.samples.setdefault(rule, [])
         if len(discarded) and len(kept) < MOST_SAMPLES:
-            first = level.groups.order[level.groups.start]
-            for i in discarded[:: max(1, len(discarded) // SAMPLES)]:
-                kept.append(
-                    (
-                        int(rows.camera[i]),
-                        int(rows.lens[i]),
-                        int(first[rows.group[i]]),
-                        bool(rows.landscape[i]),
-                    )
-                )
-
-    # ------------------------------------------------------------ outlines
-
-    def _outline(self, pairs: Array) -> None:
-        """Bound pairs behind ever smaller groups of ports; what is left are imagers that wait for their search."""
-        start = time.perf_counter()
-        groups = range(len(self.levels[0].groups.start))
-        self._descend(0, OutlineRows.joined([
-            self._rows(pairs, group, landscape=landscape) for group in groups for landscape in self.orientations
-        ]))  # fmt: skip
-        self.outline_s += time.perf_counter() - start
-
-    def _descend(self, depth: int, rows: OutlineRows) -> None:
-        """Bound rows at one level, split what is left, and so on."""
-        level = self.levels[depth]
-        for begin in range(0, len(rows), MOST_ROWS):
-            some = rows.take(np.arange(begin, min(begin + MOST_ROWS, len(rows))))
-            left, ideals = self._bounded(level, some)
-            if len(left) == 0:
-                continue
-            if depth + 1 < len(self.levels):
-                self._descend(depth + 1, self._split(depth, left))
-            else:
-                self.pending.append((left, ideals))
-
-    def _split(self, depth: int, rows: OutlineRows) -> OutlineRows:
-        """The same rows behind the parts of their groups."""
-        starts, groups = self.levels[depth + 1].groups.start, self.levels[depth].groups
-        first, end = np.searchsorted(starts, groups.start), np.searchsorted(starts, groups.stop)
-        counts = (end - first)[rows.group]
-        parent = np.repeat(np.arange(len(rows)), counts)
-        within = np.arange(len(parent)) - np.repeat(np.cumsum(counts) - counts, counts)
-        children = rows.take(parent)
-        return OutlineRows(children.camera, children.lens, children.landscape, first[children.group] + within)
+            kept += [level.one_of(rows, int(i)) for i in discarded[:: max(1, len(discarded) // SAMPLES)]]
 
     def _bounded(self, level: Level, rows: OutlineRows) -> tuple[OutlineRows, Array]:
         """The rows that may matter, with their ideals; the others are counted by what discards them."""
-        account, imagers, size = self.account, level.imagers(rows), level.groups.size[rows.group]
+        account, imagers, size = self.account, level.imagers(rows), level.imagers_in(rows)
         alive = np.ones(len(rows), bool)
         for rule, passes in level.rules(rows, imagers):
             failed = np.nonzero(alive & ~passes)[0]
@@ -272,11 +259,11 @@ class PairTree:
             alive &= passes
         index = np.nonzero(alive)[0]
         if len(index) == 0:
-            return rows.take(index), self.floors[:0]
+            return rows.take(index), np.empty((0, self.n_ideals))
         own = self.none.bounds
         tables = OutlineTables(level, rows, imagers, self.none.tables)
         bounds = Bounds(self.objective, imagers, tables, lights=own.searched, coupled=True, like=own)
-        best, rules = np.full((len(index), self.floors.shape[1]), np.inf), []
+        best, rules = np.full((len(index), self.n_ideals), np.inf), []
         open_ = np.zeros(len(index), bool)
         for k in range(len(tables.lightings)):
             node = bounds.of_nodes(k, index)
@@ -298,37 +285,6 @@ class PairTree:
         return rows.take(index[open_]), best[open_]
 
     # ------------------------------------------------------------ imagers
-
-    def _search_pending(self) -> bool:
-        """Search the imagers that wait, best first; False when time ran out before the end."""
-        if not self.pending:
-            return True
-        level = self.levels[-1]
-        rows = OutlineRows.joined([waiting for waiting, _ in self.pending])
-        ideals = np.concatenate([each for _, each in self.pending])
-        batch, each = FIRST_LEAVES, max(1, int(level.groups.size.mean()))  # ports behind a row
-        order = self.goal.order(ideals)
-        rows, ideals = rows.take(order), ideals[order]
-        while True:
-            beaten = self.goal.beaten(ideals)
-            lost = np.flatnonzero(beaten)
-            self.account.charge("bound", int(level.groups.size[rows.group[lost]].sum()) * self._sizes)
-            self._remember("bound", level, rows, lost)
-            rows, ideals = rows.take(~beaten), ideals[~beaten]
-            self.pending = [(rows, ideals)] if len(rows) else []
-            if len(rows) == 0:
-                return True
-            ahead = slice(max(1, batch // each))
-            before = self.account.snapshot()
-            try:
-                candidates = self.candidates(rows.take(ahead))
-                if len(candidates.imagers) and not self.goal.search(candidates):
-                    return False
-            except KeyboardInterrupt:
-                self.account.restore(before)
-                raise
-            rows, ideals = rows.take(slice(ahead.stop, None)), ideals[ahead.stop :]
-            batch = min(4 * batch, LARGEST_LEAVES)
 
     def candidates(self, rows: OutlineRows) -> Candidates:
         """The imagers behind the ports of these rows that pass all rules."""

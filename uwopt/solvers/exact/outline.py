@@ -1,15 +1,16 @@
 """Bounds of camera x lens pairs behind whole groups of ports: how a large catalogue is pruned before its imagers.
 
-A row of an outline is camera x lens x orientation x a group of ports of one geometry. Every number that a
-bound needs is taken at the end of the group that favours the design: the smallest image for the light, the
-largest for the frame rate, the cheapest port for the cost. What no port of the group can bear is discarded
-with all its ports; what may be best is split into smaller groups, down to ports of the same optics,
-whose imagers are searched together.
+A row of an outline is camera x lens x orientation x a group of ports of one geometry, at first with groups of cameras
+and of lenses in their place. Every number that a bound needs is taken at the end of the group that favours the design:
+the smallest image for the light, the largest for the frame rate, the cheapest port for the cost. What no part of the
+group can bear is discarded with all of them; what may be best is split into smaller groups, down to single pairs
+behind ports of the same optics, whose imagers are searched together.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
@@ -21,7 +22,7 @@ from uwopt.forward.columns import Columns
 from uwopt.forward.enclosures import bodies_of
 from uwopt.forward.focus import Focused, held_at_corner, place_focus, sharp_ends_m
 from uwopt.forward.motion import blur_time_s, required_rate_hz
-from uwopt.forward.part_columns import Ports
+from uwopt.forward.part_columns import Lenses, Ports
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import PAPER_N_WATER, SceneOptics
 from uwopt.forward.spacers import needed_spacer_m
@@ -53,6 +54,7 @@ from uwopt.solvers.exact.oblique import (
     most_oblique_pixels_m,
     reach_of,
 )
+from uwopt.solvers.exact.pair_groups import PairGroups
 from uwopt.tolerances import COARSE_ROUND
 
 Array = NDArray[Any]
@@ -140,11 +142,22 @@ def port_tree(problem: Problem) -> list[PortGroups]:
 class LensFocus:
     """What lenses bring to groups of ports, (n_lenses, n_groups): whether any port of the group lets the lens
     focus, and by scene, (n_scenes, n_lenses, n_groups), the least f-number times circle of confusion that keeps
-    sharp what must be, and the least working factor."""
+    sharp what must be, and the least working factor. Behind any port, whether a lens can be closed as far as is
+    asked (n_lenses,), and by scene the least f-number that this leaves (n_scenes, n_lenses)."""
 
     focuses: Array
     cover_m: Array
     factor: Array
+    closes: Array
+    closed: Array
+
+    def grouped(self, order: Array, start: Array) -> LensFocus:
+        """The best of each group of lenses, which are places `start` to the next in `order`."""
+        cover, factor, closed = (
+            np.minimum.reduceat(each[:, order], start, axis=1) for each in (self.cover_m, self.factor, self.closed)
+        )
+        focuses, closes = (np.logical_or.reduceat(each[order], start) for each in (self.focuses, self.closes))
+        return LensFocus(focuses, cover, factor, closes, closed)
 
 
 def lens_focus(problem: Problem, groups: PortGroups) -> LensFocus:
@@ -158,6 +171,8 @@ def lens_focus(problem: Problem, groups: PortGroups) -> LensFocus:
         np.logical_or.reduceat(focuses, groups.start, axis=1),
         np.minimum.reduceat(cover, groups.start, axis=2),
         np.minimum.reduceat(factor, groups.start, axis=2),
+        stops_down(problem, problem.lenses),
+        np.array([problem.lenses.f_number_from(s.view.requirements.lens_stop_down) for s in problem.scenes]),
     )
 
 
@@ -223,7 +238,7 @@ class OutlineScene(SceneImagers):
 
 @dataclass(frozen=True)
 class OutlineRows(Columns):
-    """Camera x lens x orientation x group of ports at one level of the tree."""
+    """Camera x lens x orientation x group of ports at one level of the tree; of either, too, it may be a group."""
 
     camera: Array
     lens: Array
@@ -235,19 +250,36 @@ class OutlineRows(Columns):
 
 
 class Level:
-    """One level of the tree of ports, ready to bound rows."""
+    """One level of the tree, ready to bound rows: of ports, and of pairs where these are in groups."""
 
-    def __init__(self, problem: Problem, groups: PortGroups):
-        self.problem, self.groups = problem, groups
+    def __init__(self, problem: Problem, groups: PortGroups, pairs: PairGroups | None = None):
+        self.problem, self.short, self.groups, self.pairs = problem, problem.lenses, groups, pairs
         self.lens_focus = lens_focus(problem, groups)
+        if pairs is not None:
+            self.problem, self.short = pairs.problem, pairs.short
+            self.lens_focus = self.lens_focus.grouped(pairs.lens_order, pairs.lens_start)
 
-    def view(self, index: int, rows: OutlineRows, ports: Ports) -> Views:
-        """What these rows see in one scene behind one end of their groups; only what bounds look at."""
+    def imagers_in(self, rows: OutlineRows) -> Array:
+        """How many imagers these rows hold."""
+        size = self.groups.size[rows.group]
+        return size if self.pairs is None else size * self.pairs.count[rows.camera, rows.lens]
+
+    def one_of(self, rows: OutlineRows, row: int) -> tuple[int, int, int, bool]:
+        """Camera, lens, port and orientation of the first imager of a row."""
+        pair = int(rows.camera[row]), int(rows.lens[row])
+        if self.pairs is not None:
+            pair = self.pairs.one_of(*pair)
+        return *pair, int(self.groups.order[self.groups.start[rows.group[row]]]), bool(rows.landscape[row])
+
+    def view(self, index: int, rows: OutlineRows, *, most: bool) -> Views:
+        """What these rows see in one scene, at the end of their groups that sees least or most; only what bounds look
+        at."""
         scene, n = self.problem.scenes[index], len(rows)
+        ports, every_lens = (self.groups.most, self.short) if most else (self.groups.least, self.problem.lenses)
         columns = {name: np.empty((n, 3) if name in WIDE else n) for name in (*WIDE, *NARROW)}
         for mine, shape in port_shapes(ports, rows.group, scene):
             some = rows.take(mine)
-            cameras, lenses = self.problem.cameras.take(some.camera), self.problem.lenses.take(some.lens)
+            cameras, lenses = self.problem.cameras.take(some.camera), every_lens.take(some.lens)
             along, across, focal = field_of_view(scene, cameras, lenses, shape, some.landscape)
             altitudes, pitch = altitudes_m(scene), cameras.pixel_pitch_m
             seen = footprints(scene, shape, along, across, pitch, focal, altitudes)
@@ -292,9 +324,12 @@ class Level:
         for (mine, least), (_, most) in zip(*both, strict=True):
             yield mine, least, most
 
-    def tangents(self, scene: SceneOptics, rows: OutlineRows, shape: PortShape) -> tuple[Array, Array]:
-        """Tangents in air of the half angles of view along and across the motion."""
-        cameras, lenses = self.problem.cameras.take(rows.camera), self.problem.lenses.take(rows.lens)
+    def tangents(
+        self, scene: SceneOptics, rows: OutlineRows, shape: PortShape, every_lens: Lenses | None = None
+    ) -> tuple[Array, Array]:
+        """Tangents in air of the half angles of view along and across the motion; of the longest lenses by default."""
+        cameras = self.problem.cameras.take(rows.camera)
+        lenses = (self.problem.lenses if every_lens is None else every_lens).take(rows.lens)
         return field_of_view(scene, cameras, lenses, shape, rows.landscape)[:2]
 
     # ------------------------------------------------------------ rules and columns
@@ -326,7 +361,7 @@ class Level:
         cameras, lenses = problem.cameras.take(rows.camera), problem.lenses.take(rows.lens)
         needs = scene.view.requirements
         passed = 1.0 if scene.paper else self.groups.transmission[index][rows.group]
-        view, most = (self.view(index, rows, ports) for ports in (self.groups.least, self.groups.most))
+        view, most = (self.view(index, rows, most=end) for end in (False, True))
         collecting_m2 = np.square(cameras.pixel_pitch_m) * lenses.transmission * passed * cameras.qe_scale
         blur_s = np.empty(len(rows))
         for mine, least, _ in self.ends(scene, rows.group):
@@ -338,7 +373,7 @@ class Level:
         nothing = np.zeros(len(rows))
         focused = Focused(
             nothing, self.lens_focus.factor[index][rows.lens, rows.group],
-            np.maximum(lenses.f_number_from(needs.lens_stop_down), n_depth),
+            np.maximum(self.lens_focus.closed[index][rows.lens], n_depth),
             lenses.f_number_max, rate, blur_s, nothing, nothing, nothing,
         )  # fmt: skip
         return OutlineScene(replace(view, collecting_m2=collecting_m2), focused, most)
@@ -359,7 +394,7 @@ class Level:
         ):  # fmt: skip
             passes[name] = every.copy()
         duration, rates = problem.duration, []
-        passes["lens_stop_down"] = stops_down(problem, problem.lenses)[rows.lens]
+        passes["lens_stop_down"] = self.lens_focus.closes[rows.lens]
         passes["min_dof_m"] = every.copy()
         for scene, seen in zip(problem.scenes, imagers.scenes, strict=True):
             assert isinstance(seen, OutlineScene)
@@ -435,6 +470,9 @@ class OutlineTables(FieldTables):
     def __init__(self, level: Level, rows: OutlineRows, imagers: Imagers, like: FieldTables):
         super().__init__(level.problem, imagers, like=like)
         self.level, self.outline = level, rows
+        if level.pairs is not None:
+            self.problem = copy(like.problem)
+            self.problem.cameras, self.problem.lenses = level.problem.cameras, level.problem.lenses
 
     def most_sun(self, scene_index: int, rows: Array) -> Array:
         """No bound: ports of a group differ."""
@@ -448,12 +486,16 @@ class OutlineTables(FieldTables):
             return Rectangles.tilted(self.level.reach(scene, some, range_m), deepest_m(self.problem, scene_index))
         along_m, across_m, area_m2, crowding = np.ones((4, len(rows)))
         for mine, least, most in self.level.ends(scene, some.group):
-            tangents = self.level.tangents(scene, some.take(mine), least)
+            both = [self.level.tangents(scene, some.take(mine), least, end) for end in (None, self.level.short)]
             low, high = (
                 [edge_m(scene, shape, tangent, np.array([range_m]))[:, 0] for tangent in tangents]
-                for shape in (least, most)
+                for shape, tangents in zip((least, most), both, strict=True)
             )
-            along_m[mine], across_m[mine], area_m2[mine] = *high, low[0] * low[1]
-            crowding[mine] = crowding_of(*tangents, *high, shape=least, range_m=range_m)
+            along_m[mine], across_m[mine] = high
+            area_m2[mine] = low[0] * low[1]
+            if not least.is_dome:  # of the narrowest image, its samples as dense as in the corner of the widest
+                area_m2[mine] = high[0] * high[1]
+                wider = both[1][0] * both[1][1] / (both[0][0] * both[0][1])
+                crowding[mine] = crowding_of(*both[1], *high, shape=least, range_m=range_m) * wider
         behind_m, share = Rectangles.paths(self.problem, scene_index, range_m)
         return Rectangles(along_m, across_m, area_m2, crowding, behind_m, share)
