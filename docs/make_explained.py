@@ -12,16 +12,18 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
 import time
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from statistics import median
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command line does
 
 import uwopt  # noqa: E402
 from uwopt.errors import UwoptError  # noqa: E402
@@ -253,11 +255,21 @@ def summary(rows: list[Row]) -> str:
     )
 
 
-def page(rows: list[Row]) -> str:
-    """The whole page."""
+def page(rows: list[Row], every: int) -> str:
+    """The whole page; `every`: how many there would be."""
     wrong = [f"- `{row.mission}` by {row.name} {row.limit:g}: {one}" for row in rows for one in row.wrong]
     after = ["", "## What does not hold", "", *wrong] if wrong else []
-    return "\n".join([HEAD + summary(rows), *table(rows), *after, ""])
+    return "\n".join([HEAD + f"Asked of {len(rows)} of {every}. " + summary(rows), *table(rows), *after, ""])
+
+
+def made(waiting: list[Future[Row]]) -> Iterator[Row]:
+    """Rows as they come, until a person wants no more."""
+    try:
+        for done in as_completed(waiting):
+            yield done.result()
+    except KeyboardInterrupt:
+        for other in waiting:
+            other.cancel()
 
 
 def main() -> None:
@@ -277,23 +289,23 @@ def main() -> None:
         for name in names
         for requirement in requirements_of(load_mission(PROBLEMS / f"{name}.yaml"))
         if requirement not in NO_LADDER
-    ][:: given.every]
-    asked = [one for one in asked if not given.only or one[0] in given.only]
+    ]
+    every = len(asked)
+    asked = [one for one in asked[:: given.every] if not given.only or one[0] in given.only]
     known = {}
     if given.rows and given.rows.exists():
         lines = given.rows.read_text(encoding="utf-8").splitlines()
         known = {(row.mission, row.name): row for row in (Row(**json.loads(line)) for line in lines)}
     with ProcessPoolExecutor(given.jobs, max_tasks_per_child=8) as pool:
         waiting = [pool.submit(explained, *one, not given.untried) for one in asked if one not in known]
-        for done in as_completed(waiting):
-            row = done.result()
+        for row in made(waiting):
             known[row.mission, row.name] = row
             told = f"{row.mission} {row.name}: {row.status} {row.seconds:.1f} s {row.wrong}"
             print(told, file=sys.stderr, flush=True)
             if given.rows:
                 with given.rows.open("a", encoding="utf-8") as file:
                     file.write(json.dumps(asdict(row)) + "\n")
-    text = page([known[one] for one in asked])
+    text = page([known[one] for one in asked if one in known], every)
     if given.write:
         PAGE.write_text(text, encoding="utf-8")
     else:
