@@ -162,6 +162,12 @@ def test_bad_ranges_are_told_in_one_message(vary, words):
         assert word in str(fault.value)
 
 
+def test_a_word_that_no_mission_takes_is_told_as_such():
+    with pytest.raises(MissionError) as fault:
+        uwopt.whatif(PROBLEMS / "reef-mosaic.yaml", {"water": ["I", "XX"], "speed_m_s": [0.3, 0.6]})
+    assert str(fault.value).startswith("whatif: vary water: 'XX' is not one of I, IA")
+
+
 # ---------------------------------------------------------------- files, command, interruption
 
 

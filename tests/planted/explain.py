@@ -11,6 +11,20 @@ PRICES, PRICED = "uwopt/solvers/explain/prices.py", "tests/solvers/test_prices.p
 
 DEFECTS = (
     Defect(
+        name="a figure that was reached is told with digits that nobody types",
+        file="uwopt/solvers/explain/singles.py",
+        old="            needed = rounded_away(needed, one.limit)\n",
+        new="",
+        test="tests/solvers/test_least_change.py::test_best_figure_said_to_be_possible_can_be_typed_and_is_enough",
+    ),
+    Defect(
+        name="a word that no mission takes is told as a contradiction",
+        file="uwopt/api/whatif.py",
+        old="if not key.is_numeric and alone in why:",
+        new="if key.is_numeric and alone in why:",
+        test="tests/api/test_whatif.py::test_a_word_that_no_mission_takes_is_told_as_such",
+    ),
+    Defect(
         name="a decibel is one of power",
         file=PRICES,
         old="return sum(found) * math.log(10.0) / 20.0 if found else None",

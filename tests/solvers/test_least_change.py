@@ -119,6 +119,14 @@ def test_limit_said_to_be_possible_is_enough_and_a_little_less_is_not(parts, cat
     assert not fits(mission(parts, **{**base, name: possible + 0.03 * (asked - possible)}), catalog)
 
 
+@pytest.mark.parametrize(("key", "name", "asked"), [("min_snr_db", "min_snr", 90.0), ("max_gsd_mm", "max_gsd_mm", 0.1)])
+def test_best_figure_said_to_be_possible_can_be_typed_and_is_enough(parts, catalog, key, name, asked):
+    # what is reached has many digits; as many as are shown must do, or what is typed misses by a hair
+    possible = told(mission(parts, **{key: asked}), catalog)[name]
+    assert possible == float(f"{possible:.3g}")
+    assert fits(mission(parts, **{key: possible}), catalog)
+
+
 def test_least_change_of_swath_takes_the_wider_lens_though_the_other_needs_less_power(parts, catalog):
     both = ("zz-lens", "zz-wide")
     narrow = told(mission(parts, min_swath_m=9.0), catalog)["min_swath_m"]

@@ -223,6 +223,10 @@ def check_points(grid: VariedGrid) -> None:
             faults.append((at, fault.faults[0]))
     if faults:
         at, why = faults[0]
+        for key, value in zip(grid.keys, at, strict=True):
+            alone = f"{key.name} = {value!r} "  # of a word that no mission takes the fault says all there is to say
+            if not key.is_numeric and alone in why:
+                raise MissionError(f"whatif: vary {key.key}: {value!r} {why.partition(alone)[2]}")
         values = ", ".join(f"{key.key} = {shown(value)}" for key, value in zip(grid.keys, at, strict=True))
         more = f" ({len(faults)} of {len(every)} points are like that)" if len(faults) > 1 else ""
         raise MissionError(f"whatif: at {values} the mission contradicts itself{more}: {why}")

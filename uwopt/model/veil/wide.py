@@ -51,6 +51,7 @@ class Spots(NamedTuple):
     camera_m: Array
 
 
+@lru_cache(maxsize=1024)  # the same in all water and for all images: 10 kB a lighting, port and altitude
 def floor_spots(
     *, lamps: Lamps, beam: beams.Beam, shape: PortShape, range_m: float, fineness: float = 1.0
 ) -> Spots:  # fmt: skip

@@ -38,8 +38,9 @@ from uwopt.solvers.exact.screen import pair_rules
 
 Array = NDArray[Any]
 
-FIRST_BATCH, LARGEST_BATCH = 32, 2048
-LARGEST_COSTLY = 256  # where each node takes light at pixels: the next batch then knows what this one found, if any
+FIRST_BATCH, LARGEST_BATCH = 32, 8192
+LARGEST_COSTLY = 256  # where each node takes light at pixels: the next batch then knows what this one found
+LARGEST_UNBEATEN = 2048  # the same as long as nothing is found: where nothing fits all nodes are evaluated
 DEAR_REFINED, CHEAP_REFINED = 256, 2048  # at least, where bounds weigh quality: each call sorts all nodes anew
 REFINED_AHEAD = 8  # batches of nodes whose bounds are made better before the first of them is taken
 FIRST_DEAR = 4  # of a first batch where one may be enough, or where information counts: dear to bound while nothing is
@@ -296,7 +297,7 @@ class Search(Evaluation):
         if self._sifts and self.ranking.best:
             batch = NEXT_BATCH
         rough = np.full(len(value), not few and not self._sifts and self.bounds.can_refine())
-        largest = LARGEST_COSTLY if rough.any() else LARGEST_BATCH
+        costly = bool(rough.any())
         self._patient = not self._sifts and self.bounds.weighs_quality()
         least_look = 0
         if self._patient:
@@ -339,7 +340,7 @@ class Search(Evaluation):
                 self._waiting = waited
                 return min(self._none_left(order[position:], value, size), self._not_reached())
             position += len(ahead)
-            batch = min(2 * batch, largest if np.isfinite(self.ranking.threshold()) else LARGEST_BATCH)
+            batch = min(2 * batch, self._largest_batch(costly=costly))
             look = max(least_look, REFINED_AHEAD * batch)
         try:
             self._solve_waiting()
@@ -348,6 +349,12 @@ class Search(Evaluation):
         self.account.charge("bound", int(size[order[position:]].sum()))
         self._sample("bound", order[position:], rows)
         return None
+
+    def _largest_batch(self, *, costly: bool) -> int:
+        """Nodes that are evaluated together, where each is costly: few as soon as there is something to beat."""
+        if not costly:
+            return LARGEST_BATCH
+        return LARGEST_COSTLY if np.isfinite(self.ranking.threshold()) else LARGEST_UNBEATEN
 
     def _none_left(self, rest: Array, value: Array, size: Array) -> float:
         """Count nodes as not reached, as time is over; the least of their bounds."""

@@ -176,6 +176,7 @@ class Singles:
         if needed is not None:
             kept = trials.mission.depth_factor
             needed = needed / kept if by_depth else asked_when_held(trials.mission.reserve, key, needed)
+            needed = rounded_away(needed, one.limit)
         if not by_figure and not by_depth and needed is not None and not trials.interrupted:
             try:
                 change = self._least_change(one, needed, turn)
@@ -206,6 +207,6 @@ class Singles:
             return found
 
         return least_change(
-            one.limit, rounded_away(needed, one.limit), one.found, search=search, deadline=turn, name=one.name,
+            one.limit, needed, one.found, search=search, deadline=turn, name=one.name,
             relaxed=partial(with_limit, self.trials.mission, section, key, one.limit),
         )  # fmt: skip

@@ -1,0 +1,317 @@
+"""Ask of missions that nothing meets why, and try what is told: docs/explained.md.
+
+    python docs/make_explained.py [--write] [--only NAME ...] [--every N] [--jobs N] [--rows FILE] [--untried]
+
+Every mission in problems/ and problems/jobs/ is made impossible by each of its requirements in turn: the requirement
+grows stricter by the steps of a ladder until nothing fits. Of each the program is asked why, as `uwopt explain` asks,
+and whatever change it tells is tried by a search of its own: something fits with it, and nothing does where the change
+is smaller by a few hundredths of itself. Takes an hour on two cores; what is known by then is told when it is
+interrupted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+import time
+from collections.abc import Iterator
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from statistics import median
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command line does
+
+import uwopt  # noqa: E402
+from uwopt.errors import UwoptError  # noqa: E402
+from uwopt.mission.mission import Mission, load_mission  # noqa: E402
+from uwopt.mission.varying import Value, Varied, VariedMission, rounded  # noqa: E402
+from uwopt.results.result import Result  # noqa: E402
+from uwopt.solvers.explain.weakened import (  # noqa: E402
+    RELAXABLE,
+    asked_value,
+    is_from_above,
+    with_central_prices,
+    with_limit,
+)
+
+PROBLEMS = ROOT / "problems"
+PAGE = ROOT / "docs" / "explained.md"
+STEPS = (2.0, 10.0, 100.0)  # times as strict
+STEPS_DB = (10.0, 25.0, 60.0)
+SHORT = 0.05  # of a told change: that much less must not do; the search for the least knows it to 0.02
+NO_LADDER = ("mean_level", "lens_stop_down")  # stricter in no one direction; a count of stops
+WITHIN_S = 10.0
+
+HEAD = """\
+# Why nothing fits, asked of missions made impossible
+
+Every mission in `problems/` and `problems/jobs/` is made impossible by each of its requirements in turn, by a step of
+2, 10 or 100 times (10, 25 or 60 dB) until nothing fits. `python docs/make_explained.py --write` makes this page.
+
+*answered* counts what the mission asks for: whether it alone, left out, would let something through is known. *keys* is
+the same of height, water, speed and time. A told change is tried by a search of its own: *does* is how many of those
+tried let something fit; *least* is how many of those that are told as the least do not do when they are 5 % smaller.
+Seconds are of the processor, in a process that has started, and end nothing but the program's own patience: it stops
+after 8 s and says what is open.
+
+"""
+
+
+@dataclass
+class Row:
+    """One impossible mission and what was told of it."""
+
+    mission: str
+    name: str  # of the requirement
+    limit: float
+    status: str
+    seconds: float = 0.0
+    asked: int = 0  # requirements that could be dropped
+    open_asked: list[str] = field(default_factory=list)
+    open_keys: list[str] = field(default_factory=list)
+    other: list[str] = field(default_factory=list)  # that was left open
+    told: list[str] = field(default_factory=list)
+    tried: int = 0
+    does: int = 0
+    least_tried: int = 0
+    least: int = 0
+    wrong: list[str] = field(default_factory=list)
+    together: int = 0
+    contradiction: list[str] = field(default_factory=list)
+
+
+# ---------------------------------------------------------------- impossible missions
+
+
+def strict(name: str, asked: float) -> Iterator[float]:
+    """Stricter limits, step by step."""
+    key = RELAXABLE[name][1]
+    for times, more_db in zip(STEPS, STEPS_DB, strict=True):
+        if key.endswith("_db") and not is_from_above(name):
+            yield rounded(asked + more_db)
+        elif is_from_above(name):
+            yield rounded(asked / times)
+        elif asked < 1.0 and key in ("overlap", "min_uniformity", "min_contrast", "min_mtf_half_nyquist"):
+            yield rounded(1.0 - (1.0 - asked) / times)
+        else:
+            yield rounded(asked * times)
+
+
+def requirements_of(mission: Mission) -> dict[str, float]:
+    """What a mission asks for, with its limits."""
+    found = {name: asked_value(mission, section, key) for name, (section, key, _) in RELAXABLE.items()}
+    return {name: limit for name, limit in found.items() if limit}
+
+
+def fits(mission: Mission) -> bool | None:
+    """Whether something fits; None where no mission can ask for that, or where it takes too long to say."""
+    try:
+        status = uwopt.solve(mission, confidence="central", quick=True, explain=False).status
+    except UwoptError:
+        return None
+    return None if status == "stopped" else status != "infeasible"
+
+
+def made_impossible(mission: Mission, name: str) -> tuple[Mission, float] | None:
+    """The mission with one requirement so strict that nothing fits; None where the ladder is too short."""
+    section, key, _ = RELAXABLE[name]
+    asked = asked_value(mission, section, key)
+    assert asked is not None
+    base = VariedMission(mission, {})
+    for value in strict(name, asked):
+        try:
+            harder = base.with_values({Varied(key, section, key, (value,)): value})
+        except UwoptError:
+            continue
+        if fits(harder) is False:
+            return harder, value
+    return None
+
+
+# ---------------------------------------------------------------- one of them, explained and tried
+
+
+def explained(name: str, requirement: str, tried: bool) -> Row:
+    """One mission made impossible by one requirement."""
+    mission = load_mission(PROBLEMS / f"{name}.yaml")
+    harder = made_impossible(mission, requirement)
+    if harder is None:
+        return Row(name, requirement, requirements_of(mission)[requirement], "always fits")
+    impossible, limit = harder
+    since_s = time.process_time()
+    result = uwopt.solve(impossible, confidence="central", quick=True, ranges=True)
+    seconds = time.process_time() - since_s
+    row = Row(name, requirement, limit, result.status, seconds, len(requirements_of(impossible)))
+    for text in texts_left_out(result):
+        if text.startswith("whether it could be met without "):
+            row.open_asked.append(text.rpartition(" ")[2])
+        elif text.startswith("whether another "):
+            row.open_keys.append(text.split()[2])
+        else:
+            row.other.append(text)
+    if result.infeasible is not None:
+        row.together, row.contradiction = len(result.infeasible.together), list(result.infeasible.contradiction)
+        try_changes(row, impossible, result, tried=tried)
+    return row
+
+
+def texts_left_out(result: Result) -> list[str]:
+    """What there was no time for."""
+    found = [note.message.partition(": ")[2] for note in result.warnings if note.code == "time"]
+    return [text for one in found for text in one.split("; ") if text]
+
+
+def try_changes(row: Row, mission: Mission, result: Result, *, tried: bool) -> None:
+    """Every told change, and one a little smaller."""
+    assert result.infeasible is not None
+    base = VariedMission(mission, {})
+    for one in result.infeasible.relaxations:
+        row.told.append(f"{one.name} {one.limit:.4g} → " + ("none" if one.needed is None else f"{one.needed:.4g}"))
+        if not tried or one.needed is None or one.limit is None:
+            continue
+        section, key, _ = RELAXABLE[one.name]
+        if one.fits_at_central_prices:
+            check(row, with_central_prices(mission), None, row.told[-1])
+            continue
+        least = not any(text.endswith(f"change of {one.name} would do") for text in row.other)
+        shorter = one.needed + SHORT * (one.limit - one.needed)
+        check(
+            row, relaxed(mission, section, key, one.limit, one.needed),
+            relaxed(mission, section, key, one.limit, shorter) if least else None, row.told[-1],
+        )  # fmt: skip
+    for move in result.infeasible.moves:
+        row.told.append(f"{move.name} {move.asked} → {move.needed}")
+        if not tried:
+            continue
+        varied = next(one for one in (Varied(move.name, s, move.name, ()) for s in ("scene", "vehicle", "requirements"))
+                      if move.name in VariedMission._names()[one.section])  # fmt: skip
+        closer: Value | None = None
+        if move.nearest and not isinstance(move.needed, str) and not isinstance(move.asked, str):
+            closer = rounded(move.needed + SHORT * (move.asked - move.needed))
+        check(
+            row, base.with_values({varied: move.needed}),
+            None if closer is None else base.with_values({varied: closer}), row.told[-1],
+        )  # fmt: skip
+
+
+def relaxed(mission: Mission, section: str, key: str, asked: float, value: float) -> Mission:
+    """The mission with a weaker limit; a rating of depth is asked for by the limits, whatever the depth."""
+    if key == "depth_rating_m":
+        return mission.with_changes(limits=mission.to_dict()["limits"] | {key: value})
+    return with_limit(mission, section, key, asked, value)
+
+
+def check(row: Row, mission: Mission, shorter: Mission | None, what: str) -> None:
+    """Something fits in the one mission, and nothing in the other."""
+    does = fits(mission)
+    if does is not None:
+        row.tried, row.does = row.tried + 1, row.does + does
+        if not does:
+            row.wrong.append(f"{what} does not do")
+    more = None if shorter is None else fits(shorter)
+    if more is not None:
+        row.least_tried, row.least = row.least_tried + 1, row.least + (not more)
+        if more:
+            row.wrong.append(f"less than {what} does")
+
+
+# ---------------------------------------------------------------- the page
+
+
+def table(rows: list[Row]) -> Iterator[str]:
+    """All impossible missions."""
+    yield "| mission | impossible by | s | answered | keys open | told | does | least |"
+    yield "|---" * 8 + "|"
+    for row in rows:
+        if row.status != "infeasible":
+            yield f"| `{row.mission}` | {row.name} {row.limit:g} | | {row.status} | | | | |"
+            continue
+        seconds = f"{row.seconds:.1f}" if row.seconds <= WITHIN_S else f"**{row.seconds:.1f}**"
+        known = f"{row.asked - len(row.open_asked)} of {row.asked}"
+        told = len(row.told)
+        yield (
+            f"| `{row.mission}` | {row.name} {row.limit:g} | {seconds} | {known} | {', '.join(row.open_keys)} | {told} "
+            f"| {row.does} of {row.tried} | {row.least} of {row.least_tried} |"
+        )
+
+
+def summary(rows: list[Row]) -> str:
+    """What all of them say."""
+    shown = [row for row in rows if row.status == "infeasible"]
+    seconds = sorted(row.seconds for row in shown)
+    in_time = sum(one <= WITHIN_S for one in seconds)
+    return (
+        f"{len(shown)} impossible missions. {in_time} answered within {WITHIN_S:g} s, median {median(seconds):.1f} s, "
+        f"longest {seconds[-1]:.1f} s. "
+        f"Every requirement answered in {sum(not row.open_asked for row in shown)}, every key in "
+        f"{sum(not row.open_keys for row in shown)}. Of {sum(row.tried for row in shown)} told changes that were tried "
+        f"{sum(row.does for row in shown)} do; of {sum(row.least_tried for row in shown)} told as the least "
+        f"{sum(row.least for row in shown)} are. {sum(not row.told for row in shown)} were told no single change, "
+        f"{sum(not row.told and not row.together for row in shown)} of these no changes together either.\n"
+    )
+
+
+def page(rows: list[Row], every: int) -> str:
+    """The whole page; `every`: how many there would be."""
+    wrong = [f"- `{row.mission}` by {row.name} {row.limit:g}: {one}" for row in rows for one in row.wrong]
+    after = ["", "## What does not hold", "", *wrong] if wrong else []
+    return "\n".join([HEAD + f"Asked of {len(rows)} of {every}. " + summary(rows), *table(rows), *after, ""])
+
+
+def made(waiting: list[Future[Row]]) -> Iterator[Row]:
+    """Rows as they come, until a person wants no more."""
+    try:
+        for done in as_completed(waiting):
+            yield done.result()
+    except KeyboardInterrupt:
+        for other in waiting:
+            other.cancel()
+
+
+def main() -> None:
+    """Make impossible, ask, try, print or write."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--write", action="store_true")
+    parser.add_argument("--only", nargs="*", help="missions, as problems/NAME.yaml")
+    parser.add_argument("--every", type=int, default=1, help="only every so manieth")
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--rows", type=Path, help="a file of rows, to which is added what it does not have yet")
+    parser.add_argument("--untried", action="store_true", help="tell without trying what is told")
+    given = parser.parse_args()
+    files = [*sorted(PROBLEMS.glob("*.yaml")), *sorted(PROBLEMS.glob("jobs/*.yaml"))]
+    names = [p.relative_to(PROBLEMS).with_suffix("").as_posix() for p in files if ".system" not in p.name]
+    asked = [
+        (name, requirement)
+        for name in names
+        for requirement in requirements_of(load_mission(PROBLEMS / f"{name}.yaml"))
+        if requirement not in NO_LADDER
+    ]
+    every = len(asked)
+    asked = [one for one in asked[:: given.every] if not given.only or one[0] in given.only]
+    known = {}
+    if given.rows and given.rows.exists():
+        lines = given.rows.read_text(encoding="utf-8").splitlines()
+        known = {(row.mission, row.name): row for row in (Row(**json.loads(line)) for line in lines)}
+    with ProcessPoolExecutor(given.jobs, max_tasks_per_child=8) as pool:
+        waiting = [pool.submit(explained, *one, not given.untried) for one in asked if one not in known]
+        for row in made(waiting):
+            known[row.mission, row.name] = row
+            told = f"{row.mission} {row.name}: {row.status} {row.seconds:.1f} s {row.wrong}"
+            print(told, file=sys.stderr, flush=True)
+            if given.rows:
+                with given.rows.open("a", encoding="utf-8") as file:
+                    file.write(json.dumps(asdict(row)) + "\n")
+    text = page([known[one] for one in asked if one in known], every)
+    if given.write:
+        PAGE.write_text(text, encoding="utf-8")
+    else:
+        print(text)
+
+
+if __name__ == "__main__":
+    main()
