@@ -470,6 +470,20 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/solvers/test_cells.py::test_flash_and_lamp_with_steps",
     ),
     Defect(
+        name="the highest SNR within all limits of power is that within the first",
+        file="uwopt/solvers/settings/closed_form.py",
+        old="within(limit_w) for limit_w in power_limit_w.T]",
+        new="within(power_limit_w[:, 0]) for limit_w in power_limit_w.T]",
+        test="tests/solvers/test_greatest_snr.py::test_highest_snr_within_each_limit_is_that_of_settings_tried",
+    ),
+    Defect(
+        name="every step of light is tried at the aperture of the brightest alone",
+        file="uwopt/solvers/settings/closed_form.py",
+        old="np.where(inside, starts, np.nan), low, high",
+        new="np.where(inside, starts.max(axis=1, keepdims=True), np.nan), low, high",
+        test="tests/solvers/test_greatest_snr.py::test_highest_snr_within_each_limit_is_that_of_settings_tried",
+    ),
+    Defect(
         name="bounds drawn in roughly have no room for what few nodes miss",
         file="uwopt/solvers/front/trade_curves.py",
         old="RULE_SLACK, WIDE_SLACK = 1e-4, 0.3",

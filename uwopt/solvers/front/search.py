@@ -50,6 +50,7 @@ FEWEST_ASKED, MOST_ASKED = 256, 8192  # segments at a time, before the points fo
 RESOLVED_REL = {"information": 2e-4}  # of a quality that is found to a gap
 SAME_REL = 1e-6  # of the others: to this a requirement counts as met
 RARELY = 0.1  # share of the segments asked that hold something new
+TRIED_IN_VAIN = 0.75  # share of designs that stay open after tries: no more are made
 STALLED = 0.8  # of the gap before: bounds on settings that do not close are not asked for ever
 FRONT_RULES = (*(rule for rule in RULES if rule != "bound"), "dominated")
 
@@ -91,6 +92,7 @@ class FrontSearch:
         self.progress = progress or (lambda share, what: None)
         self.search = Search(problem, axes.objective, top=1)
         self.archive = BestPoints(len(axes))
+        self.stop_trying = False
         self.curves: list[Curves] = []
         self.kept: list[Imagers] = []  # of a large catalogue, those that the curves are about
         self.account: dict[str, int] = dict.fromkeys(FRONT_RULES, 0) | {"evaluated": 0}
@@ -396,14 +398,16 @@ class FrontSearch:
 
     def _after_tries(self, curves: Curves) -> Curves | None:
         """Curves of the designs that may still matter once a few settings of each are tried."""
-        tried = self.trade.tried(curves.some, np.arange(len(curves.some)))
+        tried = [] if self.stop_trying else self.trade.tried(curves.some, np.arange(len(curves.some)))
         if not tried:
             return curves
         self.curves.append(replace(curves, answers=curves.answers.take(np.empty(0, int)), tried=tried))
         for answers in tried:
             self._add(curves, answers)
         self._forget()
-        return curves.without(~self._are_open(curves))
+        open_ = self._are_open(curves)
+        self.stop_trying = bool(open_.mean() > TRIED_IN_VAIN)
+        return curves.without(~open_)
 
     def _trades_power(self) -> bool:
         """Whether settings of least power are on the front: power counts, or nothing that settings change does."""

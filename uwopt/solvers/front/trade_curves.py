@@ -374,25 +374,29 @@ class Trade:
             np.max([r.n_low for r in designs.rows], axis=0),
             np.min([r.n_high for r in designs.rows], axis=0),
         )
+        slack = RULE_SLACK if orders is None else np.max([quadrature_slack(r) for r in designs.rows], axis=0)
+        enough = bounds.bound[asked] / (1.0 + slack)  # above it nothing is drawn in
         best = np.full(len(asked), -np.inf)
         for piece in range(pieces):
             ends = [low * (np.maximum(high, low) / low) ** (end / pieces) for end in (piece, piece + 1)]
-            best = np.maximum(best, self._piece_bound(designs, bounds.limit_w[asked] * ABOVE, ends, orders))
+            left = np.nonzero(best < enough)[0]
+            limit_w = bounds.limit_w[asked[left]] * ABOVE
+            found = self._piece_bound(designs.take(left), limit_w, [end[left] for end in ends], orders, best[left])
+            best[left] = np.maximum(best[left], found)
         bound = bounds.bound.copy()
-        slack = RULE_SLACK if orders is None else np.max([quadrature_slack(r) for r in designs.rows], axis=0)
         bound[asked] = np.minimum(bound[asked], best * (1.0 + slack))
         return replace(bounds, bound=bound).drawn_in()
 
     def _piece_bound(
-        self, some: Hopeful, limit_w: Array, ends: list[Array], orders: tuple[int, int] | None
+        self, some: Hopeful, limit_w: Array, ends: list[Array], orders: tuple[int, int] | None, known: Array
     ) -> Array:
-        """Information [bit/m2] that no settings between two f-numbers exceed, -inf: there are none."""
+        """Information [bit/m2] that no settings between two f-numbers exceed; -inf: none, or no more than is known."""
         first, last = ends
         rows = [
             replace(r, n_low=np.maximum(r.n_low, first), n_high=np.minimum(r.n_high, last)) for r in some.rows
         ]
         snr_db = self.most_snr_db(replace(some, rows=rows), limit_w)
-        reached = np.nonzero(np.isfinite(snr_db))[0]
+        reached = np.nonzero(self._from_snr(some, snr_db) > known)[0]
         out = np.full(len(some), -np.inf)
         if len(reached):
             bits = []

@@ -26,7 +26,17 @@ from numpy.typing import NDArray
 
 from uwopt.forward.sharpness import SharpRows
 from uwopt.model.lateral import SpreadTable, spread_mtf
-from uwopt.model.sharpness import J1_ZERO, ORDERS, TEXTURE_CONTRAST, jinc_and_slope, sinc_and_slope, sinc_mtf
+from uwopt.model.sharpness import (
+    J1_ZERO,
+    ORDERS,
+    TEXTURE_CONTRAST,
+    defocus_mtf,
+    diffraction_mtf,
+    jinc_and_slope,
+    lens_mtf,
+    sinc_and_slope,
+    sinc_mtf,
+)
 
 Array = NDArray[Any]
 RULE_ERROR = 3e-5  # relative, between these nodes and those of the model (measured at each answer as well)
@@ -243,6 +253,20 @@ class Information:
         moving, by_blur = sinc_and_slope(blur[:, None] * nodes.along[:twice])
         return still, by_n - by_disc - by_lens, moving, by_blur, disc
 
+    def _seen(
+        self, group: TransferGroup, design: Array, f_numbers: tuple[Array, Array], blur: Array
+    ) -> tuple[Array, Array]:
+        """The transfers of `_transfer` without their slopes."""
+        sharp, nodes = self.sharp, group.nodes
+        f_number, working = f_numbers
+        radius = nodes.radius_cyc_per_px
+        cycle = working * sharp.wavelength_nm[design] * 1e-9 / sharp.pixel_pitch_m[design]
+        disc = sharp.rms_disc_px[design, 1] / f_number
+        pitch = sharp.lens_pitch_px("rms", f_number=f_number, rows=design)
+        still = diffraction_mtf(radius, cycle_px=cycle[:, None]) * defocus_mtf(radius, disc_px=disc[:, None])
+        still *= lens_mtf(radius, lens_pitch_px=pitch[:, None])
+        return still, sinc_mtf(nodes.along[: 2 * len(radius)], width_px=blur[:, None])
+
     def _power(self, group: TransferGroup, place: Array, still: Array, moving: Array, snr: Array) -> Array:
         """(C_t SNR MTF)^2 by node."""
         power = np.tile(np.square(still), (1, group.folds))
@@ -257,9 +281,7 @@ class Information:
         snr = snr * self.sharp.texture_gain[design]
         blur_px = self.blur_px(design, blur_s)
         for group, place, mine, _ in self._chunks(design, self._rule(design, f_number, working, blur_px)):
-            still, _, moving, *_ = self._transfer(
-                group, design[mine], (f_number[mine], working[mine]), blur_px[mine]
-            )
+            still, moving = self._seen(group, design[mine], (f_number[mine], working[mine]), blur_px[mine])
             out[mine] = np.log1p(self._power(group, place, still, moving, snr[mine])) @ group.nodes.weight
         return out
 
@@ -316,9 +338,7 @@ class Information:
             rows = np.arange(len(mine)) if apart else np.nonzero(at.dark.any(axis=1))[0]
             if len(rows):
                 some = mine[rows]
-                still, _, moving, *_ = self._transfer(
-                    group, d[rows], (high[some], low[some] * factor[some]), least[some]
-                )
+                still, moving = self._seen(group, d[rows], (high[some], low[some] * factor[some]), least[some])
                 most = snr[some] if apart else np.exp(np.clip(log_snr[some].max(axis=1), -600.0, 300.0))
                 power = self._power(group, place[rows], still, moving, most)
                 if apart:
