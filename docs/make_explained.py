@@ -5,12 +5,8 @@
 Every mission in problems/ and problems/jobs/ is made impossible by each of its requirements in turn: the requirement
 grows stricter by the steps of a ladder until nothing fits. Of each the program is asked why, as `uwopt explain` asks,
 and whatever change it tells is tried by a search of its own: something fits with it, and nothing does where the change
-<<<<<<< HEAD
 is smaller by a few hundredths of itself. Takes an hour on two cores; what is known by then is told when it is
 interrupted.
-=======
-is smaller by a few hundredths of itself. Takes an hour on two cores; interrupted, it tells what is known by then.
->>>>>>> whatif
 """
 
 from __future__ import annotations
