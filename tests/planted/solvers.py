@@ -853,8 +853,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="the pixels of one group of designs serve for all",
         file="uwopt/forward/figures.py",
-        old="column[some], factor[some])",
-        new="column[some], factor[: len(column[some])])",
+        old="of_each(column, some), of_each(factor, some))",
+        new="of_each(column, some), factor[: len(column[some])])",
         test="tests/forward/test_pixels.py::test_pixels_of_many_designs_are_those_of_each",
     ),
     Defect(

@@ -263,6 +263,11 @@ def scaled(column: Array, factor: Array) -> Array:
     return np.asarray(column * factor.reshape(-1, *([1] * (column.ndim - 1))))
 
 
+def of_each(column: Array, some: slice) -> Array:
+    """Some designs' part of a column; one of a single row is that of all."""
+    return column if len(column) == 1 else column[some]
+
+
 def at_pixels(rows: DesignRows, light_x: Array, open_y: Array) -> Iterator[tuple[slice, Array, Array | None]]:
     """Signal and veil at the pixels that an SNR is asked of, (some, n_altitudes, n_pixels), and of which designs.
 
@@ -272,11 +277,11 @@ def at_pixels(rows: DesignRows, light_x: Array, open_y: Array) -> Iterator[tuple
     if lamps.worst_e is None:
         return
     step = max(1, PIXELS_AT_ONCE // max(1, lamps.worst_e[0].size))
-    for at in range(0, len(lamps.worst_e), step):
+    for at in range(0, len(light_x), step):
         some = slice(at, at + step)
 
         def lit(column: Array | None, factor: Array, some: slice = some) -> Array | None:
-            return None if column is None else scaled(column[some], factor[some])
+            return None if column is None else scaled(of_each(column, some), of_each(factor, some))
 
         signal, veil = lit(lamps.worst_e, light_x), lit(lamps.worst_veil_e, light_x)
         if sun is not None:
@@ -289,7 +294,7 @@ def snr_of_pixels(rows: DesignRows, light_x: Array, open_y: Array, noise: dict[s
     """The SNR that all but `may_miss` of the pixels reach, (n, n_altitudes); None where none is asked of them."""
     found = []
     for some, signal, veil in at_pixels(rows, light_x, open_y):
-        there = {name: column[some, :, None] for name, column in noise.items()}
+        there = {name: of_each(column, some)[:, :, None] for name, column in noise.items()}
         each = sensor.snr(signal, veil_e=0.0 if veil is None else veil, **there)
         found.append(reached_by_most(np.asarray(each), rows.light.may_miss))
     return np.concatenate(found) if found else None
