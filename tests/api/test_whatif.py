@@ -145,7 +145,7 @@ def test_spider_moves_one_quantity_at_a_time():
         ({"speed_m_s": "0.2:2"}, ["is no range", "from:to:how many"]),
         ({"water": "I,,II"}, ["a value is empty"]),
         ({"water": "I,I"}, ["'I' stands twice"]),
-        ({"water": "I,VI"}, ["water = VI", "'VI' is not one of I, IA"]),
+        ({"water": "I,VI"}, ["vary water: ", "'VI' is not one of I, IA"]),
         ({"max_gain_db": "1,2"}, ["requirements.max_gain_db or reserve.max_gain_db"]),
         ({"altitude_m": "0.1:2:4"}, ["at altitude_m = 0.1", "altitude_tolerance_m = 0.25 is not below"]),
         ({"depth_rating_m": "5:50:4"}, ["2 of 4 points", "raise it"]),
