@@ -211,7 +211,8 @@ def chosen(problem: Problem, imagers: Imagers, result: Result) -> Found:
 HEAD = """\
 # How certain, and at what price in time
 
-Every mission in `problems/` and `problems/jobs/` at a confidence of {asked:g}: `python docs/make_certain.py --write`.
+Every mission in `problems/` and `problems/jobs/` at a confidence of {asked:g}: `python docs/make_certain.py --write
+--seconds {seconds:g} --jobs {jobs}`, of which an attack may last {seconds:g} s of the processor.
 Times are seconds of the processor for a whole `solve`, doubts included, by central numbers and at that confidence.
 *Claimed* is the share of fresh scenarios in which the recommended system holds, as its result tells it, with the
 interval of 95 %; *counted* is that share by `evaluate` in 10 000 others. The attack draws {tries} other pieces of
@@ -223,9 +224,9 @@ than {much:g} %, or with any where the recommended does not hold.
 """
 
 
-def page(rows: list[Row], asked: float, tries: int) -> str:
+def page(rows: list[Row], asked: float, tries: int, seconds: float, jobs: int) -> str:
     """The page."""
-    text = HEAD.format(asked=asked, tries=tries, much=100 * BETTER_REL)
+    text = HEAD.format(asked=asked, tries=tries, seconds=seconds, jobs=jobs, much=100 * BETTER_REL)
     text += "".join(line(row) + "\n" for row in rows)
     solved = [row for row in rows if row.claimed is not None]
     enough = sum(row.claimed.enough for row in solved if row.claimed is not None)
@@ -255,23 +256,27 @@ def line(row: Row) -> str:
     )
 
 
+def mission_names() -> list[str]:
+    """Every mission in problems/ and problems/jobs/, as its path there without the ending."""
+    files = [*sorted(PROBLEMS.glob("*.yaml")), *sorted(PROBLEMS.glob("jobs/*.yaml"))]
+    return [p.relative_to(PROBLEMS).with_suffix("").as_posix() for p in files if ".system" not in p.name]
+
+
 def main() -> None:
     """Solve, count, attack; print or write."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--write", action="store_true")
-    parser.add_argument("--only", nargs="*")
+    parser.add_argument("--only", nargs="*", choices=mission_names())
     parser.add_argument("--confidence", type=float, default=0.9)
     parser.add_argument("--tries", type=int, default=96, help="of hardware drawn; a full run takes 2000")
     parser.add_argument("--seconds", type=float, default=60.0, help="that an attack may last")
     parser.add_argument("--jobs", type=int, default=1, help="times are true of one")
     given = parser.parse_args()
-    files = [*sorted(PROBLEMS.glob("*.yaml")), *sorted(PROBLEMS.glob("jobs/*.yaml"))]
-    every = [p.relative_to(PROBLEMS).with_suffix("").as_posix() for p in files if ".system" not in p.name]
-    asked = given.only or every
+    asked = given.only or mission_names()
     same = [given.confidence] * len(asked), [given.tries] * len(asked), [given.seconds] * len(asked)
     with ProcessPoolExecutor(given.jobs, max_tasks_per_child=1) as pool:
         rows = list(pool.map(looked_at, asked, *same))
-    text = page(rows, given.confidence, given.tries)
+    text = page(rows, given.confidence, given.tries, given.seconds, given.jobs)
     if given.write:
         PAGE.write_text(text, encoding="utf-8")
     else:

@@ -26,6 +26,8 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command line does
 
+from make_certain import mission_names  # noqa: E402
+
 import uwopt  # noqa: E402
 from uwopt.errors import UwoptError  # noqa: E402
 from uwopt.mission.mission import Mission, load_mission  # noqa: E402
@@ -277,17 +279,15 @@ def main() -> None:
     """Make impossible, ask, try, print or write."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--write", action="store_true")
-    parser.add_argument("--only", nargs="*", help="missions, as problems/NAME.yaml")
+    parser.add_argument("--only", nargs="*", choices=mission_names(), help="missions, as problems/NAME.yaml")
     parser.add_argument("--every", type=int, default=1, help="only every so manieth")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--rows", type=Path, help="a file of rows, to which is added what it does not have yet")
     parser.add_argument("--untried", action="store_true", help="tell without trying what is told")
     given = parser.parse_args()
-    files = [*sorted(PROBLEMS.glob("*.yaml")), *sorted(PROBLEMS.glob("jobs/*.yaml"))]
-    names = [p.relative_to(PROBLEMS).with_suffix("").as_posix() for p in files if ".system" not in p.name]
     asked = [
         (name, requirement)
-        for name in names
+        for name in mission_names()
         for requirement in requirements_of(load_mission(PROBLEMS / f"{name}.yaml"))
         if requirement not in NO_LADDER
     ]

@@ -110,6 +110,13 @@ def test_a_file_that_is_no_mapping_is_refused_in_words(tmp_path, text, piece):
     assert piece in str(caught.value)
 
 
+def test_a_mission_in_place_of_a_system_is_told_in_one_sentence(tmp_path):
+    (tmp_path / "reef.yaml").write_text("vehicle: {}\nrequirements: {}\n", "utf-8")
+    with pytest.raises(MissionError, match="is a mission, no system; `uwopt init --system`") as caught:
+        read_document(tmp_path / "reef.yaml", "system")
+    assert len(caught.value.faults) == 1
+
+
 def test_a_byte_order_mark_is_dropped(tmp_path):
     assert read(tmp_path, b"\xef\xbb\xbfa: 1\n").data == {"a": 1}
 

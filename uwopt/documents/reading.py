@@ -17,6 +17,7 @@ from uwopt.documents.yaml_lines import MAX_DEPTH, MAX_NODES, compose, too_deep, 
 from uwopt.errors import MissionError
 
 MAX_BYTES = 10_000_000
+MISSION_KEYS = frozenset({"vehicle", "requirements"})  # which every mission has, and no system
 _NOTHING = object()
 
 
@@ -121,6 +122,8 @@ def _read_file(source: str | Path, what: str) -> Document:
     if "uwopt_version" in data:
         beside = {"system": "name the system.yaml that --out wrote beside it"}
         raise MissionError(f"{shown}: is a result of uwopt, no {what}; {beside.get(what, f'name the {what} file')}.")
+    if what == "system" and MISSION_KEYS.issubset(data):
+        raise MissionError(f"{shown}: is a mission, no system; `uwopt init --system` writes one to start from.")
     return Document(shown, data, lines, path.absolute().parent, tuple(faults), text)
 
 

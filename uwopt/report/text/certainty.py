@@ -162,7 +162,8 @@ def surer_block(result: Result) -> Iterator[Block]:
     if known.would_hold:
         told = words.listed([move_text(move) for move in known.would_hold])
         one_of = "with any one of these asked instead" if len(known.would_hold) > 1 else "with this asked instead"
-        lines.append(sentence(f"This system holds in {percent(float(known.asked))} {one_of}: {told}."))
+        share = percent(float(known.asked))
+        lines.append(sentence(f"With iris and focus set anew, this hardware holds in {share} {one_of}: {told}."))
     if lines:
         yield block("What would make it certain", lines)
 
