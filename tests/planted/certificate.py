@@ -27,8 +27,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="nodes that better bounds discard are not counted",
         file="uwopt/solvers/exact/search.py",
-        old="value[failed] = np.inf\n                self.account.charge(name, int(size[failed].sum()))\n",
-        new="value[failed] = np.inf\n",
+        old="nodes.imager_of(mine))):\n                self._discard(name, nodes, failed)\n",
+        new="nodes.imager_of(mine))):\n                pass\n",
         test="tests/solvers/test_bounds.py::test_bounds_by_pixels_leave_the_answer_and_the_account_as_they_are",
     ),
     Defect(
@@ -139,8 +139,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a search out of time has no bound",
         file="uwopt/solvers/exact/search.py",
-        old="return float(value[rest].min(initial=np.inf))",
-        new="return np.inf",
+        old="return min(nodes.lowest, self._not_reached())",
+        new="return self._not_reached()",
         test=f"{CERTIFICATE}test_a_search_out_of_time_has_the_bound_of_the_next_unit",
     ),
     Defect(

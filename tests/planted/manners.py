@@ -116,7 +116,7 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a batch that time cuts short stays counted",
         file="uwopt/solvers/exact/search.py",
-        old="self.account.restore(before)\n                self._waiting = waited",
+        old="self.account.restore(before)\n            self._waiting = waited",
         new="self._waiting = waited",
         test=f"{SEARCH_DEADLINE}::test_wherever_time_ends_bound_and_account_hold",
     ),

@@ -34,6 +34,7 @@ from uwopt.solvers.exact.imagers import (
 )
 from uwopt.solvers.exact.large import PairTree
 from uwopt.solvers.exact.node_bounds import NODE_RULES, NodeBounds
+from uwopt.solvers.exact.open_nodes import OpenNodes
 from uwopt.solvers.exact.screen import pair_rules
 
 Array = NDArray[Any]
@@ -244,7 +245,7 @@ class Search(Evaluation):
             rows = order[position : position + chunk]
             useful = rows[floor[rows] <= self.ranking.threshold()]
             self.account.charge("bound", every * (len(rows) - len(useful)))
-            self._sample("bound", np.nonzero(floor[rows] > self.ranking.threshold())[0], rows, any_light=True)
+            self._sample("bound", rows[floor[rows] > self.ranking.threshold()])
             if len(useful):
                 before = self.account.snapshot()
                 try:
@@ -272,6 +273,40 @@ class Search(Evaluation):
         Returns the lowest bound not looked at when time ran out, else None. Raises OutOfTimeError before the first is
         bounded: then none is accounted for.
         """
+        nodes = self._bounded(rows)
+        if nodes is None:
+            return None
+        self._patient = not self._sifts and self.bounds.weighs_quality()
+        batch, least_look, costly = self._first_batch(), self._least_look(), bool(nodes.rough.any())
+        look = max(least_look, REFINED_AHEAD * batch)
+        try:
+            while len(nodes):
+                self._solve_waiting(nodes.lowest)
+                threshold = self.ranking.threshold()
+                if nodes.begins_rough(threshold):
+                    self._refine(nodes, nodes.rough_ahead(look, threshold))
+                    look *= 2  # while nothing comes to the front that can be evaluated
+                    continue
+                ahead = nodes.ahead(batch, threshold)
+                if len(ahead) == 0:
+                    break
+                self._take(nodes, ahead)
+                batch = min(2 * batch, self._largest_batch(costly=costly))
+                look = max(least_look, REFINED_AHEAD * batch)
+            self._solve_waiting()
+        except OutOfTimeError:
+            nodes.sort()  # where bounds were raised in part
+            self.account.charge(NOT_REACHED, nodes.designs_left)
+            return min(nodes.lowest, self._not_reached())
+        self.account.charge("bound", nodes.designs_left)
+        self._sample("bound", nodes.imager_of(nodes.waiting), nodes.lighting_of(nodes.waiting))
+        return None
+
+    def _bounded(self, rows: Array) -> OpenNodes | None:
+        """The nodes of these imagers with their first bounds, what these discard counted; None without lamps.
+
+        Raises OutOfTimeError before any is accounted for.
+        """
         start = time.perf_counter()
         few = len(rows) * len(self.tables.lightings) <= TOO_FEW_TO_BOUND
         bounds: list[NodeBounds] = []
@@ -281,74 +316,29 @@ class Search(Evaluation):
         self.bounds_s += time.perf_counter() - start
         if not bounds:
             return None
-        n = len(rows)
-        value = np.concatenate([b.value for b in bounds])
-        power = np.concatenate([b.power for b in bounds])
-        rule = np.concatenate([b.rule for b in bounds])
-        size = np.repeat([len(t.light) for t in self.bounds.light_tables], n)
-        for index, name in enumerate(NODE_RULES):
-            failed = rule == index
-            self.account.charge(name, int(size[failed].sum()))
-            self._sample(name, np.nonzero(failed)[0], rows)
-        alive = np.nonzero(np.isfinite(value) & (rule < 0))[0]
-        cost = self.imagers.cost[rows]
-        order = alive[np.lexsort((cost[alive % n], power[alive], value[alive]))]
-        position, batch = 0, FIRST_DEAR if self.enough or self.objective.weight("information") else FIRST_BATCH
+        rough = not few and not self._sifts and self.bounds.can_refine()
+        sizes = [len(table.light) for table in self.bounds.light_tables]
+        nodes = OpenNodes.of(bounds, rows, self.imagers.cost[rows], sizes, rough=rough)
+        for name, failed in nodes.failed():
+            self._discard(name, nodes, failed)
+        return nodes
+
+    def _discard(self, rule: str, nodes: OpenNodes, failed: Array) -> None:
+        """Count nodes that a rule discards, and remember some."""
+        self.account.charge(rule, int(nodes.size[failed].sum()))
+        self._sample(rule, nodes.imager_of(failed), nodes.lighting_of(failed))
+
+    def _first_batch(self) -> int:
+        """Nodes that are evaluated together at first."""
         if self._sifts and self.ranking.best:
-            batch = NEXT_BATCH
-        rough = np.full(len(value), not few and not self._sifts and self.bounds.can_refine())
-        costly = bool(rough.any())
-        self._patient = not self._sifts and self.bounds.weighs_quality()
-        least_look = 0
-        if self._patient:
-            least_look = DEAR_REFINED if self.bounds.asks_of_images() else CHEAP_REFINED
-        look = max(least_look, REFINED_AHEAD * batch)
-        while position < len(order):
-            if self._waiting:
-                try:
-                    self._solve_waiting(float(value[order[position]]))
-                except OutOfTimeError:
-                    return min(self._none_left(order[position:], value, size), self._not_reached())
-            threshold = self.ranking.threshold()
-            if rough[order[position]] and value[order[position]] <= threshold:
-                ahead = order[position : position + look]
-                ahead = ahead[rough[ahead] & (value[ahead] <= threshold)]
-                try:
-                    self._refine(ahead, rows, value, power, size)
-                except OutOfTimeError:
-                    return min(self._none_left(order[position:], value, size), self._not_reached())
-                rough[ahead] = False
-                rest = order[position:]
-                rest = rest[np.isfinite(value[rest])]
-                order = rest[np.lexsort((cost[rest % n], power[rest], value[rest]))]
-                position, look = 0, 2 * look  # while nothing comes to the front that can be evaluated
-                continue
-            ahead = order[position : position + batch]
-            ahead = ahead[np.logical_and.accumulate(~rough[ahead])]
-            ahead = ahead[value[ahead] <= threshold]
-            if len(ahead) == 0:
-                break
-            useful = ahead[~self.ranking.shut_out(value[ahead], power[ahead], cost[ahead % n])]
-            before, waited = self.account.snapshot(), list(self._waiting)
-            self.account.charge("bound", int(size[ahead].sum() - size[useful].sum()))
-            try:
-                self.deadline.check()
-                if len(useful):
-                    (self.sift if self._sifts else self.evaluate_nodes)(useful // n, rows[useful % n])
-            except OutOfTimeError:  # what was found of this batch stays; the batch counts as not reached
-                self.account.restore(before)
-                self._waiting = waited
-                return min(self._none_left(order[position:], value, size), self._not_reached())
-            position += len(ahead)
-            batch = min(2 * batch, self._largest_batch(costly=costly))
-            look = max(least_look, REFINED_AHEAD * batch)
-        try:
-            self._solve_waiting()
-        except OutOfTimeError:
-            return min(self._none_left(order[position:], value, size), self._not_reached())
-        self.account.charge("bound", int(size[order[position:]].sum()))
-        self._sample("bound", order[position:], rows)
-        return None
+            return NEXT_BATCH
+        return FIRST_DEAR if self.enough or self.objective.weight("information") else FIRST_BATCH
+
+    def _least_look(self) -> int:
+        """Nodes at least whose bounds are made better together."""
+        if not self._patient:
+            return 0
+        return DEAR_REFINED if self.bounds.asks_of_images() else CHEAP_REFINED
 
     def _largest_batch(self, *, costly: bool) -> int:
         """Nodes that are evaluated together, where each is costly: few as soon as there is something to beat."""
@@ -356,28 +346,36 @@ class Search(Evaluation):
             return LARGEST_BATCH
         return LARGEST_COSTLY if np.isfinite(self.ranking.threshold()) else LARGEST_UNBEATEN
 
-    def _none_left(self, rest: Array, value: Array, size: Array) -> float:
-        """Count nodes as not reached, as time is over; the least of their bounds."""
-        rest = rest[np.isfinite(value[rest])]
-        self.account.charge(NOT_REACHED, int(size[rest].sum()))
-        return float(value[rest].min(initial=np.inf))
+    def _take(self, nodes: OpenNodes, ahead: Array) -> None:
+        """Evaluate the nodes that come next. Raises OutOfTimeError: what was found stays, the batch is not reached."""
+        useful = ahead[~self.ranking.shut_out(nodes.value[ahead], nodes.power_w[ahead], nodes.cost_of(ahead))]
+        before, waited = self.account.snapshot(), list(self._waiting)
+        self.account.charge("bound", int(nodes.size[ahead].sum() - nodes.size[useful].sum()))
+        try:
+            self.deadline.check()
+            if len(useful):
+                (self.sift if self._sifts else self.evaluate_nodes)(
+                    nodes.lighting_of(useful), nodes.imager_of(useful)
+                )
+        except OutOfTimeError:
+            self.account.restore(before)
+            self._waiting = waited
+            raise
+        nodes.drop(len(ahead))
 
-    def _refine(self, nodes: Array, rows: Array, value: Array, power: Array, size: Array) -> None:
-        """Bounds of these nodes by pixels and settings, in place; inf, and accounted for, where a rule discards one.
+    def _refine(self, nodes: OpenNodes, some: Array) -> None:
+        """Bounds of some nodes by pixels and settings; what a rule discards is accounted for.
 
         Raises OutOfTimeError, with the bounds that are done in place: those left stay as valid as they were.
         """
-        n = len(rows)
-        for k in np.unique(nodes // n):
+        lighting = nodes.lighting_of(some)
+        for k in np.unique(lighting):
             self.deadline.check()
-            mine = nodes[nodes // n == k]
-            bounds = self.bounds.refined(int(k), rows[mine % n])
-            value[mine], power[mine] = np.maximum(value[mine], bounds.value), np.maximum(power[mine], bounds.power)
-            for index, name in enumerate(NODE_RULES):
-                failed = mine[bounds.rule == index]
-                value[failed] = np.inf
-                self.account.charge(name, int(size[failed].sum()))
-                self._sample(name, failed, rows)
+            mine = some[lighting == k]
+            for name, failed in nodes.refine(mine, self.bounds.refined(int(k), nodes.imager_of(mine))):
+                self._discard(name, nodes, failed)
+        nodes.rough[some] = False
+        nodes.sort()
 
     @property
     def _sifts(self) -> bool:
@@ -401,8 +399,8 @@ class Search(Evaluation):
                 lost, rows = rule[closed], imager[mine[closed]]
                 for number, name in enumerate(NODE_RULES):
                     account.charge(name, int((lost == number).sum()))
-                    nodes = np.nonzero((lost == number).any(axis=1))[0]
-                    self._sample(name, int(k) * len(rows) + nodes, rows)
+                    mine_lost = rows[(lost == number).any(axis=1)]
+                    self._sample(name, mine_lost, np.full(len(mine_lost), k))
                 account.charge("bound", int((lost < 0).sum()))  # what the node's own bound discards
         sizes = np.array([len(table.light) for table in tables])
         order = np.argsort(value, kind="stable")
@@ -416,14 +414,14 @@ class Search(Evaluation):
             position += len(ahead)
             batch = min(4 * batch, LARGEST_SIFTED)
 
-    def _sample(self, rule: str, nodes: Array, rows: Array, *, any_light: bool = False) -> None:
-        """Remember some of the nodes that a rule discards, evenly spread, for an audit."""
+    def _sample(self, rule: str, imager: Array, lighting: Array | None = None) -> None:
+        """Remember some of the nodes that a rule discards, evenly spread, for an audit; None: with any light."""
         kept = self._samples.setdefault(rule, [])
-        if len(nodes) and len(kept) < MOST_SAMPLES:
-            step = max(1, len(nodes) // SAMPLES_A_TIME)
-            n = len(rows)
-            some = nodes[::step][: 2 * SAMPLES_A_TIME]
-            kept += [self.imagers.sample(int(rows[u % n]), None if any_light else int(u // n)) for u in some]
+        if len(imager) and len(kept) < MOST_SAMPLES:
+            places = range(0, len(imager), max(1, len(imager) // SAMPLES_A_TIME))[: 2 * SAMPLES_A_TIME]
+            kept += [
+                self.imagers.sample(int(imager[at]), None if lighting is None else int(lighting[at])) for at in places
+            ]
 
     def discarded_samples(
         self, count: int, rng: np.random.Generator
