@@ -109,7 +109,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="red asks for no light",
-        file="uwopt/solvers/settings/closed_form.py",
+        file="uwopt/solvers/settings/windows.py",
         old="        wanted = np.maximum(wanted, red)\n",
         new="        wanted = np.maximum(wanted, 0.0 * red)\n",
         test=(
@@ -119,7 +119,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="red is asked for at the first altitude alone",
-        file="uwopt/solvers/settings/closed_form.py",
+        file="uwopt/solvers/settings/windows.py",
         old="        signal = rows.colour_e[:, altitude, 0]\n",
         new="        signal = rows.colour_e[:, 0, 0]\n",
         test=f"{COLOUR}::test_red_asks_for_light_as_the_only_altitude_says",

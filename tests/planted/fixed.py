@@ -17,9 +17,9 @@ DEFECTS = (
     ),
     Defect(
         name="saturation at a fixed gain is that at unit gain",
-        file="uwopt/solvers/settings/closed_form.py",
-        old="scale = (headroom_dn / rows.least_dn_per_e - dark)[:, None]",
-        new="scale = (headroom_dn / rows.gain_dn_per_e - dark)[:, None]",
+        file="uwopt/solvers/settings/windows.py",
+        old="scale = (headroom_dn / rows.least_dn_per_e)[:, None] - dark",
+        new="scale = (headroom_dn / rows.gain_dn_per_e)[:, None] - dark",
         test=f"{NOTHING_BETTER}[{{'f_number': 2.5, 'gain': 70.0}}-snr_db]",
     ),
     Defect(

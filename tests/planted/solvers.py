@@ -604,7 +604,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="no pixel may miss in the window of light",
-        file="uwopt/solvers/settings/closed_form.py",
+        file="uwopt/solvers/settings/windows.py",
         old='rows.may_miss if of == "worst" and rows.worst_e is not None else 0',
         new="0",
         test=f"{FRAME}test_light_for_an_snr_of_20_over_most_pixels[2-10.0]",

@@ -95,9 +95,9 @@ DEFECTS = (
     ),
     Defect(
         name="the least gain of settings forgets open water",
-        file="uwopt/solvers/settings/closed_form.py",
-        old="    total = rows.bright_e\n    nominal",
-        new="    total = rows.total_e\n    nominal",
+        file="uwopt/solvers/settings/windows.py",
+        old="    total = rows.bright_e\n    nominal, none",
+        new="    total = rows.total_e\n    nominal, none",
         test=f"{SEARCHED}::test_the_well_holds_open_water_and_so_limits_the_signal_of_the_target",
     ),
 )

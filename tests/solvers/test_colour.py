@@ -24,7 +24,7 @@ from uwopt.solvers.exact.balance import least_ratio
 from uwopt.solvers.exact.node_bounds import NODE_RULES
 from uwopt.solvers.recommend import colour_notes
 from uwopt.solvers.settings.cell_windows import window_over
-from uwopt.solvers.settings.closed_form import light_for_snr
+from uwopt.solvers.settings.windows import light_for_snr
 
 BURNING = lamp("burning", flux_lm=2e4, power_w=200.0)
 #: Flat curves: whatever the light's colour, red has a quarter of green's electrons, blue half; the mean is 0.55.

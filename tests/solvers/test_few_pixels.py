@@ -11,7 +11,7 @@ from hand_made_rows import scene
 from settings_attack import lit
 
 from uwopt.forward.setting_rows import SceneRows
-from uwopt.solvers.settings import closed_form, dark
+from uwopt.solvers.settings import dark, windows
 from uwopt.solvers.settings.cell_bounds import SceneCells
 from uwopt.solvers.settings.few_pixels import deciding_pixels
 
@@ -39,8 +39,8 @@ def test_few_pixels_ask_for_what_all_but_k_of_all_do(seed: int, more: dict[str, 
     for time_s in np.geomspace(1e-3, 0.25, 20):
         at = dark.at_time(rows, np.array([time_s]))
         for altitude in range(2):
-            asked = closed_form.light_of_each(at, altitude, rows.min_snr, of="worst")[0]
-            of_few = closed_form.light_asked_for(dark.at_time(few, np.array([time_s])), altitude)
+            asked = windows.light_of_each(at, altitude, rows.min_snr, of="worst")[0]
+            of_few = windows.light_asked_for(dark.at_time(few, np.array([time_s])), altitude)
             assert of_few[0] == sorted(asked)[-1 - seed]
 
 
@@ -51,7 +51,7 @@ def test_a_design_where_pixels_miss_at_any_light_keeps_them() -> None:
     veil = rows.worst_veil_e.copy()
     veil[:, :, :2] = 2000.0
     few = deciding_pixels(replace(rows, worst_veil_e=veil))
-    assert np.isinf(closed_form.light_asked_for(few, 0)[0])
+    assert np.isinf(windows.light_asked_for(few, 0)[0])
 
 
 def test_designs_of_different_pixels_keep_their_own() -> None:
@@ -66,7 +66,7 @@ def test_designs_of_different_pixels_keep_their_own() -> None:
     few = deciding_pixels(both)
     for time_s in (1e-3, 0.02, 0.25):
         full, less = (dark.at_time(rows, np.array([time_s, time_s])) for rows in (both, few))
-        assert (closed_form.light_asked_for(less, 1) == closed_form.light_asked_for(full, 1)).all()
+        assert (windows.light_asked_for(less, 1) == windows.light_asked_for(full, 1)).all()
 
 
 @pytest.mark.parametrize("more", [{}, {"resolve_m": 2.2e-3}], ids=["no bars", "bars behind the veil"])

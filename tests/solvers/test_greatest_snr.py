@@ -10,7 +10,7 @@ from hand_made_rows import FLASHES, STEPS, scene
 
 from uwopt.forward.part_columns import PULSED
 from uwopt.forward.setting_rows import SceneRows
-from uwopt.solvers.settings import closed_form
+from uwopt.solvers.settings import closed_form, windows
 
 LIMITS_W = np.array([[2.0, 30.0, np.nan, 60.0, 150.0, 500.0]])
 LAMPS: dict[str, dict[str, Any]] = {
@@ -25,7 +25,7 @@ LAMPS: dict[str, dict[str, Any]] = {
 
 def tried_snr(rows: SceneRows, limit_w: float) -> float:
     """The best of many f-numbers, levels and times within the window of light and the power; -inf: there is none."""
-    low, high = (float(end[0]) for end in closed_form.window(rows))
+    low, high = (float(end[0]) for end in windows.window(rows))
     levels = np.linspace(rows.min_level[0], 1.0, 101) if rows.dims_freely[0] else rows.levels[0]
     levels = levels[np.isfinite(levels) & (levels > 0.0)]
     times = np.geomspace(rows.time_min_s[0], rows.time_max_s[0], 101)

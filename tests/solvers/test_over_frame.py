@@ -20,8 +20,8 @@ from uwopt.model.image_mean import (
     reached_by_most,
 )
 from uwopt.solvers.exact.node_bounds import least_mean_frac
-from uwopt.solvers.settings import closed_form
-from uwopt.solvers.settings.closed_form import Sun
+from uwopt.solvers.settings import windows
+from uwopt.solvers.settings.windows import Sun
 
 SQUARE = np.array([1.0]), np.array([1.0])
 COUNTED = 1.0 / FRAME_PLACES  # to so much of the image are shares counted
@@ -72,14 +72,14 @@ def pixels(signal_e: list[float], **changed: Any) -> Any:
 def test_light_for_an_snr_of_20_over_most_pixels(may_miss: int, dimmest_e: float) -> None:
     rows = replace(pixels([10.0, 2.0, 30.0, 3.0]), may_miss=may_miss)
     # 400 electrons in the dimmest that may not miss: X = 400 / (electrons per lm s)
-    found = closed_form.light_for_snr(rows, 0, 20.0, of="worst")
+    found = windows.light_for_snr(rows, 0, 20.0, of="worst")
     assert found[0] == pytest.approx(400.0 / dimmest_e, rel=1e-9)
 
 
 def test_pixels_that_no_light_serves_may_miss_too() -> None:
     rows = replace(pixels([0.0, 8.0, 16.0]), may_miss=1, read_noise_e=np.array([1e-3]))
-    assert closed_form.light_for_snr(rows, 0, 20.0, of="worst")[0] == pytest.approx(50.0, rel=1e-8)
-    assert closed_form.light_for_snr(replace(rows, may_miss=0), 0, 20.0, of="worst")[0] == np.inf
+    assert windows.light_for_snr(rows, 0, 20.0, of="worst")[0] == pytest.approx(50.0, rel=1e-8)
+    assert windows.light_for_snr(replace(rows, may_miss=0), 0, 20.0, of="worst")[0] == np.inf
 
 
 def test_a_pixel_in_the_sun_needs_the_rest_alone() -> None:
@@ -87,7 +87,7 @@ def test_a_pixel_in_the_sun_needs_the_rest_alone() -> None:
     # 100, 200 and 300 electrons of the sun: the second needs 400 - 200 of 4 a lm s
     there = np.array([[[300.0, 100.0, 200.0]]])
     sun = Sun(np.array([[200.0]]), np.array([[200.0]]), there, there)
-    assert closed_form.light_for_snr(rows, 0, 20.0, of="worst", sun=sun)[0] == pytest.approx(50.0, rel=1e-9)
+    assert windows.light_for_snr(rows, 0, 20.0, of="worst", sun=sun)[0] == pytest.approx(50.0, rel=1e-9)
 
 
 @pytest.mark.parametrize(("pixels_asked", "least"), [(None, 1.0), ("darkest", 1.0), ("frame", 0.95)])
@@ -109,7 +109,7 @@ def test_darkest_pixels_alone_bound_the_light_under_the_sun(may_miss: int) -> No
     def least(of: Any) -> float:
         at_once = of.worst_sun_signal_e_s + of.worst_sun_veil_e_s
         sun = Sun(np.array([[1.0]]), np.array([[1.0]]), of.worst_sun_signal_e_s, at_once)
-        return float(closed_form.light_for_snr(of, 0, 20.0, of="worst", sun=sun)[0])
+        return float(windows.light_for_snr(of, 0, 20.0, of="worst", sun=sun)[0])
 
     few = of_darkest_pixels(rows, 12)
     assert few.worst_e.shape == (1, 1, 12) and few.may_miss == may_miss

@@ -114,6 +114,22 @@ class SceneRows(Columns):
         return np.asarray(self.gain_dn_per_e * self.min_gain)
 
     @property
+    def wanted_dn(self) -> Array | None:
+        """Digital numbers above black that the wanted mean level asks for; None: no level is asked for."""
+        return None if self.mean_level is None else self.above_black_dn(self.mean_level)
+
+    @property
+    def headroom_dn(self) -> Array:
+        """Digital numbers above black that the brightest mean level may reach."""
+        return self.above_black_dn(1.0 / self.highlight_ratio)
+
+    def above_black_dn(self, level: float) -> Array:
+        """Digital numbers above black at a mean level."""
+        return np.asarray(
+            sensor.above_black_dn(level, full_scale_dn=self.full_scale_dn, offset_dn=self.black_level_dn)
+        )
+
+    @property
     def total_e(self) -> Array:
         """All electrons per lm s, image mean, by altitude."""
         return self.signal_e if self.veil_e is None else self.signal_e + self.veil_e

@@ -79,6 +79,11 @@ def mean_level(
     return mean_dn / (2.0**bits - 1.0)
 
 
+def above_black_dn(level: Numeric, *, full_scale_dn: Numeric, offset_dn: Numeric) -> Numeric:
+    """Digital numbers above black at a mean level, level (2^bits - 1) - offset: what gain and light must fill [sym]."""
+    return level * full_scale_dn - offset_dn
+
+
 # ---------------------------------------------------------------- signal to noise
 
 

@@ -18,7 +18,8 @@ from uwopt.model.aberration import lens_pitch
 from uwopt.model.lateral import spread_mtf
 from uwopt.model.sharpness import TEXTURE_CONTRAST, Sharpness, round_mtf, sinc_mtf
 from uwopt.solvers.settings.cell_information import Nodes
-from uwopt.solvers.settings.closed_form import Chosen, dark_e, window, with_exposure
+from uwopt.solvers.settings.closed_form import Chosen, with_exposure
+from uwopt.solvers.settings.windows import dark_e, window
 
 ORDERS, ORDERS_IN_COLOUR = (16, 8), (24, 16)  # of the nodes; wide lateral colour needs more
 

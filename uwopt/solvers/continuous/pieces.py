@@ -340,12 +340,19 @@ def ruled_out(scene: SmoothScene, piece: Piece) -> bool:
 
 def wanted_dn(scene: SmoothScene) -> float | None:
     """Digital numbers above black that the wanted mean level asks for."""
-    return None if scene.mean_level is None else scene.mean_level * scene.full_scale_dn - scene.black_level_dn
+    return None if scene.mean_level is None else above_black_dn(scene, scene.mean_level)
 
 
 def headroom_dn(scene: SmoothScene) -> float:
     """Digital numbers above black that the brightest mean level may reach."""
-    return scene.full_scale_dn / scene.highlight_ratio - scene.black_level_dn
+    return above_black_dn(scene, 1.0 / scene.highlight_ratio)
+
+
+def above_black_dn(scene: SmoothScene, level: float) -> float:
+    """Digital numbers above black at a mean level."""
+    return float(
+        sensor.above_black_dn(level, full_scale_dn=scene.full_scale_dn, offset_dn=scene.black_level_dn)
+    )
 
 
 def minimised_value(

@@ -35,7 +35,7 @@ from uwopt.solvers.exact.search import Search, are_too_many
 from uwopt.solvers.front.curves import Curves
 from uwopt.solvers.front.large import WITHOUT_BOUND, Undominated, in_layers
 from uwopt.solvers.front.trade_curves import FINELY, ROUGHLY, Answers, Hopeful, Trade
-from uwopt.solvers.settings import closed_form
+from uwopt.solvers.settings import windows
 from uwopt.solvers.settings.mean_limit import MeanLimit
 from uwopt.tolerances import ROUND
 
@@ -296,7 +296,7 @@ class FrontSearch:
         )  # fmt: skip
         contrast: Array | float = 0.0
         if "contrast" in self.axes.names and self.quality != "contrast":
-            contrast = np.min([closed_form.nominal_contrast(r) for r in rows], axis=0)
+            contrast = np.min([windows.nominal_contrast(r) for r in rows], axis=0)
         nothing = np.zeros(len(imager))
         fixed = self.axes.minimised(
             Terms(

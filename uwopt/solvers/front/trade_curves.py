@@ -21,7 +21,7 @@ from uwopt.forward.part_columns import FLASH, PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.node_bounds import bit_per_px_bound
-from uwopt.solvers.settings import closed_form, dark
+from uwopt.solvers.settings import closed_form, dark, windows
 from uwopt.solvers.settings.best import Best, best_settings
 from uwopt.solvers.settings.closed_form import Chosen
 from uwopt.solvers.settings.mean_limit import MeanLimit
@@ -250,7 +250,7 @@ class Trade:
         for r in some.rows:
             rows = replace(r, time_max_s=np.maximum(r.time_max_s * time_share, r.time_min_s))
             with np.errstate(divide="ignore", invalid="ignore"):
-                low, high = closed_form.window(rows)
+                low, high = windows.window(rows)
                 _, greatest = closed_form.reach(rows)
                 most = np.nanmax(np.where(np.isnan(greatest), -1.0, greatest), axis=1)
                 top = np.minimum(high, most / np.square(f_number * rows.working_factor))
@@ -476,7 +476,7 @@ def information_of(rows: list[SceneRows], chosen: list[Chosen], which: Array) ->
 
             some = replace(some, dark_time_s=c.exposure_s[index])
             blur = some.open_s(c.exposure_s[index])
-            sun = closed_form.Sun.at(some, blur / np.square(working))
+            sun = windows.Sun.at(some, blur / np.square(working))
             snr, _, _ = figures_at(some, c.light_x[index], c.gain[index], sun)
         else:
             snr = closed_form.nominal_snr(some, c.light_x[index])

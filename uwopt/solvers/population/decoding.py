@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from uwopt.forward.part_columns import FLASH, PULSED
 from uwopt.forward.setting_rows import SceneRows
-from uwopt.solvers.settings import closed_form
-from uwopt.solvers.settings.closed_form import Chosen, Sun
+from uwopt.solvers.settings import closed_form, windows
+from uwopt.solvers.settings.closed_form import Chosen
+from uwopt.solvers.settings.windows import Sun
 from uwopt.tolerances import SLACK
 
 Array = NDArray[Any]
@@ -71,7 +72,7 @@ def on_curve(rows: list[SceneRows], motorised: Array, light_limit_w: Array, shar
             chosen, feasible = _above(rows, chosen, feasible, motorised, light_limit_w, share)
         updated = [closed_form.with_exposure(r, c) for r, c in zip(rows, chosen, strict=True)]
         pairs = list(zip(rows, updated, strict=True))
-        shift = [np.abs(closed_form.dark_e(a) - closed_form.dark_e(b)).max(initial=0.0) for a, b in pairs]
+        shift = [np.abs(windows.dark_e(a) - windows.dark_e(b)).max(initial=0.0) for a, b in pairs]
         if max(shift) <= DARK_SETTLED_E:
             break
         rows = updated
@@ -111,7 +112,7 @@ def shortfall(rows: list[SceneRows], motorised: Array) -> Array:
     total = np.zeros(len(motorised))
     starts, ends = [], []
     for r in rows:
-        low, high = closed_form.window(r)
+        low, high = windows.window(r)
         with np.errstate(invalid="ignore", divide="ignore"):
             least, greatest = closed_form.reach(r)
             dimmest = np.where(np.isnan(least), np.inf, least).min(axis=1)
@@ -174,7 +175,7 @@ class SceneRange:
         self.low: Array | None = None
         self.high: Array | None = None
         if not rows.sunlit:
-            self.low, self.high = closed_form.window(rows)
+            self.low, self.high = windows.window(rows)
         self._levels()
         self._f_numbers()
 
@@ -275,7 +276,7 @@ class SceneRange:
     def _window(self, dark_rows: SceneRows, sun: Sun | None) -> tuple[Array, Array]:
         """The window of light with the dark current and sun of the exposure that was chosen."""
         if self.low is None or self.high is None or np.any(dark_rows.dark_current_e_s > 0):
-            return closed_form.window(dark_rows, sun=sun)
+            return windows.window(dark_rows, sun=sun)
         return self.low, self.high
 
     def _shutter(self, f_number: Array, time_s: Array) -> tuple[Array, Array]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.settings import closed_form, dark
+from uwopt.solvers.settings import closed_form, dark, windows
 from uwopt.solvers.settings.few_pixels import deciding_pixels
 from uwopt.solvers.settings.joint import is_bounded, joint_bound
 from uwopt.solvers.settings.mean_limit import MeanLimit
@@ -258,7 +258,7 @@ def best_closed(
         updated = [closed_form.with_exposure(r, c) for r, c in zip(rows, found[0], strict=True)]
         settled = np.logical_and.reduce(
             [
-                np.isclose(closed_form.dark_e(a), closed_form.dark_e(b), rtol=1e-12, atol=1e-10)
+                np.isclose(windows.dark_e(a), windows.dark_e(b), rtol=1e-12, atol=1e-10)
                 for a, b in zip(rows, updated, strict=True)
             ]
         )
@@ -291,7 +291,7 @@ def bound_in_the_dark(rows: list[SceneRows], given: Given, constant: Array | flo
 def closed_at(rows: list[SceneRows], found: tuple[list[closed_form.Chosen], Array, Array]) -> Best:
     """Settings with the figures that they have."""
     chosen, feasible, snr_db = found
-    contrast = np.min([closed_form.nominal_contrast(r) for r in rows], axis=0)
+    contrast = np.min([windows.nominal_contrast(r) for r in rows], axis=0)
     return Best(chosen, feasible, snr_db, contrast, np.zeros(len(feasible)))
 
 

@@ -29,8 +29,8 @@ from uwopt.model.sharpness import (
 from uwopt.solvers.settings import closed_form
 from uwopt.solvers.settings.cell_sun import Brightest, Mixture, longest_open_s
 from uwopt.solvers.settings.cell_windows import MEETS, balance_window, bars_contrast, figures_at, window_over
-from uwopt.solvers.settings.closed_form import Sun
 from uwopt.solvers.settings.few_pixels import deciding_pixels
+from uwopt.solvers.settings.windows import Sun
 from uwopt.tolerances import SLACK
 
 Array = NDArray[Any]

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.model.sensor import QUANTISATION_VARIANCE_DN2
-from uwopt.solvers.settings import closed_form
-from uwopt.solvers.settings.closed_form import Sun
+from uwopt.solvers.settings import closed_form, windows
+from uwopt.solvers.settings.windows import Sun
 from uwopt.tolerances import SLACK
 
 Array = NDArray[Any]
@@ -76,7 +76,7 @@ class Mixture:
         signal, total = (a[:, None] * x + b[:, None] * y for a, b in ((lamp, sun), (every, sun_every)))
         gain = rows.gain_dn_per_e * closed_form.best_gain(rows, self.x_lo, Sun.at(rows, self.y_lo))
         floor_e2 = np.square(rows.read_noise_e) + QUANTISATION_VARIANCE_DN2 / np.square(gain)
-        floor_e2 = floor_e2 + closed_form.dark_e(rows)
+        floor_e2 = floor_e2 + windows.dark_e(rows)
         with np.errstate(divide="ignore", invalid="ignore"):
             alone = np.where(inside, np.square(signal) / (floor_e2[:, None] + total), 0.0).max(axis=1)
             clearest = np.where(inside & (signal > 0), total / signal, np.inf).min(axis=1)
@@ -122,15 +122,12 @@ def longest_open_s(rows: SceneRows, square: Array, light_x: Array, light_over_y:
     assert rows.sun_signal_e_s is not None and rows.sun_veil_e_s is not None
     sun, total = rows.sun_signal_e_s + rows.sun_veil_e_s, rows.total_e
     held_e = np.broadcast_to((rows.well_e / rows.highlight_ratio)[:, None], total.shape)
-    if rows.mean_level is None:
-        share = np.full(total.shape[1], 1.0 / rows.highlight_ratio)
-    else:
-        share = np.where(np.arange(total.shape[1]) == rows.nominal, rows.mean_level, np.inf)
+    range_dn = rows.headroom_dn[:, None]
+    if rows.wanted_dn is not None:
+        nominal = np.arange(total.shape[1]) == rows.nominal
+        range_dn = np.where(nominal, rows.wanted_dn[:, None], np.inf)
     with np.errstate(divide="ignore", invalid="ignore"):
-        range_e = (share * rows.full_scale_dn[:, None] - rows.black_level_dn[:, None]) / rows.gain_dn_per_e[
-            :, None
-        ]
-        left_e = np.minimum(held_e, range_e) - total * light_x[:, None]
+        left_e = np.minimum(held_e, range_dn / rows.gain_dn_per_e[:, None]) - total * light_x[:, None]
         by_open = (sun + total * light_over_y[:, None]) / square[:, None] + rows.dark_current_e_s[:, None]
         longest = (left_e / by_open).min(axis=1)
     return np.asarray(np.where(np.isnan(longest), np.inf, longest) * (1 - 1e-12))
@@ -138,8 +135,7 @@ def longest_open_s(rows: SceneRows, square: Array, light_x: Array, light_over_y:
 
 def most_electrons(rows: SceneRows) -> Array:
     """What a pixel of the mean may hold of light at most, at the nominal altitude: well, range, or the wanted level."""
-    dark = closed_form.dark_e(rows)
+    dark = windows.dark_e(rows)
     held_e = rows.well_e / rows.highlight_ratio
-    share = 1.0 / rows.highlight_ratio if rows.mean_level is None else rows.mean_level
-    range_e = (share * rows.full_scale_dn - rows.black_level_dn) / rows.gain_dn_per_e
-    return np.asarray(np.minimum(held_e, range_e) - dark) * (1 + SLACK)
+    range_dn = rows.headroom_dn if rows.wanted_dn is None else rows.wanted_dn
+    return np.asarray(np.minimum(held_e, range_dn / rows.gain_dn_per_e) - dark) * (1 + SLACK)

@@ -12,9 +12,7 @@ from uwopt.forward.lamp_light import share_of
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.model import sensor
 from uwopt.model.image_mean import reached_by_most
-from uwopt.solvers.settings import closed_form
-from uwopt.solvers.settings.closed_form import Sun
-from uwopt.tolerances import SLACK
+from uwopt.solvers.settings.windows import Beside, Sun, dark_e, level_sides, light_asked_for
 
 Array = NDArray[Any]
 MEETS = 1e-9  # relative, by which a point may miss a requirement
@@ -51,7 +49,7 @@ def figures_at(rows: SceneRows, light_x: Array, gain: Array, sun: Sun | None) ->
     signal, total = rows.signal_e * x, rows.total_e * x
     if sun is not None:
         signal, total = signal + sun.signal_e, total + sun.total_e
-    dark = closed_form.dark_e(rows)[:, None]
+    dark = dark_e(rows)[:, None]
     noise: dict[str, Any] = dict(
         read_noise_e=rows.read_noise_e[:, None], gain_dn_per_e=(rows.gain_dn_per_e * gain)[:, None], dark_e=dark,
         prnu_frac=rows.prnu_frac[:, None],
@@ -107,43 +105,28 @@ def colours_hold(rows: SceneRows, light_x: Array, sun: Sun | None, noise: dict[s
 def window_over(
     rows: SceneRows, y_lo: Any, y_hi: Any, shortest_s: Any, longest_s: Any
 ) -> tuple[Array, Array]:
-    """`settings.window` over ranges of open shutter over N_w^2 and of exposures: an X outside fits nowhere."""
-    total, nominal = rows.bright_e, rows.total_e[:, rows.nominal]
-    dark_lo, dark_hi = (np.asarray(rows.dark_current_e_s * s) for s in (shortest_s, longest_s))
-    quiet = replace(rows, dark_time_s=np.broadcast_to(np.asarray(shortest_s, float), nominal.shape))
-    least = np.zeros_like(total)
-    most, helping = least, None
+    """The window over ranges of open shutter over N_w^2 and of exposures: an X outside fits nowhere."""
+    n = len(rows.total_e)
+    dark, most_dark = (
+        np.broadcast_to(rows.dark_current_e_s * np.asarray(s, float), n) for s in (shortest_s, longest_s)
+    )
+    quiet = replace(rows, dark_time_s=np.broadcast_to(np.asarray(shortest_s, float), n))
+    none = np.zeros_like(rows.bright_e)
+    beside, helping = Beside(none, none, dark, most_dark, dark), None
     if rows.sun_signal_e_s is not None:
         at_least, at_most = Sun.at(rows, y_lo), Sun.at(rows, y_hi)
         assert at_least is not None and at_most is not None
-        least, most = at_least.total_e, at_most.total_e
+        beside = replace(beside, least_e=at_least.total_e, most_e=at_most.total_e)
         helping = Sun(
             at_most.signal_e, np.minimum(at_least.total_e, at_most.total_e), at_most.worst_signal_e,
             at_least.worst_total_e, at_most.colour_e, at_least.red_total_e,
         )  # fmt: skip
-    headroom_dn = rows.full_scale_dn / rows.highlight_ratio - rows.black_level_dn
-    least_nominal, most_nominal = least[:, rows.nominal] + dark_lo, most[:, rows.nominal] + dark_hi
+    sides = level_sides(rows, beside)
+    low, high = sides.for_level, sides.high
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        high = (((rows.well_e / rows.highlight_ratio - dark_lo)[:, None] - least) / total).min(axis=1)
-        low = np.zeros(len(nominal))
-        if rows.mean_level is None:
-            full = (headroom_dn / rows.least_dn_per_e - dark_lo)[:, None]
-            high = np.minimum(high, ((full - least) / total).min(axis=1))
-        else:
-            wanted_dn = rows.mean_level * rows.full_scale_dn - rows.black_level_dn
-            high = np.minimum(high, (wanted_dn / rows.least_dn_per_e - least_nominal) / nominal)
-            if not rows.optimistic:
-                low = (wanted_dn / (rows.gain_dn_per_e * rows.max_gain) - most_nominal) / nominal
-                excess = wanted_dn[:, None] * total - (headroom_dn * nominal)[:, None]
-                spare = (headroom_dn * most_nominal)[:, None] - wanted_dn[:, None] * (
-                    least + dark_lo[:, None]
-                )
-                steep = np.abs(excess) > SLACK * wanted_dn[:, None] * total
-                high = np.minimum(high, np.where(steep & (excess > 0), spare / excess, np.inf).min(axis=1))
-                low = np.maximum(low, np.where(steep & (excess < 0), spare / excess, 0.0).max(axis=1))
         for altitude in range(rows.signal_e.shape[1]):
             never = np.inf if helping is None else 0.0  # with sun of another contrast it rules no X out
-            low = np.maximum(low, closed_form.light_asked_for(quiet, altitude, sun=helping, never=never))
+            low = np.maximum(low, light_asked_for(quiet, altitude, sun=helping, never=never))
         if rows.min_contrast > 0.0 and not rows.optimistic:
             low, high = contrast_window(rows, y_lo, y_hi, low, high)
         if np.isfinite(rows.max_white_balance):

@@ -28,8 +28,9 @@ from uwopt.solvers.settings.cell_tangent import (
     surrogate_bit_per_px,
     typical_bit_per_px,
 )
-from uwopt.solvers.settings.closed_form import Chosen, nominal_contrast
+from uwopt.solvers.settings.closed_form import Chosen
 from uwopt.solvers.settings.mean_limit import MeanLimit
+from uwopt.solvers.settings.windows import nominal_contrast
 from uwopt.units import ratio_to_db
 
 Array = NDArray[Any]

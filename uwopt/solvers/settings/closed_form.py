@@ -12,7 +12,7 @@ Q / tau for at most tau. Kinds differ in what power they draw.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,11 +21,10 @@ from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.model import light, sensor
-from uwopt.model.image_mean import needed_by_most
+from uwopt.solvers.settings.windows import Sun, dark_e, window
 from uwopt.tolerances import SLACK
 
 Array = NDArray[Any]
-Light = Literal["mean", "worst", "red"]  # what an SNR may be asked of
 
 
 @dataclass(frozen=True)
@@ -42,223 +41,10 @@ class Chosen(Columns):
     exposure_s: Array | None = None  # None: what the lamps need, `SceneRows.exposure_s`
 
 
-def dark_e(rows: SceneRows) -> Array:
-    """Dark electrons in the exposure of the rows, almost always under 1."""
-    return np.asarray(rows.dark_current_e_s * rows.dark_time_s)
-
-
 def with_exposure(rows: SceneRows, chosen: Chosen) -> SceneRows:
     """The rows with dark current charged for the exposure that was chosen; infeasible ones stay as they are."""
     exposure = rows.exposure_s(chosen.time_s)
     return replace(rows, dark_time_s=np.where(np.isfinite(exposure), exposure, rows.dark_time_s))
-
-
-@dataclass(frozen=True)
-class Sun:
-    """Electrons of the sun at one choice of shutter and f-number, image mean by altitude (n, n_altitudes)."""
-
-    signal_e: Array
-    total_e: Array
-    worst_signal_e: Array | None = None  # (n, n_altitudes, n_pixels)
-    worst_total_e: Array | None = None
-    colour_e: Array | None = None  # (n, n_altitudes, n_channels), red first
-    red_total_e: Array | None = None
-
-    @staticmethod
-    def at(rows: SceneRows, open_over_n2_s: Array) -> Sun | None:
-        """With the shutter open for a time, over the square of the working f-number; None without sun."""
-        if rows.sun_signal_e_s is None or rows.sun_veil_e_s is None:
-            return None
-        share = open_over_n2_s[:, None]
-        signal, veil = rows.sun_signal_e_s * share, rows.sun_veil_e_s * share
-        made = Sun(signal, signal + veil)
-        if rows.sun_colour_e_s is not None and rows.sun_red_veil_e_s is not None:
-            colour = rows.sun_colour_e_s * share[:, None]
-            made = replace(made, colour_e=colour, red_total_e=colour[:, :, 0] + rows.sun_red_veil_e_s * share)
-        if rows.worst_sun_signal_e_s is None or rows.worst_sun_veil_e_s is None:
-            return made
-        worst, over = (c * share[:, None] for c in (rows.worst_sun_signal_e_s, rows.worst_sun_veil_e_s))
-        return replace(made, worst_signal_e=worst, worst_total_e=worst + over)
-
-
-@dataclass(frozen=True)
-class Window:
-    """What bounds X in each scene's window; more dark electrons raise `for_snr` and lower the other two of the first
-    three, while `gain_at_brightest` grows in proportion to them."""
-
-    for_level: Array  # least X at the highest gain, for the wanted mean level
-    for_snr: Array
-    full: Array  # most X: wells, full scale, the wanted level at the lowest gain
-    gain_at_brightest: Array  # most X: the gain of the wanted level must not saturate at another altitude
-
-    @property
-    def low(self) -> Array:
-        """Least X."""
-        return np.maximum(self.for_level, self.for_snr)
-
-    @property
-    def high(self) -> Array:
-        """Most X."""
-        return np.minimum(self.full, self.gain_at_brightest)
-
-
-def window(rows: SceneRows, *, snr_floor: Array | float = 0.0, sun: Sun | None = None) -> tuple[Array, Array]:
-    """Lowest and highest X that the requirements on SNR, level and saturation allow; inf: none does.
-
-    `snr_floor` is wanted at the nominal altitude beside the mission's own requirement over all.
-    """
-    sides = window_sides(rows, snr_floor=snr_floor, sun=sun)
-    return sides.low, sides.high
-
-
-def window_sides(rows: SceneRows, *, snr_floor: Array | float = 0.0, sun: Sun | None = None) -> Window:
-    """The window of X by what bounds it, as `window` takes its arguments."""
-    total = rows.bright_e
-    nominal = total[:, rows.nominal]
-    dark = dark_e(rows)
-    level_dark = dark if rows.spare_dark_s is None else dark + rows.dark_current_e_s * rows.spare_dark_s
-    other = np.zeros_like(total) if sun is None else sun.total_e
-    other_nominal = other[:, rows.nominal] + level_dark
-    headroom_dn = rows.full_scale_dn / rows.highlight_ratio - rows.black_level_dn
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        well = (rows.well_e / rows.highlight_ratio - dark)[:, None]
-        full = ((well - other) / total).min(axis=1)
-        brightest = np.full(len(nominal), np.inf)
-        for_level, for_snr = np.zeros(len(nominal)), np.zeros(len(nominal))
-        if rows.mean_level is None:
-            scale = (headroom_dn / rows.least_dn_per_e - dark)[:, None]
-            full = np.minimum(full, ((scale - other) / total).min(axis=1))
-        else:
-            wanted_dn = rows.mean_level * rows.full_scale_dn - rows.black_level_dn
-            most_e = wanted_dn / rows.least_dn_per_e - other[:, rows.nominal] - dark
-            full = np.minimum(full, most_e / nominal)
-            least_e = wanted_dn / (rows.gain_dn_per_e * rows.max_gain) - other_nominal
-            if not rows.optimistic:
-                for_level = least_e / nominal
-                # The gain follows the nominal level; the brightest altitude must not saturate with it.
-                excess = wanted_dn[:, None] * total - (headroom_dn * nominal)[:, None]
-                spare = (headroom_dn * other_nominal)[:, None] - wanted_dn[:, None] * (
-                    other + level_dark[:, None]
-                )
-                steep = np.abs(excess) > SLACK * wanted_dn[:, None] * total
-                brightest = np.where(steep & (excess > 0), spare / excess, np.inf).min(axis=1)
-                for_level = np.maximum(
-                    for_level, np.where(steep & (excess < 0), spare / excess, 0.0).max(axis=1)
-                )
-            elif rows.most_veil_e is not None:
-                for_level = least_e / (rows.signal_e + rows.most_veil_e)[:, rows.nominal]
-        for altitude in range(rows.signal_e.shape[1]):
-            for_snr = np.maximum(for_snr, light_asked_for(rows, altitude, sun=sun))
-        for_snr = np.maximum(for_snr, light_for_snr(rows, rows.nominal, snr_floor, of="mean", sun=sun))
-    if rows.min_contrast > 0.0 and sun is None:
-        full = np.where(contrast(rows) < rows.min_contrast * (1 - 1e-9), -np.inf, full)
-    lows = (np.maximum(np.where(np.isnan(low), np.inf, low), 0.0) for low in (for_level, for_snr))
-    highs = (np.where(np.isnan(high), -np.inf, high) for high in (full, brightest))
-    return Window(*lows, *highs)
-
-
-def contrast(rows: SceneRows) -> Array:
-    """Image-forming over all light of the lamps, image mean, at the worst altitude; no setting changes it."""
-    with np.errstate(invalid="ignore", divide="ignore"):
-        share = (rows.signal_e / rows.total_e).min(axis=1)
-    return np.where(np.isfinite(share), share, 0.0)
-
-
-def nominal_contrast(rows: SceneRows) -> Array:
-    """Image-forming over all light of the lamps, image mean at the nominal altitude."""
-    every = rows.total_e[:, rows.nominal]
-    lit = every > 0
-    return np.where(lit, rows.signal_e[:, rows.nominal] / np.where(lit, every, 1.0), 0.0)
-
-
-def light_asked_for(rows: SceneRows, altitude: int, *, sun: Sun | None = None, never: float = np.inf) -> Array:
-    """Least X that reaches every SNR that the mission asks for at one altitude: of mean or pixels, and of red."""
-    of: Light = "mean" if rows.worst_e is None else "worst"
-    wanted = light_for_snr(rows, altitude, rows.min_snr, of=of, sun=sun, never=never)
-    if rows.min_snr_red > 0.0:
-        red = light_for_snr(rows, altitude, rows.min_snr_red, of="red", sun=sun, never=never)
-        wanted = np.maximum(wanted, red)
-    return wanted
-
-
-def light_for_snr(
-    rows: SceneRows, altitude: int, snr: Array | float, *, of: Light, sun: Sun | None = None, never: float = np.inf
-) -> Array:
-    """Least X that reaches an SNR at one altitude, with the gain at its best; at all its pixels that may not miss it.
-
-    All but k pixels reach it from the X that is the (k + 1)-th greatest of theirs: see `light_of_each`. `never` is what
-    a pixel asks for that no X serves.
-    """
-    each = light_of_each(rows, altitude, snr, of=of, sun=sun)
-    may_miss = rows.may_miss if of == "worst" and rows.worst_e is not None else 0
-    return needed_by_most(np.where(np.isfinite(each), each, never), may_miss)
-
-
-def light_of_each(
-    rows: SceneRows, altitude: int, snr: Array | float, *, of: Light, sun: Sun | None = None
-) -> Array:
-    """Least X at which each pixel reaches an SNR at one altitude, (n, n_pixels); of what is no pixel one column.
-
-    The gain lowers quantisation noise; it is as high as the wanted mean level or saturation lets it
-    be. Up to the X where the highest gain fills the range, that gain counts; beyond it the noise
-    follows the level. SNR grows with X throughout, so the larger of the two answers that apply holds. `of`: the
-    image's mean, the pixels that the SNR is asked of, or the red channel.
-    """
-    at_worst = of == "worst" and rows.worst_e is not None
-    if at_worst and rows.worst_e is not None:
-        signal = rows.worst_e[:, altitude]
-        veil: Any = 0.0 if rows.worst_veil_e is None else rows.worst_veil_e[:, altitude]
-    elif of == "red":
-        assert rows.colour_e is not None
-        signal = rows.colour_e[:, altitude, 0]
-        veil = 0.0 if rows.red_veil_e is None else rows.red_veil_e[:, altitude]
-    else:
-        signal = rows.signal_e[:, altitude]
-        veil = 0.0 if rows.veil_e is None else rows.veil_e[:, altitude]
-    if signal.ndim == 1:
-        signal = signal[:, None]
-        veil = veil if np.ndim(veil) == 0 else veil[:, None]
-    dark = dark_e(rows)[:, None]
-    common: dict[str, Any] = dict(
-        read_noise_e=rows.read_noise_e[:, None],
-        dark_e=dark,
-        prnu_frac=rows.prnu_frac[:, None],
-        signal_per_light_e=signal,
-        total_per_light_e=signal + veil,
-    )
-    other = np.zeros((len(signal), 1))
-    if sun is not None:
-        picked = (sun.signal_e, sun.total_e)
-        if at_worst and sun.worst_signal_e is not None and sun.worst_total_e is not None:
-            picked = (sun.worst_signal_e, sun.worst_total_e)
-        elif of == "red" and sun.colour_e is not None and sun.red_total_e is not None:
-            picked = (sun.colour_e[:, :, 0], sun.red_total_e)
-        one, every = (p[:, altitude] if p.ndim == 3 else p[:, altitude, None] for p in picked)
-        common.update(other_signal_e=one, other_light_e=every)
-        other = sun.total_e
-    wanted = np.reshape(np.asarray(snr, float), (-1, 1))
-    total = rows.total_e
-    if rows.mean_level is not None:
-        wanted_dn = rows.mean_level * rows.full_scale_dn - rows.black_level_dn
-        return np.asarray(
-            sensor.light_for_snr(
-                wanted,
-                level_per_light_e=total[:, rows.nominal, None],
-                level_dn=wanted_dn[:, None],
-                other_level_e=other[:, min(rows.nominal, other.shape[1] - 1), None],
-                **common,
-            )
-        )
-    brightest = rows.bright_e.max(axis=1)[:, None]
-    other_brightest = other.max(axis=1)[:, None]
-    headroom_dn = (rows.full_scale_dn / rows.highlight_ratio - rows.black_level_dn)[:, None]
-    top_gain = (rows.gain_dn_per_e * rows.max_gain)[:, None]
-    fills = (headroom_dn / top_gain - dark - other_brightest) / brightest
-    at_top_gain = sensor.light_for_snr(wanted, gain_dn_per_e=top_gain, **common)
-    following = sensor.light_for_snr(
-        wanted, level_per_light_e=brightest, level_dn=headroom_dn, other_level_e=other_brightest, **common
-    )
-    return np.where(at_top_gain <= fills, at_top_gain, np.maximum(following, fills))
 
 
 def reach(rows: SceneRows) -> tuple[Array, Array]:
@@ -362,12 +148,11 @@ def best_gain(rows: SceneRows, light_x: Array, sun: Sun | None = None) -> Array:
     every = rows.bright_e * light_x[:, None]
     if sun is not None:
         every = every + sun.total_e
-    if rows.mean_level is not None:
+    wanted_dn = rows.wanted_dn
+    if wanted_dn is not None:
         level_e = every[:, rows.nominal] + dark
-        wanted_dn = rows.mean_level * rows.full_scale_dn - rows.black_level_dn
     else:
-        level_e = every.max(axis=1) + dark
-        wanted_dn = rows.full_scale_dn / rows.highlight_ratio - rows.black_level_dn
+        level_e, wanted_dn = every.max(axis=1) + dark, rows.headroom_dn
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.clip(wanted_dn / (rows.gain_dn_per_e * level_e), rows.min_gain, rows.max_gain)
 

@@ -30,8 +30,9 @@ from numpy.typing import NDArray
 from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import FLASH, PULSED
 from uwopt.forward.setting_rows import SceneRows
-from uwopt.solvers.settings import closed_form
-from uwopt.solvers.settings.closed_form import Chosen, Window
+from uwopt.solvers.settings import closed_form, windows
+from uwopt.solvers.settings.closed_form import Chosen
+from uwopt.solvers.settings.windows import Window
 from uwopt.tolerances import SLACK
 
 Array = NDArray[Any]
@@ -90,12 +91,12 @@ def _longest(rows: SceneRows, one: Chosen) -> Array:
     """Whether lights that burn, and flashes with one kind of shutter, are too dim one level lower at any time."""
     jumps = (rows.kind == FLASH) & ~rows.is_whole_flash(rows.time_min_s) & rows.is_whole_flash(rows.time_max_s)
     lower = np.where(rows.levels < one.level[:, None] * (1 - SLACK), rows.levels, -np.inf).max(axis=1)
-    low = closed_form.window_sides(at_time(rows, rows.time_max_s)).low
+    low = windows.window_sides(at_time(rows, rows.time_max_s)).low
     x_per_level = rows.light_lm * rows.time_max_s / np.square(one.f_number * rows.working_factor)
     full_time = one.time_s >= rows.time_max_s * (1 - SLACK)
     outruns = outruns_light(rows)
     if outruns.any():  # least light at any time, whatever its dark electrons
-        low = np.where(outruns, closed_form.window_sides(relaxed(rows)).low, low)
+        low = np.where(outruns, windows.window_sides(relaxed(rows)).low, low)
         full_time = np.where(outruns, one.level * x_per_level <= low * (1 + SLACK), full_time)
     reach = lower * x_per_level
     return np.asarray(~jumps & np.where(rows.dims_freely, full_time, reach < low * (1 - SLACK)))
@@ -103,7 +104,7 @@ def _longest(rows: SceneRows, one: Chosen) -> Array:
 
 def _shortest_pulse(rows: SceneRows, one: Chosen) -> Array:
     """Whether a pulse is the shortest, and dark current, were it more, would ask for more light only."""
-    sides = closed_form.window_sides(at_time(rows, rows.time_min_s))
+    sides = windows.window_sides(at_time(rows, rows.time_min_s))
     usable = np.where(rows.levels <= rows.max_level[:, None] * (1 + SLACK), rows.levels, -np.inf)
     top = rows.dims_freely | (one.level >= usable.max(axis=1) * (1 - SLACK))
     return np.asarray(top & (sides.for_level <= sides.for_snr))
@@ -129,7 +130,7 @@ class Branch(Columns):
 
     def window(self, time_s: Array) -> Window:
         """What bounds X at a time."""
-        return closed_form.window_sides(at_time(self.rows, time_s), snr_floor=self.floor)
+        return windows.window_sides(at_time(self.rows, time_s), snr_floor=self.floor)
 
     # Conditions on a time; each holds from some time on, or until some time, and nowhere else.
 

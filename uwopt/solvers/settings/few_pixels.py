@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.model.image_mean import needed_by_most
-from uwopt.solvers.settings import closed_form
+from uwopt.solvers.settings import windows
 from uwopt.tolerances import SLACK
 
 Array = NDArray[Any]
@@ -59,6 +59,6 @@ def between(least: Array, most: Array, may_miss: int) -> tuple[Array, int]:
 def _asked(rows: SceneRows) -> Array:
     """Light that each pixel asks for at every altitude, (n, n_altitudes, n_pixels); inf: no light is enough."""
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        each = [closed_form.light_of_each(rows, a, rows.min_snr, of="worst") for a in range(rows.signal_e.shape[1])]
+        each = [windows.light_of_each(rows, a, rows.min_snr, of="worst") for a in range(rows.signal_e.shape[1])]
     asked = np.stack(each, axis=1)
     return np.where(np.isfinite(asked), asked, np.inf)

@@ -20,7 +20,7 @@ from uwopt.forward.sharpness import SharpRows
 from uwopt.model import sensor, sharpness
 from uwopt.model.sharpness import TEXTURE_CONTRAST
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.settings import closed_form, dark
+from uwopt.solvers.settings import dark, windows
 from uwopt.solvers.settings.cell_information import Nodes, log_pupil
 from uwopt.tolerances import ROUND
 from uwopt.units import db_to_ratio, ratio_to_db
@@ -169,7 +169,7 @@ def joint_bound(
 def _in_scene(rows: SceneRows, objective: Objective, light_limit_w: Array) -> Array:
     """The settings' part of the objective by one scene alone: no other lowers the power or betters the image."""
     free = dark.relaxed(rows)
-    low, high = closed_form.window(free)
+    low, high = windows.window(free)
     alive = (low <= high * ROUND) & (rows.n_low <= rows.n_high * ROUND) & (rows.n_low > 0) & np.isfinite(low)
     alive &= (rows.time_max_s > 0) & (rows.time_min_s <= rows.time_max_s * ROUND)
     out = np.full(len(low), np.inf)
