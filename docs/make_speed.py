@@ -1,9 +1,10 @@
 """Measure how fast uwopt is and print tables; with --write also into docs/speed.md.
 
-    python docs/make_speed.py [--write] [--quick] [--note TEXT]
+    python docs/make_speed.py [--write] [--quick] [--note TEXT] [--before REVISION]
 
-Numbers are medians of processor time, which a busy machine lengthens less than the clock's; stages are shares of it by
-the clock. Where two things are compared, the ratio is of the same run. No test depends on them.
+Of whole commands the clock's seconds are told, beside those of an earlier revision. All other numbers are medians of
+processor time, which a busy machine lengthens less than the clock's; stages are shares of it by the clock. Where two
+things are compared, the ratio is of the same run. No test depends on them.
 """
 
 from __future__ import annotations
@@ -11,8 +12,6 @@ from __future__ import annotations
 import argparse
 import os
 import platform
-import resource
-import subprocess
 import sys
 import tempfile
 import time
@@ -27,7 +26,9 @@ from typing import Any
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT))
+sys.path[:0] = [str(ROOT), str(ROOT / "docs")]
+
+from speed_commands import measured  # noqa: E402
 
 import uwopt  # noqa: E402
 from uwopt.bench.machine import processor  # noqa: E402
@@ -62,43 +63,6 @@ SCENES: list[tuple[str, Any, float]] = [
 ]
 FRONTS = (("power", "cost", "information"), ("power", "cost", "snr_db"))
 LONGEST_FRONT_S = 120.0
-
-
-def process_s(*arguments: str) -> float:
-    """Processor time of one cold process of the command line, which may keep its bytecode as an installed one does."""
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    environment.pop("PYTHONDONTWRITEBYTECODE", None)
-    start = children_s()
-    subprocess.run(
-        [sys.executable, "-m", "uwopt", *arguments],
-        check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=environment, cwd=ROOT,
-    )  # fmt: skip
-    return children_s() - start
-
-
-def children_s() -> float:
-    """Processor time of all processes that have ended."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
-
-
-def command_table(repeats: int) -> list[str]:
-    """Cold processes, and the most memory that one of them took."""
-    rows = []
-    for arguments in (["--help"], ["solve", "problems/reef-mosaic.yaml"]):
-        process_s(*arguments)  # the first run may compile bytecode
-        seconds = [process_s(*arguments) for _ in range(repeats)]
-        rows.append([f"`uwopt {' '.join(arguments)}`", f"{median(seconds):.2f}", spread(seconds)])
-    # Linux counts in KiB, macOS in bytes
-    unit = 2**20 if sys.platform == "darwin" else 2**10
-    memory_mib = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / unit
-    return [
-        "## Commands, cold process",
-        "",
-        *table(["command", "median s", "from - to"], rows),
-        "",
-        f"Most memory of any of these processes: {memory_mib:.0f} MiB.",
-    ]
 
 
 def open_reef(folder: Path) -> Path:
@@ -330,11 +294,6 @@ def table(head: Row, rows: Sequence[Row]) -> list[str]:
     return [f"| {' | '.join(line)} |" for line in (head, ["---"] * len(head), *rows)]
 
 
-def spread(seconds: Sequence[float]) -> str:
-    """Shortest and longest."""
-    return f"{min(seconds):.2f} - {max(seconds):.2f}"
-
-
 def heading(note: str, repeats: int) -> list[str]:
     """Where and when this was measured."""
     versions = ", ".join(f"{name} {metadata.version(name)}" for name in LIBRARIES)
@@ -358,13 +317,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Measure uwopt.")
     parser.add_argument("--write", action="store_true", help="write docs/speed.md")
     parser.add_argument("--quick", action="store_true", help="one run each and a short audit")
+    parser.add_argument("--before", help="a revision whose commands run beside today's")
     parser.add_argument("--note", default="", help="a line on the circumstances")
     asked = parser.parse_args()
     repeats = 1 if asked.quick else 5
     sections = [heading(asked.note, repeats)]
     print("\n".join(sections[0]), flush=True)
     for measure in (
-        lambda: command_table(repeats),
+        lambda: measured(asked.before, min(repeats, 3)),
         lambda: physics_table(repeats),
         lambda: search_table(min(repeats, 3)),
         lambda: audit_table(40 if asked.quick else 1000),
