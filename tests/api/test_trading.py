@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 
 import uwopt
-from uwopt.api.trading import ParetoCall, check_claim, history, reference
+from uwopt.api.front_found import check_claim, history, reference
+from uwopt.api.trading import ParetoCall
 from uwopt.deadline import NEVER
 from uwopt.errors import MissionError, SolverError
 from uwopt.objectives.axes import Axes, Frame

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,54 +14,45 @@ from numpy.typing import NDArray
 from uwopt.api import solving as api
 from uwopt.api.common import Source, base_result, prepared, selection_warnings, time_warnings
 from uwopt.api.floats import own_float_rules
+from uwopt.api.front_asked import EXACT, PEER, check_numbers, checked_solvers, split, why_no_exact
+from uwopt.api.front_found import (
+    FrontSearched,
+    certificate,
+    check_claim,
+    is_empty,
+    methods_of,
+    reference,
+    status_of,
+)
 from uwopt.api.solving import proven_in_full
 from uwopt.api.timing import timed
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import Deadline
-from uwopt.documents.faults import nearest
-from uwopt.errors import MissionError, SolverError
 from uwopt.evaluation.influences import influences_of
 from uwopt.forward.assembly import Generic, build_problem, load_catalog, selected
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
-from uwopt.objectives.axes import DEFAULT, FEWEST, MOST, Axes, Frame, plain_names
-from uwopt.objectives.dominance import hypervolume, igd_plus, nondominated
+from uwopt.objectives.axes import DEFAULT, Axes, Frame, plain_names
+from uwopt.objectives.dominance import hypervolume, nondominated
 from uwopt.objectives.objective import Objective
 from uwopt.objectives.own import OwnFunction, OwnObjective
 from uwopt.results.basis import Assumption, UsedEffect
 from uwopt.results.design import Design, Note
-from uwopt.results.front import FrontMethod, FrontObjective, FrontPoint, FrontResult, Peer
+from uwopt.results.front import FrontObjective, FrontPoint, FrontResult, Peer
 from uwopt.results.result import Result
-from uwopt.solvers.exact.certificate import accounted, scope
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain.robustness import assumptions
 from uwopt.solvers.front.designs import few, found_of, objectives_of, picks_of, values_of
-from uwopt.solvers.front.search import Front, FrontSearch, quality_of
+from uwopt.solvers.front.search import FrontSearch
 from uwopt.solvers.recommend import evaluated, hardware_of, part_warnings, with_rounded
 from uwopt.solvers.settable.rounding import given_of
-from uwopt.tolerances import AGREES_REL
 
 Array = NDArray[Any]
 Progress = Callable[[float, str], None]
-EXACT, PEER = "exact", "nsga2"
 EXACT_S = 120.0  # for the exact front, unless the call says otherwise
 PEER_S, PEER_ALONE_S = 2.0, 30.0  # for a population solver: a look beside the exact front, or the search itself
 FIGURES_SHARE, FIGURES_S = 0.3, 8.0  # of a time that is set, and at most [s]: for the figures of a front's points
-VEILED_REL = 1e-4  # veils are integrated for many images at once and for one, on grids that differ
-VEILED = ("contrast", "information", "snr_db")
-
-
-@dataclass
-class FrontSearched:
-    """One problem with the fronts found in it."""
-
-    selection: Any
-    problem: Problem
-    search: Search
-    front: Front | None
-    peers: list[Any]  # PopulationFront
-    cut: str = ""  # the population solver that was interrupted
 
 
 @own_float_rules
@@ -106,7 +97,7 @@ def pareto(
         wanted, catalog, objectives, axes, solvers, deadline, wanted.seed if seed is None else seed, progress
     )
     sought = run.sought(policy, timing)
-    if wanted.catalog.generic == "fallback" and run.is_empty(sought):
+    if wanted.catalog.generic == "fallback" and is_empty(sought):
         sought = run.sought("allow", timing)
     result = run.result(sought, timing)
     if alternatives and result.points and axes is not None and not sought.cut:
@@ -117,54 +108,6 @@ def pareto(
         result = replace(result, alternatives=told)
     timing["total"] = time.perf_counter() - start
     return replace(result, timing_s=timing, warnings=[*result.warnings, *time_warnings(deadline)])
-
-
-def split(
-    objectives: Sequence[str | OwnObjective | OwnFunction],
-) -> tuple[list[str], list[OwnObjective]]:
-    """Names of built-in objectives, and those of the user's own; a MissionError says what is wrong."""
-    if isinstance(objectives, str):
-        objectives = [name for name in objectives.split(",") if name.strip()]
-    names = [item for item in objectives if isinstance(item, str)]
-    own = [OwnObjective.of(item) for item in objectives if not isinstance(item, str)]
-    if own and not FEWEST <= len(names) + len(own) <= MOST:
-        raise MissionError(f"objectives: {len(names) + len(own)} are named; a front has two or three.")
-    return (plain_names(names) if own else list(Axes.of(names).names)), own
-
-
-def check_numbers(seconds: float | None, seed: int | None) -> None:
-    """Time above 0, a seed of 0 or more."""
-    faults = []
-    if seconds is not None and not seconds > 0:
-        faults.append(
-            f"seconds = {seconds} is no time to search in; give more than 0, or none for the usual time."
-        )
-    if seed is not None and seed < 0:
-        faults.append(f"seed = {seed} is below 0; seeds are whole numbers from 0.")
-    if faults:
-        raise MissionError(faults)
-
-
-def checked_solvers(solver: str | Sequence[str], own: Sequence[OwnObjective]) -> list[str]:
-    """Solvers by name, once each; with own objectives no exact one."""
-    from uwopt.solvers.population.pymoo_front import ALGORITHMS
-
-    asked = solver.split(",") if isinstance(solver, str) else list(solver)
-    plain = list(dict.fromkeys(name.strip().casefold().replace("-", "") for name in asked if name.strip()))
-    known = {name.replace("-", ""): name for name in (EXACT, *ALGORITHMS)}
-    faults = []
-    for name in plain:
-        if name not in known:
-            near = nearest(name, known)
-            hint = f"did you mean {known[near]}?" if near else f"there are {', '.join(known.values())}."
-            faults.append(f"solver {name!r} is not known; {hint}")
-    if faults or not plain:
-        raise MissionError(faults or [f"solver: none is named; there are {', '.join(known.values())}."])
-    found = [known[name] for name in plain]
-    if own and EXACT in found:
-        found.remove(EXACT)
-        found = found or [PEER]
-    return found
 
 
 class ParetoCall:
@@ -259,13 +202,6 @@ class ParetoCall:
             progress=lambda share, what: self.progress(0.5 + 0.4 * share, f"{name}: {what}"),
         )  # fmt: skip
 
-    @staticmethod
-    def is_empty(sought: FrontSearched) -> bool:
-        """Whether nothing was found, and time was left to look."""
-        if sought.front is not None:
-            return sought.front.complete and len(sought.front.values) == 0
-        return all(len(peer.values) == 0 and peer.status == "complete" for peer in sought.peers)
-
     # ------------------------------------------------------------ result
 
     def result(self, sought: FrontSearched, timing: dict[str, float]) -> FrontResult:
@@ -279,7 +215,7 @@ class ParetoCall:
             warnings=selection_warnings(sought.selection),
         )  # fmt: skip
         if front is not None:
-            made = replace(made, certificate=self.certificate(sought, front))
+            made = replace(made, certificate=certificate(sought, front))
         values, founds, method = self.shown(sought)
         if len(values) == 0:
             return self.without_points(made)
@@ -293,7 +229,7 @@ class ParetoCall:
             points = [self.rounded(sought, p, named[p.id]) if p.id in named else p for p in points]
         first = places[picks[-1].point]
         return replace(
-            made, points=points, picks=picks, methods=self.methods(sought, frame), peers=self.peers_of_result(sought),
+            made, points=points, picks=picks, methods=methods_of(sought, frame), peers=self.peers_of_result(sought),
             reference=reference(made.objectives, frame), assumptions=self.assumed(sought, list(named.values())),
             physics=replace(base.physics, effects=self.effects(sought, first)),
             warnings=[*made.warnings, *self.warned(sought)],
@@ -367,45 +303,6 @@ class ParetoCall:
     def rounded(self, sought: FrontSearched, point: FrontPoint, found: Found) -> FrontPoint:
         """A point with the settings that a person can set, near its own: that is the trade-off it stands for."""
         return replace(point, design=with_rounded(sought.problem, found, point.design, None))
-
-    def certificate(self, sought: FrontSearched, front: Front) -> dict[str, Any]:
-        """What the exact front proves, and where every combination went."""
-        by_rule = {rule: count for rule, count in front.account.items() if rule != "evaluated"}
-        gap = front.hypervolume_bound - front.hypervolume
-        known = front.frame is not None or front.complete  # without a point there is no box to measure in
-        return {
-            "complete": front.complete,
-            "scope": scope(sought.problem),
-            "hypervolume": front.hypervolume,
-            "hypervolume_bound": front.hypervolume_bound if known else None,
-            "gap_rel": gap / front.hypervolume_bound if front.hypervolume_bound > 0 else None,
-            "points_found": len(front.values),
-            **accounted(sought.selection, sought.problem, front.account["evaluated"], by_rule),
-        }
-
-    def methods(self, sought: FrontSearched, frame: Frame) -> list[FrontMethod]:
-        """How each solver did, in one frame."""
-        front, out = sought.front, []
-        whole = None
-        if front is not None and front.frame is not None:
-            whole = front.hypervolume
-            out.append(
-                FrontMethod(
-                    EXACT, front_status(front), front.seconds, len(front.values), whole, 1.0 if whole else None, 0.0,
-                    front.account["evaluated"], None, history(front.history, frame), front.hypervolume_bound,
-                )
-            )  # fmt: skip
-        for peer in sought.peers:
-            volume = hypervolume(peer.values, frame)
-            distance = None if front is None else igd_plus(peer.values, front.values, frame)
-            out.append(
-                FrontMethod(
-                    peer.algorithm, peer.status, peer.seconds, len(peer.values), volume,
-                    volume / whole if whole else None, distance, peer.evaluations, peer.seed,
-                    history(peer.history, frame),
-                )
-            )  # fmt: skip
-        return out
 
     def peers_of_result(self, sought: FrontSearched) -> list[Peer]:
         """Points of the population solvers beside an exact front."""
@@ -494,64 +391,3 @@ class ParetoCall:
         self.deadline.check()
         seconds = self.deadline.left_s if self.limited else None
         return api.solve(self.mission, objective="power", seconds=seconds)
-
-
-def why_no_exact(problem: Problem, axes: Axes | None) -> str:
-    """Why the exact search is left to population solvers where both are asked for; empty: it is not."""
-    if axes is None:
-        return ""
-    try:
-        quality_of(problem, axes)
-    except MissionError:
-        return "more than one objective depends on the settings, and the exact search knows one beside power"
-    return ""
-
-
-def status_of(sought: FrontSearched, *, limited: bool) -> str:
-    """In one word, how the search ended; `limited`: the call set a time."""
-    if sought.front is not None:
-        empty = len(sought.front.values) == 0
-        return "infeasible" if empty and sought.front.complete else front_status(sought.front)
-    if sought.cut:
-        return "interrupted"
-    empty = all(len(peer.values) == 0 for peer in sought.peers)
-    if empty and all(peer.status == "complete" for peer in sought.peers):
-        return "infeasible"
-    cut = limited and any(peer.status == "stopped" for peer in sought.peers)
-    return "stopped" if empty or cut else "complete"
-
-
-def front_status(front: Front) -> str:
-    """complete, stopped or interrupted."""
-    return "interrupted" if front.interrupted else "complete" if front.complete else "stopped"
-
-
-def check_claim(claimed: dict[str, float], reported: dict[str, float], design: Design) -> None:
-    """The forward model must agree with the search, and every requirement must hold."""
-    for name, value in claimed.items():
-        rel = VEILED_REL if name in VEILED else AGREES_REL
-        if not math.isclose(value, reported[name], rel_tol=rel, abs_tol=1e-9):
-            raise SolverError(
-                f"the front claims {name} = {value:.9g}, the evaluation of the same design says "
-                f"{reported[name]:.9g}; this is a defect of uwopt"
-            )
-    missed = [m for s in design.scenes for m in s.margins if not m.satisfied]
-    if missed:
-        what = "; ".join(f"{m.requirement} = {m.value} against {m.limit}" for m in missed)
-        raise SolverError(f"the front claims a feasible design that misses {what}; this is a defect of uwopt")
-
-
-def reference(objectives: Sequence[FrontObjective], frame: Frame) -> dict[str, Any]:
-    """The frame by objective: its best and worst corner, where hypervolumes are measured from, and logarithms."""
-    signs = np.array([-1.0 if o.direction == "maximise" else 1.0 for o in objectives])
-    corners = {"ideal": np.zeros(len(signs)), "nadir": np.ones(len(signs)), "point": frame.reference}
-    named = {
-        key: dict(zip([o.name for o in objectives], (frame.values(unit) * signs).tolist(), strict=True))
-        for key, unit in corners.items()
-    }
-    return {**named, "log": {o.name: bool(log) for o, log in zip(objectives, frame.log, strict=True)}}
-
-
-def history(snapshots: Sequence[tuple[float, Array]], frame: Frame) -> list[list[float]]:
-    """Hypervolume over time."""
-    return [[float(seconds), hypervolume(values, frame)] for seconds, values in snapshots]
