@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import cache
 from typing import Any
 
 import casadi
@@ -13,41 +12,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import optimize, special
+from sharpness_cases import GOOD, LED, NOTHING, PLAIN, with_colour
 
 from uwopt.model import lateral, sharpness
 from uwopt.model.sharpness import Sharpness
 
 FREQUENCIES = np.linspace(0.0, 1.0, 401)
-GOOD = Sharpness(working_f_number=2.8, wavelength_nm=540.0, pixel_pitch_m=3.45e-6)
-PLAIN = replace(GOOD, motion_blur_px=0.5, defocus_px=1.5, lens_pitch_px=0.8)
-NOTHING = replace(GOOD, working_f_number=0.0)  # a pixel and no lens at all
-
 blurs = st.floats(0.0, 4.0)
 f_numbers = st.floats(1.0, 32.0)
 discs = st.floats(0.0, 12.0)
 ratings = st.floats(0.0, 3.0)
-
-
-def led_table() -> lateral.SpreadTable:
-    """A white lamp's two humps over an index that falls with wavelength, as sea water's does."""
-    wavelength = np.linspace(400.0, 700.0, 61)
-    lamp = 2.1 * np.exp(-0.5 * ((wavelength - 450.7) / 11.67) ** 2)
-    lamp += 1.85 * np.exp(-0.5 * ((wavelength - 565.4) / 64.6) ** 2)
-    index = 1.3247 + 3.3e3 / wavelength**2 + 3.2e7 / wavelength**4
-    return lateral.spread_table(wavelength, electrons_per_nm=lamp * wavelength, n_water=index)
-
-
-LED = led_table()
-
-
-def with_colour(base: Sharpness, spread_px: float, direction_rad: float) -> Sharpness:
-    k = 2.0 * math.pi * spread_px / LED.index_rms
-    return replace(
-        base,
-        lateral_k_along=k * math.cos(direction_rad),
-        lateral_k_across=k * math.sin(direction_rad),
-        spread=LED,
-    )
 
 
 # ---------------------------------------------------------------- factors
@@ -196,7 +170,6 @@ def test_infinite_blur_resolves_nothing_without_nan() -> None:
     assert np.all(along < 1e-200) and np.all(across < 1e-200)
     length = sharpness.resolution_10_m(blind, ground_sample_along_m=1e-3, ground_sample_across_m=1e-3)
     assert np.all(length > 1e100)
-    assert np.all(sharpness.information_bit_per_px(100.0, sharpness=blind) == 0.0)
 
 
 def test_transfer_along_and_across_are_the_ends_of_the_plane() -> None:
@@ -210,135 +183,6 @@ def test_transfer_along_and_across_are_the_ends_of_the_plane() -> None:
         * sharpness.round_mtf(0.3, sharpness=sharp)
         * lateral.spread_mtf(0.3 * sharp.lateral_k_across, table=LED)
     )
-
-
-# ---------------------------------------------------------------- information
-
-
-SNRS = (3.0, 30.0, 250.0)
-
-
-@cache
-def plain_sums_bit_per_px(name: str, cells: int) -> dict[float, float]:
-    """By SNR, mean over midpoints of equal cells of the Nyquist square, factors from NumPy and SciPy.
-
-    Half the square is enough: a transfer is the same at the opposite frequency.
-    """
-    sharp = CASES[name]
-    nu = (np.arange(cells) + 0.5) / cells - 0.5
-    along, across = nu[cells // 2 :, np.newaxis], nu
-    radius = np.hypot(along, across)
-    x = np.pi * np.maximum(sharp.defocus_px, 1e-9) * radius
-    disc = np.where(x < special.jn_zeros(1, 1)[0], 2.0 * special.j1(x) / x, 0.0)
-    s = np.minimum(radius * sharp.diffraction_px, 1.0)
-    pupil = (2 * np.arccos(s) - np.sin(2 * np.arccos(s))) / np.pi
-    moving = np.where(np.abs(along) * sharp.motion_blur_px < 1.0, np.sinc(along * sharp.motion_blur_px), 0.0)
-    rating = 0.5 ** ((2 * sharp.lens_pitch_px * radius) ** 2)
-    value = disc * pupil * moving * rating * np.sinc(along) * np.sinc(across)
-    if sharp.spread is not None:
-        k = sharp.lateral_k_along * along + sharp.lateral_k_across * across
-        value = value * lateral.spread_mtf(k, table=sharp.spread)
-    return {snr: float(np.mean(0.5 * np.log2(1.0 + (0.1 * snr * value) ** 2))) for snr in SNRS}
-
-
-CASES = {
-    "sharp": GOOD,
-    "plain": PLAIN,
-    "cut-off between side and corner": replace(GOOD, working_f_number=11.0),  # at 0.581 cycles per px
-    "cut-off inside": replace(GOOD, working_f_number=16.0, motion_blur_px=1.0),
-    "corner of a dome out of focus": replace(PLAIN, defocus_px=8.5),
-    "fast": replace(PLAIN, motion_blur_px=3.0),
-    "little colour": with_colour(PLAIN, 0.5, 0.7),
-    "much colour, backward": with_colour(GOOD, 3.0, 2.2),
-}
-
-
-@pytest.mark.parametrize("name", CASES)
-@pytest.mark.parametrize("snr", SNRS)
-def test_information_is_that_of_a_plain_sum(name: str, snr: float) -> None:
-    # midpoint sum with 1500^2 cells: 1e-5 in the kinks of the worst case, mostly far less
-    expected = plain_sums_bit_per_px(name, 1500)[snr]
-    assert sharpness.information_bit_per_px(snr, sharpness=CASES[name]) == pytest.approx(expected, rel=2e-5)
-
-
-def random_designs(n: int, most_motion_px: float) -> tuple[np.ndarray, Sharpness]:
-    """SNR (0 to 48 dB) and designs spread over what catalogues hold."""
-    rng = np.random.default_rng(3)
-    sharp = Sharpness(
-        working_f_number=rng.choice([1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0, 16.0], n),
-        wavelength_nm=rng.uniform(450.0, 620.0, n),
-        pixel_pitch_m=rng.uniform(2e-6, 9e-6, n),
-        motion_blur_px=rng.uniform(0.0, most_motion_px, n),
-        defocus_px=rng.choice([0.0, 0.5, 1.0, 2.0, 4.0, 8.0], n) * rng.uniform(0.8, 1.2, n),
-        lens_pitch_px=rng.uniform(0.0, 1.5, n),
-    )
-    return 10 ** rng.uniform(0.0, 2.4, n), sharp
-
-
-def test_default_orders_are_good_to_1e_5() -> None:
-    snr, sharp = random_designs(600, most_motion_px=2.0)
-    fine = sharpness.information_bit_per_px(snr, sharpness=sharp, orders=(100, 60))
-    assert sharpness.information_bit_per_px(snr, sharpness=sharp) == pytest.approx(fine, rel=1e-5)
-
-
-@pytest.mark.parametrize(
-    ("motion_px", "colour_px"), [(4.0, 0.0), (2.0, 0.6), (2.0, 0.8), (2.0, 1.9), (4.0, 3.9)]
-)
-def test_default_orders_with_much_motion_or_colour_are_good_to_5e_5(
-    motion_px: float, colour_px: float
-) -> None:
-    snr, sharp = random_designs(200, most_motion_px=motion_px)
-    sharp = with_colour(sharp, colour_px, 0.7)
-    fine = sharpness.information_bit_per_px(snr, sharpness=sharp, orders=(160, 120))
-    assert sharpness.information_bit_per_px(snr, sharpness=sharp) == pytest.approx(fine, rel=5e-5)
-
-
-def test_information_without_any_blur_is_shannons() -> None:
-    # a lens-less pixel far below its null: only sinc sinc is left. Small SNR: (1/2) log2(1+x) -> x / (2 ln 2),
-    # mean of sinc^2 over half a cycle squared = (integral of sinc^2 from -1/2 to 1/2)^2 = 0.7736990^2
-    snr = 1e-4
-    expected = (0.1 * snr) ** 2 * 0.7736990**2 / (2 * math.log(2))
-    assert sharpness.information_bit_per_px(snr, sharpness=NOTHING) == pytest.approx(expected, rel=1e-5)
-
-
-def test_information_does_not_change_when_the_radius_points_the_other_way() -> None:
-    one, other = with_colour(PLAIN, 1.5, 0.4), with_colour(PLAIN, 1.5, 0.4 + math.pi)
-    mirrored = with_colour(PLAIN, 1.5, -0.4)
-    bits = [sharpness.information_bit_per_px(40.0, sharpness=s) for s in (one, other, mirrored)]
-    assert bits[1:] == pytest.approx([bits[0]] * 2, rel=1e-12)
-
-
-@given(n=f_numbers, blur=blurs, disc=discs, rating=ratings, snr=st.floats(0.0, 300.0))
-def test_information_rises_with_snr_and_falls_with_blur(
-    n: float, blur: float, disc: float, rating: float, snr: float
-) -> None:
-    base = replace(GOOD, working_f_number=n, motion_blur_px=blur, defocus_px=disc, lens_pitch_px=rating)
-    bit = sharpness.information_bit_per_px(snr, sharpness=base)
-    slack = 1e-4 * bit + 1e-15  # the rule's error
-    assert 0.0 <= bit <= 0.5 * math.log2(1.0 + (0.1 * snr) ** 2) + 1e-15
-    assert sharpness.information_bit_per_px(snr + 1.0, sharpness=base) >= bit - slack
-    for worse in ({"motion_blur_px": blur + 0.5}, {"defocus_px": disc + 0.5}, {"working_f_number": n + 1.0}):
-        assert sharpness.information_bit_per_px(snr, sharpness=replace(base, **worse)) <= bit + slack
-
-
-def test_designs_broadcast_and_do_not_disturb_each_other() -> None:
-    table = replace(
-        PLAIN,
-        working_f_number=np.array([2.8, 8.0, 16.0]),
-        defocus_px=np.array([[0.0], [1.8]]),
-    )
-    for sharp in (table, with_colour(table, 0.5, 1.0)):
-        bits = sharpness.information_bit_per_px(30.0, sharpness=sharp)
-        mtf50 = sharpness.mtf50_cyc_per_px(sharp)
-        assert bits.shape == mtf50.shape == (2, 3)
-        single = replace(sharp, working_f_number=16.0, defocus_px=1.8)
-        assert bits[1, 2] == pytest.approx(float(sharpness.information_bit_per_px(30.0, sharpness=single)))
-        assert mtf50[1, 2] == pytest.approx(float(sharpness.mtf50_cyc_per_px(single)), rel=1e-10)
-
-
-def test_information_per_area_by_hand() -> None:
-    # 0.8 bit on 2 mm x 1 mm: 0.8 / 2e-6 m2
-    assert sharpness.information_bit_per_m2(0.8, pixel_area_m2=2e-6) == pytest.approx(4e5)
 
 
 # ---------------------------------------------------------------- symbols

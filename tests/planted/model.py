@@ -458,10 +458,10 @@ DEFECTS = (
     ),
     Defect(
         name="information of SNR, not of its square",
-        file="uwopt/model/sharpness.py",
+        file="uwopt/model/information.py",
         old="power = transfer**2\n",
         new="power = transfer\n",
-        test="tests/model/test_sharpness.py::test_information_is_that_of_a_plain_sum",
+        test="tests/model/test_information.py::test_information_is_that_of_a_plain_sum",
     ),
     Defect(
         name="aberrations stay as they are when a lens is closed",

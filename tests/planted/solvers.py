@@ -420,8 +420,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="cells' information 5 % of SNR too low",
         file="uwopt/solvers/settings/cell_information.py",
-        old="shift_snr = log_snr - centre_log_snr[:, None]",
-        new="shift_snr = log_snr - centre_log_snr[:, None] - 0.05",
+        old="shift_snr = log_snr - from_snr[:, None]",
+        new="shift_snr = log_snr - from_snr[:, None] - 0.05",
         test="tests/solvers/test_cell_information.py::test_no_image_has_more_than_the_tangent_at_another",
     ),
     Defect(
@@ -434,8 +434,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="the tangent of information knows no motion",
         file="uwopt/solvers/settings/cell_information.py",
-        old="rise += self.by_blur[on] * shift_blur[:, None]",
-        new="rise += 0.0 * shift_blur[:, None]",
+        old="rise += self.by_blur[on] * shift_blur[:, None]\n",
+        new="rise += 0.0 * shift_blur[:, None]\n",
         test="tests/solvers/test_cell_information.py::test_no_image_has_more_than_the_tangent_at_another",
     ),
     Defect(
@@ -446,14 +446,46 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/solvers/test_cell_information.py::test_what_lateral_colour_joins",
     ),
     Defect(
-        name="transfers that end inside the Nyquist square are bounded as if their nodes saw them whole",
-        file="uwopt/solvers/settings/cell_information.py",
-        old="KINK_PX, FINE_KINK_PX, FINE_SMEARED_PX = 2.0, 2.4, 2.2",
-        new="KINK_PX, FINE_KINK_PX, FINE_SMEARED_PX = 2.0, 4.5, 4.0",
-        test=tuple(
-            f"tests/solvers/test_cell_information.py::test_transfers_that_end_early_stay_under_their_bound[{end}]"
-            for end in ("disc", "pupil", "smear")
+        name="transfers that end inside the Nyquist square are summed as if their nodes saw them whole",
+        file="uwopt/model/information.py",
+        old="    kind = np.where(motion < side, smeared, kind)",
+        new="    kind = np.zeros_like(kind)",
+        test=(
+            *(
+                "tests/solvers/test_cell_information.py::test_transfers_that_end_early_stay_under_their_bound"
+                f"[0.03-{end}-none]" for end in ("disc", "pupil", "smear")
+            ),
+            "tests/model/test_information.py::test_transfers_that_end_early_are_summed_as_sharp_ones_are",
         ),
+    ),
+    Defect(
+        name="smears have no end of their own",
+        file="uwopt/model/information.py",
+        old="motion = np.where(motion < round_cyc_per_px, motion, side)",
+        new="motion = np.full_like(motion, side)",
+        test="tests/model/test_information.py"
+        "::test_transfers_that_end_early_are_summed_as_sharp_ones_are[smear that ends before a disc]",
+    ),
+    Defect(
+        name="soft lenses have no end",
+        file="uwopt/model/information.py",
+        old="lens_px = 2.0 * np.asarray(sharpness.lens_pitch_px)",
+        new="lens_px = 0.0 * np.asarray(sharpness.lens_pitch_px)",
+        test="tests/model/test_information.py::test_transfers_that_end_early_are_summed_as_sharp_ones_are[soft lens]",
+    ),
+    Defect(
+        name="what ends early has as few nodes as what is sharp",
+        file="uwopt/model/information.py",
+        old="LEAST_ORDERS = ((0, 0), (20, 8), (24, 12))",
+        new="LEAST_ORDERS = ((0, 0), (13, 7), (24, 12))",
+        test="tests/solvers/test_cell_information.py::test_transfers_that_end_early_stay_under_their_bound[0.03-disc-none]",
+    ),
+    Defect(
+        name="nodes told apart go as far as the middle of a cell sees",
+        file="uwopt/solvers/settings/cell_information.py",
+        old="np.where(apart, low, at_n) * factor",
+        new="np.where(apart, centre, at_n) * factor",
+        test="tests/solvers/test_cell_information.py::test_transfers_that_end_early_stay_under_their_bound[0.3-pupil-much]",
     ),
     Defect(
         name="the tangent goes with the logarithm of another f-number than that of its point",

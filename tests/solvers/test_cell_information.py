@@ -11,9 +11,10 @@ from thorough import THOROUGH
 
 from uwopt.forward.sharpness import SharpRows
 from uwopt.model import lateral
+from uwopt.model.information import RULE_ERROR
 from uwopt.model.sharpness import J1_ZERO
 from uwopt.solvers.front.trade_curves import ROUGHLY, quadrature_slack
-from uwopt.solvers.settings.cell_information import RULE_ERROR, SMEARED_PX, Information, bell_until
+from uwopt.solvers.settings.cell_information import Information, bell_until
 
 NM = np.linspace(400.0, 700.0, 61)
 WHITE = lateral.spread_table(  # two humps, so that colour comes back after its first null
@@ -21,6 +22,7 @@ WHITE = lateral.spread_table(  # two humps, so that colour comes back after its 
     n_water=1.345 - 2e-5 * (NM - 400.0),
 )  # fmt: skip
 DRAWN = 3000 if THOROUGH else 400
+MANY_ENDS = 20_000 if THOROUGH else 600
 COLOUR_PX = {"none": 0.0, "a little": 0.1, "much": 1.5}  # rms
 
 
@@ -29,14 +31,20 @@ def rows(colour_px: float) -> SharpRows:
     rng = np.random.default_rng(7)
     one = sharp()
     many = one.take(np.zeros(DRAWN, int))
-    k, angle = 2.0 * np.pi * colour_px / WHITE.index_rms * rng.uniform(0.5, 1.0, DRAWN), rng.uniform(0.2, 1.3, DRAWN)
     return replace(
-        many, rated_pitch_px=rng.uniform(0.0, 1.5, DRAWN), aberration_px=rng.uniform(0.0, 2.0, DRAWN),
-        aberration_exponent=rng.uniform(2.0, 6.0, DRAWN), rms_disc_px=many.rms_disc_px * 3.0 * rng.random((DRAWN, 1)),
-        pixel_pitch_m=rng.uniform(2e-6, 8e-6, DRAWN), rms_k_along=k * np.cos(angle), rms_k_across=k * np.sin(angle),
-        spreads=(WHITE,),
+        coloured(many, colour_px, rng), rated_pitch_px=rng.uniform(0.0, 1.5, DRAWN),
+        aberration_px=rng.uniform(0.0, 2.0, DRAWN), aberration_exponent=rng.uniform(2.0, 6.0, DRAWN),
+        rms_disc_px=many.rms_disc_px * 3.0 * rng.random((DRAWN, 1)),
+        pixel_pitch_m=rng.uniform(2e-6, 8e-6, DRAWN),
         detail=replace(detail(1.0).take(np.zeros(DRAWN, int)), texture_gain=rng.uniform(1.0, 1.6, DRAWN)),
     )  # fmt: skip
+
+
+def coloured(some: SharpRows, colour_px: float, rng: np.random.Generator) -> SharpRows:
+    """Designs whose colours are spread so far, or a little less, in any direction."""
+    n = len(some.pixel_pitch_m)
+    k, angle = 2.0 * np.pi * colour_px / WHITE.index_rms * rng.uniform(0.5, 1.0, n), rng.uniform(0.2, 1.3, n)
+    return replace(some, rms_k_along=k * np.cos(angle), rms_k_across=k * np.sin(angle), spreads=(WHITE,))
 
 
 def drawn(rng: np.random.Generator) -> tuple[np.ndarray, ...]:
@@ -46,29 +54,25 @@ def drawn(rng: np.random.Generator) -> tuple[np.ndarray, ...]:
 
 
 def by_model(some: SharpRows, f_number: np.ndarray, time_s: np.ndarray, snr: np.ndarray) -> np.ndarray:
-    """Bit per pixel by the model, on nodes that move with the settings."""
+    """Bit per pixel by the model."""
     bits = some.information_bit_per_m2(snr, f_number=f_number, working_f_number=1.1 * f_number, blur_s=time_s)
     return np.asarray(bits * some.pixel_area_m2)
 
 
 @pytest.mark.parametrize("colour", COLOUR_PX)
-def test_fixed_nodes_agree_with_those_that_move(colour: str) -> None:
+def test_what_the_search_maximises_is_the_figure_of_the_model(colour: str) -> None:
     some = rows(COLOUR_PX[colour])
     f_number, time_s, snr = drawn(np.random.default_rng(1))
-    found = Information(some, np.full(DRAWN, 2e-3)).value(
+    found = Information(some).value(
         np.arange(DRAWN), snr, f_number=f_number, working=1.1 * f_number, blur_s=time_s
     )
-    # Nulls of the pupil and of the disc are kinks inside of fixed rules: some per mille where little is left to see.
-    assert found == pytest.approx(by_model(some, f_number, time_s, snr), rel=1e-2, abs=1e-3)
+    assert found == pytest.approx(by_model(some, f_number, time_s, snr), rel=1e-12)
 
 
 @pytest.mark.parametrize("colour", COLOUR_PX)
 @pytest.mark.parametrize("far", [0.1, 1.0], ids=["near", "far"])
 def test_no_image_has_more_than_the_tangent_at_another(colour: str, far: float) -> None:
-    """Any image against the bound from the tangent at another image of the same design: ln I is concave.
-
-    To what rules of quadrature differ by, however early the transfer ends.
-    """
+    """Any image against the bound from the tangent at another image of the same design: ln I is concave."""
     some, rng = rows(COLOUR_PX[colour]), np.random.default_rng(2)
     f_number, time_s, snr = drawn(rng)
     to_n, to_t, to_snr = (a * (b / a) ** far for a, b in zip((f_number, time_s, snr), drawn(rng), strict=True))
@@ -76,53 +80,61 @@ def test_no_image_has_more_than_the_tangent_at_another(colour: str, far: float) 
     ends = np.minimum(f_number, to_n), f_number, np.maximum(f_number, to_n)
     least = np.minimum(time_s, to_t)
     given = dict(centre_log_snr=np.log(snr), f_number=ends, factor=np.full(DRAWN, 1.1), blur_s=(least, time_s))
-    information, truth = Information(some, np.full(DRAWN, 2e-3)), by_model(some, to_n, to_t, to_snr)
+    information, truth = Information(some), by_model(some, to_n, to_t, to_snr)
     for surely in (None, np.ones(DRAWN, bool)):
         bound = information.bound(*column, **given, surely=surely)[:, 0]
-        assert (truth <= bound * (1.0 + 1e-3)).all()
+        assert (truth <= bound * (1.0 + RULE_ERROR)).all()
     if far < 1.0:
         assert np.median(bound / truth) < 1.05, "a tangent lies near what it touches"
 
 
-@pytest.mark.parametrize("end", ["disc", "pupil", "smear"])
-def test_transfers_that_end_early_stay_under_their_bound(end: str) -> None:
-    """Few nodes see a transfer that ends well inside the Nyquist square: their sum bends, the integral does not.
+@pytest.mark.parametrize("colour", COLOUR_PX)
+@pytest.mark.parametrize("end", ["disc", "pupil", "smear", "all"])
+@pytest.mark.parametrize("step", [0.03, 0.3])
+def test_transfers_that_end_early_stay_under_their_bound(end: str, step: float, colour: str) -> None:
+    """A disc's, a pupil's or a smear's null lies at 2 to 0.02 cycles per pixel, and settings near by are bounded.
 
-    A disc's, a pupil's or a smear's null lies at 1 / 1.8 to 1 / 4.6 cycles per pixel, and settings near by are bounded.
+    Sums whose nodes know nothing of the null bend there, which the integral does not.
     """
-    n, rng = 3 * DRAWN, np.random.default_rng(5)
+    n, rng = MANY_ENDS, np.random.default_rng(5)
     every = np.arange(n)
-    f_number, snr, period_px = rng.uniform(1.4, 16.0, n), np.exp(rng.uniform(3.0, 5.5, n)), rng.uniform(1.8, 4.6, n)
-    step = np.exp(0.1 * rng.choice([-1.0, 1.0], n) * rng.uniform(0.5, 1.0, n))
-    some = sharp().take(np.zeros(n, int))
+    f_number, snr = rng.uniform(1.4, 16.0, n), np.exp(5.6 * np.sqrt(rng.random(n)))
+    period_px = np.exp(rng.uniform(np.log(0.5), np.log(50.0), n))
+
+    def near(value: np.ndarray) -> np.ndarray:
+        return np.asarray(value * np.exp(step * rng.choice([-1.0, 1.0], n) * np.square(rng.random(n))))
+
+    some = coloured(sharp().take(np.zeros(n, int)), COLOUR_PX[colour], rng)
     some = replace(
-        some, rated_pitch_px=rng.uniform(0.0, 1.5, n), aberration_px=rng.uniform(0.0, 2.0, n),
+        some, rated_pitch_px=rng.uniform(0.0, 1.5, n), aberration_px=rng.uniform(0.0, 3.0, n),
         aberration_exponent=rng.uniform(2.0, 6.0, n), rms_disc_px=0.1 * some.rms_disc_px,
         pixel_pitch_m=np.full(n, 2e-5),
     )  # fmt: skip
-    still, to_n, to_s = np.full(n, 1e-6), f_number * step, np.full(n, 1e-6)
-    if end == "disc":
+    still = rng.uniform(0.05, 1.5, n) / some.blur_px_per_s[:, 1]
+    if end in ("disc", "all"):
         some = replace(some, rms_disc_px=np.outer(J1_ZERO / np.pi * period_px * f_number, np.ones(3)))
-    elif end == "pupil":
-        some = replace(some, pixel_pitch_m=1.1 * f_number * some.wavelength_nm * 1e-9 / period_px)
-    else:
-        still = period_px / some.blur_px_per_s[:, 1]
-        to_n, to_s = f_number, still * step
-    information = Information(some, np.maximum(still, to_s))
+    if end in ("pupil", "all"):
+        some = replace(some, pixel_pitch_m=1.1 * f_number * some.wavelength_nm * 1e-9 / rng.permutation(period_px))
+    if end in ("smear", "all"):
+        still = rng.permutation(period_px) / some.blur_px_per_s[:, 1]
+    to_n, to_s, to_snr = near(f_number), near(still), near(snr)
+    information = Information(some)
     shifts = (np.log(to / start)[:, None] for to, start in ((to_n, f_number), (to_s, still)))
     bound = information.bound(
-        every, np.log(snr)[:, None], *shifts, centre_log_snr=np.log(snr),
+        every, np.log(to_snr)[:, None], *shifts, centre_log_snr=np.log(snr),
         f_number=(np.minimum(f_number, to_n), f_number, np.maximum(f_number, to_n)), factor=np.full(n, 1.1),
         blur_s=(np.minimum(still, to_s), still), surely=np.ones(n, bool),
     )[:, 0]  # fmt: skip
-    truth = information.value(every, snr, f_number=to_n, working=1.1 * to_n, blur_s=to_s)
-    assert (truth <= bound * (1.0 + RULE_ERROR))[truth > 0.005].all()
+    truth = by_model(some, to_n, to_s, to_snr)
+    assert (truth <= bound * (1.0 + RULE_ERROR)).all()
+    if step < 0.1:
+        assert np.median(bound / truth) < 1.001, "a tangent lies near what it touches"
 
 
 def test_what_lateral_colour_joins() -> None:
     """All of the image where no colour is spread, rays where it falls along them, nodes where it comes back."""
     joined = {
-        colour: {group.joined for group in Information(rows(px), np.full(DRAWN, 2e-3)).groups}
+        colour: {group.joined for group in Information(rows(px)).groups}
         for colour, px in COLOUR_PX.items()
     }
     assert joined == {"none": {"all"}, "a little": {"rays"}, "much": {"none"}}
@@ -142,12 +154,3 @@ def test_few_nodes_do_not_hide_information() -> None:
         fine, rough = (some.information_bit_per_m2(snr, **given, orders=o) for o in (None, orders))
         slack = quadrature_slack(replace(lit(), sharp=some))
         assert (fine <= rough * (1.0 + slack) + 1e-3 / some.pixel_area_m2).all()
-
-
-def test_smeared_images_have_nodes_of_their_own() -> None:
-    information = Information(rows(0.0), np.full(DRAWN, 2e-3))
-    sharp_group, smeared = (information.groups[int(g)] for g in information.group[:, 0])
-    assert len(smeared.nodes.along) > 2 * len(sharp_group.nodes.along)
-    rule = information._rule(np.zeros(1, int), np.array([8.0]), np.array([8.0]), np.array([1.05 * SMEARED_PX]))
-    ((of, _, which, apart),) = information._chunks(np.zeros(1, int), rule)
-    assert of is smeared and len(which) == 1 and not apart

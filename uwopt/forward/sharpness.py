@@ -28,7 +28,7 @@ from uwopt.forward.problem import Problem
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.spectra import TINY, Contraction
 from uwopt.forward.views import CORNER_FIELD, RMS_FIELD, Views, altitudes_m, field_dioptres_per_m
-from uwopt.model import aberration, lateral, operation, sharpness
+from uwopt.model import aberration, information, lateral, operation, sharpness
 from uwopt.model.defocus import defocus_px
 from uwopt.model.lateral import SpreadTable, spread_mtf
 from uwopt.model.lens import airy_diameter_m
@@ -253,11 +253,11 @@ class SharpRows(Columns):
         """
         seen = snr * self.texture_gain
         per_px = self.each(
-            lambda at, rows: sharpness.information_bit_per_px(
+            lambda at, rows: information.information_bit_per_px(
                 seen[rows], sharpness=at, fineness=self.fineness, orders=orders
             ), field="rms", f_number=f_number, working_f_number=working_f_number, blur_s=blur_s,
         )  # fmt: skip
-        return np.asarray(sharpness.information_bit_per_m2(per_px, pixel_area_m2=self.pixel_area_m2))
+        return np.asarray(information.information_bit_per_m2(per_px, pixel_area_m2=self.pixel_area_m2))
 
 
 @dataclass(frozen=True)

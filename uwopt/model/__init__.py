@@ -13,7 +13,8 @@ port        window between water and air: rays, focus, losses
 lens        image irradiance, depth of field; extension: how near it focuses, on a ring too
 defocus     blur of what is out of focus, behind flat ports and domes
 lateral     the spread of colours behind a flat port
-sharpness   MTF of all stages, information
+sharpness   MTF of all stages
+information what an image tells of a texture, over spatial frequencies
 sensor      electrons, digital numbers, signal to noise
 operation   motion: blur, overlap, frame rate
 imaging     the stages put in a row at a point; image_mean over the image, footprint over the floor

@@ -16,37 +16,23 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
-from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.model.fineness import scaled
 from uwopt.model.lateral import SpreadTable, spread_mtf
 
 Numeric = Any  # float, array that broadcasts, or (where marked [sym]) a CasADi scalar
 Array = NDArray[Any]
 Gain = Callable[[Array], Array]  # a factor by frequency [cycles per px]
 
-TEXTURE_CONTRAST = 0.1  # C_t, rms contrast of the floor's texture at every frequency (physics page, 8)
 RESOLVED_CONTRAST = 0.1  # of bars that count as resolved, of all light that arrives (MTF10)
 #: SNR from which a tenth of the light equals a pixel's noise. Two bars of n pixels then differ by sqrt(2 n) times the
 #: noise of their means, Rose's 5 for n = 12.5: bars 1.6 px wide and, as on the USAF chart, five times as long.
 RESOLVED_SNR = 1.0 / RESOLVED_CONTRAST
 NYQUIST_CYC_PER_PX = 0.5
 HALF_NYQUIST_CYC_PER_PX = 0.25
-#: Gauss-Legendre nodes of `information_bit_per_px` in radius and angle, by the largest lateral colour [px
-#: rms] they serve: wide colour is a narrow ridge in one direction. Motion beyond 2 px ends inside the Nyquist
-#: square, a kink, and takes the last row. Relative error up to an SNR of 250: 1e-5 without colour and with at
-#: most 2 px of motion; 5e-5 with up to 4 px of either; 2e-4 at 8 px of colour.
-ORDERS: tuple[tuple[float, int, int], ...] = (
-    (0.0, 13, 7),
-    (0.7, 13, 8),
-    (2.0, 24, 16),
-    (4.0, 48, 24),
-    (np.inf, 64, 48),
-)
 
 # First zero of J1. Source: Abramowitz and Stegun, table 9.5.
 J1_ZERO = 3.8317059702075123
@@ -80,10 +66,7 @@ _JINC = (
 )
 
 _BEFORE_CUTOFF = 1.0 - 1e-12  # of a frequency over the cut-off: acos has an infinite slope at 1
-_COS_45 = np.sqrt(0.5)
 _HUGE = 1e300  # a blur that is called infinite: 0 at every frequency but 0
-_MOTION_INSIDE_PX = 1.0 / NYQUIST_CYC_PER_PX  # motion blur whose first null is the Nyquist frequency
-_BLOCK_NODES = 40_000  # quadrature nodes held at once, so that arrays stay in the cache
 _CONVERGED = 1e-12  # of a frequency relative to the first null
 _MOST_STEPS = 100
 
@@ -161,6 +144,17 @@ def jinc_and_slope(cycles: Array) -> tuple[Array, Array]:
     cycles : (...,) nu c, frequency times diameter, >= 0. Returns (...,), (...,). Physics page, section 8.
     """
     return _with_slope(cycles * (np.pi / J1_ZERO), _JINC)
+
+
+def pupil_and_slope(cycles: Array) -> tuple[Array, Array]:
+    """`diffraction_mtf` and the slope of its logarithm in ln of its argument; (0, some number) from the cut-off on.
+
+    cycles : (...,) frequency times the period at the cut-off, >= 0. Returns (...,), (...,). Physics page, section 8.
+    """
+    s = np.minimum(cycles, _BEFORE_CUTOFF)
+    root = np.sqrt(1.0 - s**2)
+    value = (2.0 / np.pi) * (np.arccos(s) - s * root)
+    return value, (-4.0 / np.pi) * s * root / np.maximum(value, 1e-30)
 
 
 def _with_slope(ratio: Array, coefficients: tuple[float, ...]) -> tuple[Array, Array]:
@@ -386,146 +380,3 @@ def _root(transfer: Gain, level: Numeric, still: Array, null: Array) -> Array:
         if np.all(settled):
             break
     return found
-
-
-# ---------------------------------------------------------------- information
-
-
-def information_bit_per_px(
-    snr: Numeric,
-    *,
-    sharpness: Sharpness,
-    texture_contrast: float = TEXTURE_CONTRAST,
-    orders: tuple[int, int] | None = None,
-    fineness: float = 1.0,
-) -> Array:
-    """Information that one pixel carries about a texture of the floor.
-
-        I = mean over |nu_x|, |nu_y| <= 1/2 of (1/2) log2(1 + (C_t SNR)^2 MTF(nu)^2)
-
-    Parameters
-    ----------
-    snr : (...,) of a pixel on the plain floor, as a ratio
-    sharpness : fields broadcast
-    texture_contrast : scalar, C_t
-    orders : Gauss-Legendre nodes in radius and angle of each of the parts below; None: as `ORDERS` says
-    fineness : factor on the nodes of `ORDERS`
-
-    Returns
-    -------
-    (...,) [bit per pixel].
-
-    Notes
-    -----
-    Polar nodes in octants, so that the circle on which pupil or defocus end the transfer is an edge of the
-    rule and not a kink inside it: out to the square's side where the circle lies beyond, to the circle where
-    it lies inside. Octants that are mirror images in |MTF| are computed once.
-
-    References
-    ----------
-    Shannon's capacity of a Gaussian channel per sample, frequency by frequency. Physics page, section 8.
-    """
-    shape = _shape(sharpness, snr)
-    columns = {
-        name: np.broadcast_to(np.asarray(getattr(sharpness, name), dtype=float), shape).reshape(-1, 1, 1)
-        for name in _NUMBERS
-    }
-    gain = np.broadcast_to(texture_contrast * np.asarray(snr, dtype=float), shape).reshape(-1, 1, 1)
-    table = Sharpness(**columns, spread=sharpness.spread)
-    hardest_px = np.where(table.motion_blur_px[:, 0, 0] > _MOTION_INSIDE_PX, np.inf, _colour_rms_px(table))
-    mean_nat = np.zeros(gain.shape[0])
-    lowest_px = -1.0
-    for highest_px, *usual in ORDERS:
-        rows = np.flatnonzero((hardest_px > lowest_px) & (hardest_px <= highest_px))
-        part = _rows(table, rows, spread=sharpness.spread if highest_px > 0.0 else None)
-        mean_nat[rows] = _square_mean_nat(
-            gain[rows], part, orders or (scaled(usual[0], fineness), scaled(usual[1], fineness))
-        )
-        lowest_px = highest_px
-    return (mean_nat / np.log(2.0)).reshape(shape)[()]
-
-
-def information_bit_per_m2(bit_per_px: Numeric, *, pixel_area_m2: Numeric) -> Numeric:
-    """Information per area of floor, bit per px / ground area of a pixel [bit/m^2]; broadcasts [sym]."""
-    return bit_per_px / pixel_area_m2
-
-
-def _colour_rms_px(table: Sharpness) -> Array:
-    """Lateral colour of each design [px rms] to first order, from columns: (n,)."""
-    index_rms = 0.0 if table.spread is None else table.spread.index_rms
-    k = np.hypot(table.lateral_k_along, table.lateral_k_across)
-    return np.asarray(k * (index_rms / (2.0 * np.pi)), dtype=float)[:, 0, 0]
-
-
-def _rows(table: Sharpness, rows: Array, *, spread: SpreadTable | None) -> Sharpness:
-    """Some designs of a table of columns."""
-    return Sharpness(**{name: getattr(table, name)[rows] for name in _NUMBERS}, spread=spread)
-
-
-@cache
-def _gauss_unit(order: int) -> tuple[Array, Array]:
-    """Gauss-Legendre nodes and weights on [0, 1]."""
-    nodes, weights = np.polynomial.legendre.leggauss(order)
-    return (nodes + 1.0) / 2.0, weights / 2.0
-
-
-def _square_mean_nat(gain: Array, sharpness: Sharpness, orders: tuple[int, int]) -> Array:
-    """Mean of (1/2) ln(1 + (gain MTF)^2) over the Nyquist square; columns (n, 1, 1) give (n,).
-
-    Octant 0 <= phi <= pi/4: up to the angle where the cut-off circle enters the square the radius ends at
-    the side, 0.5 / cos phi; beyond that angle at the circle. Designs whose circle lies outside the square
-    share their nodes, and those whose circle lies inside share the angles.
-    """
-    cycle_px = np.maximum(sharpness.diffraction_px, sharpness.defocus_px * (np.pi / J1_ZERO))
-    cutoff = 1.0 / np.clip(cycle_px, 1.0, _HUGE)
-    enters = np.arccos(np.clip(NYQUIST_CYC_PER_PX / cutoff, _COS_45, 1.0))
-    outside, inside = cutoff * _COS_45 >= NYQUIST_CYC_PER_PX, cutoff <= NYQUIST_CYC_PER_PX
-    eighth = np.full((1, 1, 1), np.pi / 4.0)
-    total = np.zeros(gain.shape[0])
-    block = max(1, _BLOCK_NODES // (orders[0] * orders[1]))
-    for chosen, first, last, to_side in (
-        (outside, 0.0 * eighth, eighth, True),
-        (inside, 0.0 * eighth, eighth, False),
-        (~outside & ~inside, 0.0 * enters, enters, True),
-        (~outside & ~inside, enters, eighth + 0.0 * enters, False),
-    ):
-        every = np.flatnonzero(chosen)
-        for start in range(0, every.size, block):
-            rows = every[start : start + block]
-            low, high = (angle[rows] if angle.size == total.size else angle for angle in (first, last))
-            part = _rows(sharpness, rows, spread=sharpness.spread)
-            radius_end = None if to_side else cutoff[rows]
-            total[rows] += _sector_integral(gain[rows], part, low, high - low, radius_end, orders)
-    return total
-
-
-def _sector_integral(
-    gain: Array,
-    sharpness: Sharpness,
-    first: Array,
-    width: Array,
-    radius_end: Array | None,
-    orders: tuple[int, int],
-) -> Array:
-    """Part of the mean from a sector of all octants, out to a radius or (None) to the square's side: (n,)."""
-    nodes, weights = _gauss_unit(orders[0])
-    angle_nodes, angle_weights = _gauss_unit(orders[1])
-    phi = first + width * angle_nodes[:, np.newaxis]  # (n or 1, angles, 1)
-    end = NYQUIST_CYC_PER_PX / np.cos(phi) if radius_end is None else radius_end
-    radius = end * nodes  # (n or 1, angles or 1, nodes)
-    large, small = radius * np.cos(phi), radius * np.sin(phi)
-    common = (gain * round_mtf(radius, sharpness=sharpness)) * (sinc_mtf(large) * sinc_mtf(small))
-    signs = (1.0,) if sharpness.spread is None else (1.0, -1.0)
-    product = np.zeros(())  # product of 1 + power over the octants, less 1: one logarithm for all
-    for along, across in ((large, small), (small, large)):
-        moving = common * sinc_mtf(along, width_px=sharpness.motion_blur_px)
-        for sign in signs:
-            transfer = moving
-            if sharpness.spread is not None:
-                k = sharpness.lateral_k_along * along + sign * sharpness.lateral_k_across * across
-                transfer = moving * spread_mtf(k, table=sharpness.spread)
-            power = transfer**2
-            product = product + power * (1.0 + product)
-    # half a logarithm in each of eight octants, of which 2 or 4 were summed
-    by_angle = ((np.log1p(product) * radius) @ weights) * end[..., 0]  # (n, angles)
-    return 4.0 / (2.0 * len(signs)) * ((by_angle @ angle_weights) * width[:, 0, 0])

@@ -15,9 +15,10 @@ import numpy as np
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.model import sensor
 from uwopt.model.aberration import lens_pitch
+from uwopt.model.information import TEXTURE_CONTRAST
 from uwopt.model.lateral import spread_mtf
-from uwopt.model.sharpness import TEXTURE_CONTRAST, Sharpness, round_mtf, sinc_mtf
-from uwopt.solvers.settings.cell_information import Nodes
+from uwopt.model.sharpness import Sharpness, round_mtf, sinc_mtf
+from uwopt.solvers.settings.cell_information import square_nodes
 from uwopt.solvers.settings.closed_form import Chosen, with_exposure
 from uwopt.solvers.settings.windows import dark_e, window
 
@@ -75,14 +76,14 @@ class ApertureProgram:
         )  # fmt: skip
         blur = float(sharp.blur_px_per_s[0, 1] * rows.blur_s(self.chosen.time_s)[0])
         (_, spread), *_ = sharp.groups("rms")
-        nodes = Nodes.of(ORDERS if spread is None else ORDERS_IN_COLOUR, both_signs=spread is not None)
+        nodes = square_nodes(ORDERS if spread is None else ORDERS_IN_COLOUR, both_signs=spread is not None)
         fixed = sinc_mtf(nodes.along) * sinc_mtf(nodes.across) * sinc_mtf(nodes.along, width_px=blur)
         if spread is not None:
             k = float(sharp.rms_k_along[0]) * nodes.along + float(sharp.rms_k_across[0]) * nodes.across
             fixed = fixed * spread_mtf(k, table=spread)
-        radius = np.hypot(nodes.along, nodes.across)
+        radius = np.hypot(nodes.along, nodes.across)[0]
         total = 0.0
-        for nu, share, factor in zip(radius, nodes.weight, fixed, strict=True):
+        for nu, share, factor in zip(radius, nodes.weight[0], fixed[0], strict=True):
             total = total + float(share) * np.log(
                 1.0 + (TEXTURE_CONTRAST * snr * float(factor) * round_mtf(float(nu), sharpness=here)) ** 2
             )

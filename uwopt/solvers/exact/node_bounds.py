@@ -14,7 +14,7 @@ from uwopt.forward.flash_times import FlashTimes
 from uwopt.forward.part_columns import FLASH
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import SceneOptics
-from uwopt.model import sharpness
+from uwopt.model import information, sharpness
 from uwopt.model.image_mean import FRAME_SHARE
 from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.lightings import Lighting
@@ -183,7 +183,7 @@ def information_table() -> tuple[Array, Array, Array]:
     at = sharpness.Sharpness(
         working_f_number=0.0, wavelength_nm=500.0, pixel_pitch_m=1e-6, lens_pitch_px=rated[None, :]
     )
-    return snr_db, rated, sharpness.information_bit_per_px(db_to_ratio(snr_db)[:, None], sharpness=at)
+    return snr_db, rated, information.information_bit_per_px(db_to_ratio(snr_db)[:, None], sharpness=at)
 
 
 def bit_per_px_bound(snr_db: Array, rated_pitch_px: Array) -> Array:

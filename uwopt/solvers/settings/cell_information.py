@@ -1,4 +1,4 @@
-"""Information over a cell of settings: values on fixed nodes, and upper bounds that are tight to second order.
+"""Information over a cell of settings: values, and upper bounds that are tight to second order.
 
 In the logarithms of f-number and time, ln MTF at any frequency is concave (so are ln of a sinc, of a jinc and
 of the pupil's transfer, each falling from 1), and so is ln SNR in ln light. Information is an integral of
@@ -9,46 +9,47 @@ itself the exponential of a linear function: so the logarithm of the integral is
 greatest value over a polytope at a vertex.
 
 Lateral colour falls along every ray from the centre, but not along both frequencies at once: there the rays are
-integrals of their own. Where it comes back after a null, every node is. So is it where the transfer ends well inside
-the Nyquist square: the sum over the nodes, which is what is bounded, is no longer the integral to `RULE_ERROR`.
+integrals of their own. Where it comes back after a null, every node is: there each factor's tangent is taken where
+it is sharpest in the cell, whose transfer ends nowhere before any other of the cell does.
 
-The nodes do not move with the settings, unlike those of `model.sharpness`; both rules agree to `RULE_ERROR` where
-the images are worth taking.
+Nodes and sums are those of `model.information`, which gives the integral to `RULE_ERROR`; its derivatives are sums
+over the same nodes, for at a null the integrand and what moves with it are 0.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.sharpness import SharpRows
+from uwopt.model.information import (
+    LEAST_ORDERS,
+    ORDERS,
+    SQUARE,
+    TEXTURE_CONTRAST,
+    Ends,
+    orders_of,
+    rule,
+    transfer_ends,
+)
 from uwopt.model.lateral import SpreadTable, spread_mtf
 from uwopt.model.sharpness import (
-    J1_ZERO,
-    ORDERS,
-    TEXTURE_CONTRAST,
+    Sharpness,
     defocus_mtf,
     diffraction_mtf,
     jinc_and_slope,
     lens_mtf,
+    pupil_and_slope,
     sinc_and_slope,
     sinc_mtf,
 )
 
 Array = NDArray[Any]
-RULE_ERROR = 3e-5  # relative, between these nodes and those of the model (measured at each answer as well)
 MOST_NUMBERS = 60_000  # cells x nodes held at once, so that arrays stay in the cache
-SMEARED_PX, SMEARED_RMS_PX = (
-    2.0,
-    1.0,
-)  # motion that ends inside the square is given finer nodes, those of this colour
-SHARP_PX = 1.5  # of motion and of defocus: tangents are taken where the image is no worse, for the nodes' sake
-#: Period of the frequency at which pupil or disc end the transfer, and motion, to which the usual nodes and those of
-#: smeared images give the integral to `RULE_ERROR` in its curvature, too; beyond, nodes are told apart.
-KINK_PX, FINE_KINK_PX, FINE_SMEARED_PX = 2.0, 2.4, 2.2
+SHARP_PX = 1.5  # of motion and of defocus: tangents are taken where the image is no worse, and lie nearer to the best
 NULL = 1e-9  # of a transfer: below it a tangent says nothing
 DARK_BIT = 1e-12  # of an integral: below it a tangent says nothing
 LATERAL_FROM, LATERAL_STEP = 0.1, 0.02  # of colour's phase: a bell below it; steps of its logarithm
@@ -58,63 +59,58 @@ Joined = Literal["all", "rays", "none"]  # which nodes are one integral whose lo
 
 @dataclass(frozen=True)
 class Nodes:
-    """Frequencies of one rule: `base` radii shared by the octants, their along part and weights [bit]."""
+    """Frequencies of rules, (k, .), k = 1 or one a row: `base` radii that folds share, and by node of every fold.
 
-    radius_cyc_per_px: Array  # (n_base,)
-    along: Array  # (n_octants * n_base,)
+    A fold takes the base's along and across as they are, for each other, or with the other sign of across.
+    """
+
+    radius_cyc_per_px: Array  # (k, n_base)
+    along: Array  # (k, n_folds * n_base)
     across: Array
-    weight: Array
+    weight: Array  # [bit]
+    n_radial: int
+    n_moving: int  # folds that motion tells apart; the others move as these do
 
     @staticmethod
-    def of(orders: tuple[int, int], *, both_signs: bool) -> Nodes:
-        """Gauss-Legendre in radius and angle of an octant of the Nyquist square, mirrored as needed."""
-        (radial, radial_weight), (angular, angular_weight) = (
-            ((x + 1.0) / 2.0, w / 2.0) for x, w in (np.polynomial.legendre.leggauss(n) for n in orders)
-        )
-        phi = angular[:, None] * np.pi / 4.0
-        end = 0.5 / np.cos(phi)
-        radius = end * radial
-        large, small = (radius * np.cos(phi)).ravel(), (radius * np.sin(phi)).ravel()
-        weight = (angular_weight[:, None] * np.pi / 4.0 * radial_weight * end * radius).ravel()
-        signs = (1.0, -1.0) if both_signs else (1.0,)
-        octants = [(a, s * b) for s in signs for a, b in ((large, small), (small, large))]
-        scale = 8.0 / len(octants) * 0.5 / np.log(2.0)
+    def of(kind: int, ends: Ends, orders: tuple[int, int], *, both_signs: bool) -> Nodes:
+        """The rule of transfers that end alike."""
+        made = rule(kind, ends.round_cyc_per_px, ends.motion_cyc_per_px, orders)
+        large, small, weight = (part.reshape(len(part), -1) for part in (made.along, made.across, made.weight))
+        moving = [(large, small), (small, large)][: 1 + made.mirrored]
+        folds = [*moving, *((along, -across) for along, across in moving)][: len(moving) * (1 + both_signs)]
         return Nodes(
-            radius.ravel(), np.concatenate([a for a, _ in octants]), np.concatenate([b for _, b in octants]),
-            np.tile(weight * scale, len(octants)),
+            np.hypot(large, small), np.concatenate([a for a, _ in folds], axis=1),
+            np.concatenate([b for _, b in folds], axis=1),
+            np.tile(weight / (1 + both_signs), (1, len(folds))), orders[0], len(moving),
         )  # fmt: skip
-
-
-@dataclass(frozen=True)
-class TransferGroup:
-    """Designs that share a rule, with what no setting changes of their transfer."""
-
-    nodes: Nodes
-    n_radial: int
-    joined: Joined
-    still2: Array  # (n, n_nodes) squared
 
     @property
     def folds(self) -> int:
-        """Octants."""
-        return len(self.nodes.along) // len(self.nodes.radius_cyc_per_px)
+        """How often the base is taken."""
+        return self.along.shape[1] // self.radius_cyc_per_px.shape[1]
 
     def sums(self, by_node: Array, joined: Joined) -> Array:
         """Nodes (m, n_nodes), weighed, as integrals (m, n_integrals)."""
-        weighed = by_node * self.nodes.weight
+        weighed = by_node * self.weight
         if joined == "all":
             return np.asarray(weighed.sum(axis=1, keepdims=True))
         return weighed if joined == "none" else weighed.reshape(len(by_node), -1, self.n_radial).sum(axis=2)
 
 
-def log_pupil(s: Array) -> tuple[Array, Array]:
-    """Ln of the diffraction transfer and its slope in ln s; -inf and 0 at the cut-off."""
-    inside = np.minimum(s, 1.0 - 1e-12)
-    root = np.sqrt(1.0 - inside**2)
-    value = (2.0 / np.pi) * (np.arccos(inside) - inside * root)
-    dead = (s >= 1.0 - 1e-9) | (value < NULL)
-    safe = np.where(dead, 1.0, value)
-    return np.where(dead, -np.inf, np.log(safe)), np.where(dead, 0.0, -4.0 / np.pi * inside * root / safe)
+def square_nodes(orders: tuple[int, int], *, both_signs: bool) -> Nodes:
+    """Nodes of transfers that do not end inside the Nyquist square."""
+    nowhere = np.empty(0)
+    return Nodes.of(SQUARE, Ends(nowhere, nowhere, nowhere, nowhere), orders, both_signs=both_signs)
+
+
+@dataclass(frozen=True)
+class TransferGroup:
+    """Designs whose transfers are summed alike, and what no setting changes of them."""
+
+    orders: tuple[int, int]
+    joined: Joined
+    spread: SpreadTable | None
+    square: list[tuple[Nodes, Array]]  # by how hard they are: nodes in the whole square, and `still2` of them
 
 
 def log_lens(sharp: SharpRows, design: Array, f_number: Array, radius_cyc_per_px: Array) -> tuple[Array, Array]:
@@ -138,92 +134,113 @@ def bell_until(table: SpreadTable) -> float:
 
 @dataclass(frozen=True)
 class Tangents:
-    """Integrals (m, n_integrals) [bit per px] at a point, and the slopes of their logarithms.
+    """Integrals (m, n_integrals) [bit per px] at a point, and the slopes of their logarithms."""
 
-    Of nodes told apart: their powers (C_t SNR MTF)^2 in place of integrals, and the slopes of ln MTF.
-    """
-
-    nodes: Array | None  # weights, where they are told apart
     bits: Array
-    by_snr: Array | float
+    by_snr: Array
     by_n: Array
     by_blur: Array
 
-    def at(self, on: Array, shift_snr: Array, shift_n: Array, shift_blur: Array, dark_bits: Array) -> Array:
-        """Bit per px on the tangents, (k,), at shifts (k,) of some rows; `dark_bits` for what was dark."""
-        by_snr = self.by_snr if isinstance(self.by_snr, float) else self.by_snr[on]
-        rise = by_snr * shift_snr[:, None] + self.by_n[on] * shift_n[:, None]
+    def at(self, on: Array, shift_snr: Array, shift_n: Array, shift_blur: Array) -> Array:
+        """Bit per px on the tangents, (k,), at shifts (k,) of some rows."""
+        rise = self.by_snr[on] * shift_snr[:, None] + self.by_n[on] * shift_n[:, None]
         rise += self.by_blur[on] * shift_blur[:, None]
-        grown = self.bits[on] * np.exp(np.minimum(rise, 600.0))
-        if self.nodes is not None:
-            grown = np.log1p(grown) * self.nodes
-        return np.asarray(np.where(self.dark[on], dark_bits[on], grown).sum(axis=1))
-
-    def or_flat(self, sharpest: Array, shift_n: Array, shift_blur: Array) -> Tangents:
-        """Of nodes told apart: their power at the sharpest of the cell, where tangents would be further off.
-
-        Both are bounds: the tangent unless it is further off at its worst than the other is at the point.
-        """
-        with np.errstate(divide="ignore", invalid="ignore"):
-            over = np.log(sharpest / self.bits)
-        most = sum(
-            np.maximum(slope * shift.max(axis=1)[:, None], slope * shift.min(axis=1)[:, None])
-            for slope, shift in ((self.by_n, shift_n), (self.by_blur, shift_blur))
-        )
-        flat = self.dark | ~(most - over <= over)
-        by_n, by_blur = (np.where(flat, 0.0, slope) for slope in (self.by_n, self.by_blur))
-        return replace(self, bits=np.where(flat, np.maximum(sharpest, DARK_BIT), self.bits), by_n=by_n, by_blur=by_blur)
+        return np.asarray((self.bits[on] * np.exp(np.minimum(rise, 600.0))).sum(axis=1))
 
     @property
     def dark(self) -> Array:
-        """Where a tangent says nothing."""
-        return np.asarray(self.bits < DARK_BIT)
+        """Where tangents say nothing, (m,)."""
+        return np.asarray((self.bits < DARK_BIT).any(axis=1))
+
+
+@dataclass(frozen=True)
+class NodeTangents:
+    """(C_t SNR MTF)^2 by node (m, n_nodes), each factor at its sharpest, and the slopes of ln MTF.
+
+    Shifts are from the least f-number for the pupil, from the greatest for disc and lens, from the least blur.
+    """
+
+    weight: Array
+    signal2: Array
+    by_pupil: Array
+    by_round: Array
+    by_blur: Array
+
+    def at(self, on: Array, shift_snr: Array, from_low: Array, from_high: Array, shift_blur: Array) -> Array:
+        """Bit per px on the tangents, (k,), at shifts (k,) of some rows."""
+        rise = shift_snr[:, None] + self.by_pupil[on] * from_low[:, None] + self.by_round[on] * from_high[:, None]
+        rise += self.by_blur[on] * shift_blur[:, None]  # of each node
+        grown = np.log1p(self.signal2[on] * np.exp(2.0 * np.minimum(rise, 300.0)))
+        weight = self.weight if len(self.weight) == 1 else self.weight[on]
+        return np.asarray((grown * weight).sum(axis=1))
+
+
+@dataclass(frozen=True)
+class Image:
+    """Settings of m designs that decide the transfer: disc and lens may go with another f-number than the pupil."""
+
+    design: Array
+    snr: Array  # texture's gain included
+    f_number: Array  # of disc and lens
+    working: Array  # of the pupil
+    blur_px: Array
+
+    def take(self, rows: Array) -> Image:
+        """Some of them."""
+        return Image(*(getattr(self, name)[rows] for name in Image.__dataclass_fields__))
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Images whose transfers are summed alike: which they are, their nodes, what no setting changes, squared."""
+
+    rows: Array
+    joined: Joined
+    nodes: Nodes
+    still2: Array
 
 
 class Information:
     """Information per pixel of designs in one scene, at settings and over cells."""
 
-    def __init__(self, sharp: SharpRows, longest_s: Array):
+    def __init__(self, sharp: SharpRows):
         self.sharp = sharp
         n = len(sharp.wavelength_nm)
         self.groups: list[TransferGroup] = []
-        self.group, self.place = np.zeros((2, n), int), np.zeros((2, n), int)  # of sharp images, and of smeared ones
-        smears = sharp.blur_px_per_s[:, 1] * longest_s > SMEARED_PX
-        self.has_fine = np.zeros(n, bool)
+        self.group, self.place = np.zeros(n, int), np.zeros(n, int)
         for rows, spread in sharp.groups("rms"):
             k = np.hypot(sharp.rms_k_along[rows], sharp.rms_k_across[rows])
             rms_px = np.zeros(len(rows)) if spread is None else k * spread.index_rms / (2.0 * np.pi)
-            self._grouped(0, rows, rms_px, spread)
-            mine = smears[rows] | (spread is None)
-            self.has_fine[rows[mine]] = True
-            self._grouped(1, rows[mine], np.maximum(rms_px[mine], SMEARED_RMS_PX), spread)
+            falls = np.ones(len(rows), bool) if spread is None else k * np.sqrt(0.5) <= bell_until(spread)
+            lowest = -1.0
+            for highest, *orders in ORDERS:
+                served = (rms_px > lowest) & (rms_px <= highest)
+                lowest = highest
+                if spread is None:
+                    self._add(rows[served], (orders[0], orders[1]), "all", None)
+                    continue
+                for joined, which in (("rays", falls), ("none", ~falls)):
+                    self._add(rows[served & which], (orders[0], orders[1]), joined, spread)  # type: ignore[arg-type]
 
-    def _grouped(self, smeared: int, rows: Array, rms_px: Array, spread: SpreadTable | None) -> None:
-        """Give designs the rule that serves so wide a colour."""
-        sharp = self.sharp
-        lowest = -1.0
-        for highest, *orders in ORDERS:
-            some = rows[(rms_px > lowest) & (rms_px <= highest)]
-            lowest = highest
-            if len(some) == 0:
-                continue
-            nodes = Nodes.of((orders[0], orders[1]), both_signs=spread is not None)
-            still = sinc_mtf(nodes.along) * sinc_mtf(nodes.across)
-            if spread is None:
-                self._add(smeared, some, TransferGroup(nodes, orders[0], "all", np.square(still)[None, :]))
-                continue
-            k_al, k_ac = sharp.rms_k_along[some][:, None], sharp.rms_k_across[some][:, None]
-            seen = still * spread_mtf(k_al * nodes.along + k_ac * nodes.across, table=spread)
-            falls = np.hypot(k_al, k_ac)[:, 0] * np.sqrt(0.5) <= bell_until(spread)
-            for joined, which in (("rays", falls), ("none", ~falls)):
-                if which.any():
-                    group = TransferGroup(nodes, orders[0], joined, np.square(seen[which]))  # type: ignore[arg-type]
-                    self._add(smeared, some[which], group)
+    def _add(self, rows: Array, orders: tuple[int, int], joined: Joined, spread: SpreadTable | None) -> None:
+        """A group of designs, where there are any."""
+        if len(rows) == 0:
+            return
+        square = []
+        for hard in range(len(LEAST_ORDERS)):
+            nodes = square_nodes(orders_of(orders, hard), both_signs=spread is not None)
+            square.append((nodes, self._still2(nodes, rows if spread is not None else rows[:1], spread)))
+        self.group[rows] = len(self.groups)
+        self.place[rows] = np.arange(len(rows)) if spread is not None else 0
+        self.groups.append(TransferGroup(orders, joined, spread, square))
 
-    def _add(self, smeared: int, rows: Array, group: TransferGroup) -> None:
-        self.group[smeared, rows] = len(self.groups)
-        self.place[smeared, rows] = np.arange(len(rows)) if len(group.still2) > 1 else 0
-        self.groups.append(group)
+    def _still2(self, nodes: Nodes, design: Array, spread: SpreadTable | None) -> Array:
+        """Square of what no setting changes of the transfer: pixel and lateral colour, (n, n_nodes)."""
+        still = sinc_mtf(nodes.along) * sinc_mtf(nodes.across)
+        if spread is not None:
+            k_al, k_ac = self.sharp.rms_k_along[design][:, None], self.sharp.rms_k_across[design][:, None]
+            still = still * spread_mtf(k_al * nodes.along + k_ac * nodes.across, table=spread)
+        return np.asarray(np.square(still))
 
     def blur_px(self, design: Array, time_s: Array) -> Array:
         """Motion in a time, nominal altitude."""
@@ -231,77 +248,110 @@ class Information:
 
     # ------------------------------------------------------------ one rule
 
-    def _transfer(
-        self, group: TransferGroup, design: Array, f_numbers: tuple[Array, Array], blur: Array
-    ) -> tuple[Array, Array, Array, Array, Array]:
-        """Transfer of the lens by radius with its slope in ln N, that of motion by node and its slope in ln blur.
+    def _ends(self, image: Image) -> Ends:
+        """Where the transfers of images end."""
+        sharp, d = self.sharp, image.design
+        return transfer_ends(TEXTURE_CONTRAST * image.snr, sharpness=Sharpness(
+            image.working, sharp.wavelength_nm[d], sharp.pixel_pitch_m[d], motion_blur_px=image.blur_px,
+            defocus_px=sharp.rms_disc_px[d, 1] / image.f_number,
+            lens_pitch_px=sharp.lens_pitch_px("rms", f_number=image.f_number, rows=d),
+        ))  # fmt: skip
 
-        f_numbers : as engraved and working, those that defocus and diffraction go with; and whether it moves
-        """
-        sharp, nodes = self.sharp, group.nodes
-        f_number, working = f_numbers
-        cycle = working * sharp.wavelength_nm[design] * 1e-9 / sharp.pixel_pitch_m[design]
-        inside = np.minimum(cycle[:, None] * nodes.radius_cyc_per_px, 1.0 - 1e-12)
-        root = np.sqrt(1.0 - inside**2)
-        pupil = (2.0 / np.pi) * (np.arccos(inside) - inside * root)
-        by_n = (-4.0 / np.pi) * inside * root / np.maximum(pupil, NULL)
-        disc = sharp.rms_disc_px[design, 1] / f_number
-        defocus, by_disc = jinc_and_slope(disc[:, None] * nodes.radius_cyc_per_px)
-        lens, by_lens = log_lens(sharp, design, f_number, nodes.radius_cyc_per_px)
+    def _chunks(self, image: Image) -> list[Chunk]:
+        """Images by group and by where their transfers end, few at a time."""
+        chunks = []
+        ends, of = self._ends(image), self.group[image.design]
+        key = (of * 4 + ends.hard) * 8 + ends.kind
+        for each in np.unique(key):
+            every = np.nonzero(key == each)[0]
+            group, kind, hard = self.groups[each // 32], int(each % 8), int(each // 8 % 4)
+            whole, still2 = group.square[hard]
+            step = max(1, MOST_NUMBERS // (whole.along.shape[1] * (1 if kind == SQUARE else 2)))
+            for start in range(0, len(every), step):
+                some = every[start : start + step]
+                if kind == SQUARE:
+                    seen = still2 if len(still2) == 1 else still2[self.place[image.design[some]]]
+                    chunks.append(Chunk(some, group.joined, whole, seen))
+                    continue
+                here = Ends(*(getattr(ends, name)[some] for name in Ends.__dataclass_fields__))
+                nodes = Nodes.of(kind, here, orders_of(group.orders, hard), both_signs=group.spread is not None)
+                seen = self._still2(nodes, image.design[some], group.spread)
+                chunks.append(Chunk(some, group.joined, nodes, seen))
+        return chunks
+
+    def _transfer(self, nodes: Nodes, image: Image) -> tuple[Array, Array, Array, Array, Array]:
+        """Transfer of the lens by radius with the slopes in ln N of the pupil's and of the other factors; that of
+        motion by node and its slope in ln blur."""
+        sharp, d, radius = self.sharp, image.design, nodes.radius_cyc_per_px
+        cycle = image.working * sharp.wavelength_nm[d] * 1e-9 / sharp.pixel_pitch_m[d]
+        pupil, by_pupil = pupil_and_slope(cycle[:, None] * radius)
+        disc = sharp.rms_disc_px[d, 1] / image.f_number
+        defocus, by_disc = jinc_and_slope(disc[:, None] * radius)
+        lens, by_lens = log_lens(sharp, d, image.f_number, radius)
         still = pupil * defocus * np.exp(lens)
-        twice = 2 * len(nodes.radius_cyc_per_px)  # the other octants move as these do
-        moving, by_blur = sinc_and_slope(blur[:, None] * nodes.along[:twice])
-        return still, by_n - by_disc - by_lens, moving, by_blur, disc
+        moving, by_blur = sinc_and_slope(image.blur_px[:, None] * self._moving(nodes))
+        return still, by_pupil, -by_disc - by_lens, moving, by_blur
 
-    def _seen(
-        self, group: TransferGroup, design: Array, f_numbers: tuple[Array, Array], blur: Array
-    ) -> tuple[Array, Array]:
+    def _moving(self, nodes: Nodes) -> Array:
+        """Along part of the folds that motion tells apart."""
+        return nodes.along[:, : nodes.n_moving * nodes.radius_cyc_per_px.shape[1]]
+
+    def _seen(self, nodes: Nodes, image: Image) -> tuple[Array, Array]:
         """The transfers of `_transfer` without their slopes."""
-        sharp, nodes = self.sharp, group.nodes
-        f_number, working = f_numbers
-        radius = nodes.radius_cyc_per_px
-        cycle = working * sharp.wavelength_nm[design] * 1e-9 / sharp.pixel_pitch_m[design]
-        disc = sharp.rms_disc_px[design, 1] / f_number
-        pitch = sharp.lens_pitch_px("rms", f_number=f_number, rows=design)
+        sharp, d, radius = self.sharp, image.design, nodes.radius_cyc_per_px
+        cycle = image.working * sharp.wavelength_nm[d] * 1e-9 / sharp.pixel_pitch_m[d]
+        disc = sharp.rms_disc_px[d, 1] / image.f_number
+        pitch = sharp.lens_pitch_px("rms", f_number=image.f_number, rows=d)
         still = diffraction_mtf(radius, cycle_px=cycle[:, None]) * defocus_mtf(radius, disc_px=disc[:, None])
         still *= lens_mtf(radius, lens_pitch_px=pitch[:, None])
-        return still, sinc_mtf(nodes.along[: 2 * len(radius)], width_px=blur[:, None])
+        return still, sinc_mtf(self._moving(nodes), width_px=image.blur_px[:, None])
 
-    def _power(self, group: TransferGroup, place: Array, still: Array, moving: Array, snr: Array) -> Array:
+    def _power(self, chunk: Chunk, still: Array, moving: Array, snr: Array) -> Array:
         """(C_t SNR MTF)^2 by node."""
-        power = np.tile(np.square(still), (1, group.folds))
-        power *= np.tile(np.square(moving), (1, group.folds // 2))
-        power *= group.still2[place]
+        nodes = chunk.nodes
+        power = np.tile(np.square(still), (1, nodes.folds))
+        power *= np.tile(np.square(moving), (1, nodes.folds // nodes.n_moving))
+        power *= chunk.still2
         power *= np.square(TEXTURE_CONTRAST * snr)[:, None]
         return power
 
     def value(self, design: Array, snr: Array, *, f_number: Array, working: Array, blur_s: Array) -> Array:
         """Bit per pixel at these settings, (n,)."""
-        out = np.zeros(len(design))
-        snr = snr * self.sharp.texture_gain[design]
-        blur_px = self.blur_px(design, blur_s)
-        for group, place, mine, _ in self._chunks(design, self._rule(design, f_number, working, blur_px)):
-            still, moving = self._seen(group, design[mine], (f_number[mine], working[mine]), blur_px[mine])
-            out[mine] = np.log1p(self._power(group, place, still, moving, snr[mine])) @ group.nodes.weight
+        seen = snr * self.sharp.texture_gain[design]
+        return self._bits(Image(design, seen, f_number, working, self.blur_px(design, blur_s)))
+
+    def _bits(self, image: Image) -> Array:
+        """Bit per pixel of images, (m,)."""
+        out = np.zeros(len(image.design))
+        for chunk in self._chunks(image):
+            mine = image.take(chunk.rows)
+            power = self._power(chunk, *self._seen(chunk.nodes, mine), mine.snr)
+            out[chunk.rows] = chunk.nodes.sums(np.log1p(power), "all")[:, 0]
         return out
 
-    def _tangents(
-        self, group: TransferGroup, design: Array, place: Array, snr: Array, f_number: Array, working: Array,
-        blur: Array, joined: Joined,
-    ) -> Tangents:  # fmt: skip
-        """Integrals at these settings with the slopes of their logarithms."""
-        still, by_n, moving, by_blur, _ = self._transfer(group, design, (f_number, working), blur)
-        power = self._power(group, place, still, moving, snr)
-        n_slope, blur_slope = np.tile(by_n, (1, group.folds)), np.tile(by_blur, (1, group.folds // 2))
-        if joined == "none":
-            return Tangents(group.nodes.weight, power, 2.0, 2.0 * n_slope, 2.0 * blur_slope)
-        bits = group.sums(np.log1p(power), joined)
+    def _tangents(self, chunk: Chunk, image: Image) -> Tangents:
+        """Integrals of images with the slopes of their logarithms."""
+        nodes = chunk.nodes
+        still, by_pupil, by_round, moving, by_blur = self._transfer(nodes, image)
+        power = self._power(chunk, still, moving, image.snr)
+        bits = nodes.sums(np.log1p(power), chunk.joined)
         rising = np.divide(power, 1.0 + power, out=power)  # half the slope of the integrand in ln MTF
+        n_slope = np.tile(by_pupil + by_round, (1, nodes.folds))
+        blur_slope = np.tile(by_blur, (1, nodes.folds // nodes.n_moving))
         scale = 2.0 / np.maximum(bits, 1e-300)
         return Tangents(
-            None, bits, group.sums(rising, joined) * scale, group.sums(rising * n_slope, joined) * scale,
-            group.sums(rising * blur_slope, joined) * scale,
+            bits, nodes.sums(rising, chunk.joined) * scale, nodes.sums(rising * n_slope, chunk.joined) * scale,
+            nodes.sums(rising * blur_slope, chunk.joined) * scale,
         )  # fmt: skip
+
+    def _node_tangents(self, chunk: Chunk, image: Image) -> NodeTangents:
+        """Powers of images by node with the slopes of each factor."""
+        nodes = chunk.nodes
+        still, by_pupil, by_round, moving, by_blur = self._transfer(nodes, image)
+        by_pupil, by_round = (np.tile(slope, (1, nodes.folds)) for slope in (by_pupil, by_round))
+        by_blur = np.tile(by_blur, (1, nodes.folds // nodes.n_moving))
+        power = self._power(chunk, still, moving, image.snr)
+        return NodeTangents(nodes.weight, power, by_pupil, by_round, by_blur)
 
     # ------------------------------------------------------------ cells
 
@@ -325,52 +375,35 @@ class Information:
         at_n = np.clip(self.sharp.rms_disc_px[design, 1] / SHARP_PX, centre, high)
         if surely is not None:
             blur, at_n = np.where(surely, middle, blur), np.where(surely, centre, at_n)
+        apart = np.array([group.joined == "none" for group in self.groups])[self.group[design]]
+        blur = np.where(apart, least, blur)
+        at_n = np.where(apart, high, at_n)
+        from_low = shift_n + np.log(centre / low)[:, None]
         shift_n = shift_n + np.log(centre / at_n)[:, None]
         shift_t = shift_t + np.log(np.where(blur > 0.0, middle / np.maximum(blur, 1e-300), 1.0))[:, None]
-        shift_snr = log_snr - centre_log_snr[:, None]
-        snr = np.exp(np.clip(centre_log_snr, -600.0, 300.0))
-        for group, place, mine, apart in self._chunks(design, self._rule(design, at_n, at_n * factor, blur)):
-            d, joined = design[mine], "none" if apart else group.joined
-            at = self._tangents(
-                group, d, place, snr[mine], at_n[mine], at_n[mine] * factor[mine], blur[mine], joined
-            )
-            rest = np.zeros_like(at.bits)
-            rows = np.arange(len(mine)) if apart else np.nonzero(at.dark.any(axis=1))[0]
-            if len(rows):
-                some = mine[rows]
-                still, moving = self._seen(group, d[rows], (high[some], low[some] * factor[some]), least[some])
-                most = snr[some] if apart else np.exp(np.clip(log_snr[some].max(axis=1), -600.0, 300.0))
-                power = self._power(group, place[rows], still, moving, most)
-                if apart:
-                    at = at.or_flat(power, shift_n[some], shift_t[some])
-                else:
-                    rest[rows] = group.sums(np.log1p(power), joined)
+        most = log_snr.max(axis=1, initial=-600.0, where=True if wanted is None else wanted)
+        from_snr = np.where(apart, most, centre_log_snr)
+        shift_snr = log_snr - from_snr[:, None]
+        snr = np.exp(np.clip(from_snr, -600.0, 300.0))
+        image = Image(design, snr, at_n, np.where(apart, low, at_n) * factor, blur)
+        dark = np.zeros(len(design), bool)
+        for chunk in self._chunks(image):
+            mine = image.take(chunk.rows)
+            told = chunk.joined == "none"
+            by_node = self._node_tangents(chunk, mine) if told else None
+            joined = None if told else self._tangents(chunk, mine)
+            if joined is not None:
+                dark[chunk.rows] = joined.dark
             for v in range(log_snr.shape[1]):
-                on = np.arange(len(mine)) if wanted is None else np.nonzero(wanted[mine, v])[0]
-                here = mine[on]
-                out[here, v] = at.at(on, shift_snr[here, v], shift_n[here, v], shift_t[here, v], rest)
+                on = np.arange(len(chunk.rows)) if wanted is None else np.nonzero(wanted[chunk.rows, v])[0]
+                here = chunk.rows[on]
+                shifts = shift_snr[here, v], shift_n[here, v], shift_t[here, v]
+                if joined is not None:
+                    out[here, v] = joined.at(on, *shifts)
+                elif by_node is not None:
+                    out[here, v] = by_node.at(on, shifts[0], from_low[here, v], *shifts[1:])
+        if dark.any():
+            brightest = np.exp(np.clip(most[dark], -600.0, 300.0))
+            sharpest = Image(design[dark], brightest, high[dark], low[dark] * factor[dark], least[dark])
+            out[dark] = self._bits(sharpest)[:, None]
         return out
-
-    def _rule(self, design: Array, f_number: Array, working: Array, blur_px: Array) -> Array:
-        """Which nodes serve images: 0 the usual ones, 1 those of smeared images, 2 these told apart."""
-        sharp = self.sharp
-        pupil_px = working * sharp.wavelength_nm[design] * 1e-9 / sharp.pixel_pitch_m[design]
-        ends_px = np.maximum(pupil_px, np.pi / J1_ZERO * sharp.rms_disc_px[design, 1] / f_number)
-        fine = (ends_px >= KINK_PX) | (blur_px > SMEARED_PX)
-        apart = (ends_px >= FINE_KINK_PX) | (blur_px > FINE_SMEARED_PX) | ~self.has_fine[design]
-        return np.where(fine, np.where(apart, 2, 1), 0)
-
-    def _chunks(self, design: Array, rule: Array) -> list[tuple[TransferGroup, Array, Array, bool]]:
-        """Cells or points by group, few at a time: the group, places in it, which they are, whether told apart."""
-        chunks = []
-        fine = ((rule > 0) & self.has_fine[design]).astype(int)
-        of, places = self.group[fine, design], self.place[fine, design]
-        for index, group in enumerate(self.groups):
-            step = max(1, MOST_NUMBERS // len(group.nodes.along))
-            ours = of == index
-            for apart in (False, True):
-                mine = np.nonzero(ours & ((rule == 2) == apart))[0]
-                for start in range(0, len(mine), step):
-                    some = mine[start : start + step]
-                    chunks.append((group, places[some], some, apart))
-        return chunks

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.part_columns import FLASH, PULSED
-from uwopt.model.sharpness import TEXTURE_CONTRAST
+from uwopt.model.information import TEXTURE_CONTRAST
 from uwopt.objectives.objective import LEAST
 from uwopt.solvers.settings import closed_form
 from uwopt.solvers.settings.cell_bounds import Box, Reach, SceneCells

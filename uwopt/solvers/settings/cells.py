@@ -19,9 +19,10 @@ from numpy.typing import NDArray
 from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
 from uwopt.forward.setting_rows import SceneRows
+from uwopt.model.information import RULE_ERROR
 from uwopt.objectives.objective import LEAST, Objective
 from uwopt.solvers.settings.cell_bounds import Box, Points, Reach, SceneCells
-from uwopt.solvers.settings.cell_information import RULE_ERROR, Information
+from uwopt.solvers.settings.cell_information import Information
 from uwopt.solvers.settings.cell_tangent import (
     DIMMEST,
     quality_bound,
@@ -163,10 +164,7 @@ class CellSearch:
         self.information: list[Information] = []
         if self.weight["information"]:
             assert all(r.sharp is not None for r in rows)
-            self.information = [
-                Information(r.sharp, r.time_max_s if r.sunlit else r.blur_s(np.maximum(r.time_max_s, 0.0)))
-                for r in rows if r.sharp is not None
-            ]  # fmt: skip
+            self.information = [Information(r.sharp) for r in rows if r.sharp is not None]
         self._dimensions(own_f_number)
         self.best = np.full(self.n, np.inf)
         self.near_by = np.full(self.n, WIDEST)  # steps that are tried beside the best settings

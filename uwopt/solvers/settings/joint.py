@@ -18,10 +18,10 @@ from uwopt.forward.part_columns import FLASH
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.forward.sharpness import SharpRows
 from uwopt.model import sensor, sharpness
-from uwopt.model.sharpness import TEXTURE_CONTRAST
+from uwopt.model.information import TEXTURE_CONTRAST, information_bit_per_px
+from uwopt.model.sharpness import Sharpness
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.settings import dark, windows
-from uwopt.solvers.settings.cell_information import Nodes, log_pupil
 from uwopt.tolerances import ROUND
 from uwopt.units import db_to_ratio, ratio_to_db
 
@@ -32,8 +32,8 @@ FEW_LEVELS_DB = np.append(LEVELS_DB[:-1:3], LEVELS_DB[-1])
 PITCHES_PX = np.array([0.0, 0.3, 0.5, 0.7, 0.85, 1.0, 1.2, 1.4, 1.7, 2.0, 2.5, 3.0, 4.0, 5.0, 6.5, 8.0, 11.0, 16.0])
 CYCLES = np.concatenate([np.arange(0.0, 2.0, 0.08), np.arange(2.0, 5.0, 0.3)])  # N_w lambda / p
 DISC_PITCH = np.pi / np.sqrt(32.0 * np.log(2.0))  # of a lens that is sharper than a disc: 2 J1(a)/a < e^(-a^2/8)
-RULES = ((13, 7), (32, 8))  # the model's rule, and a finer one for narrow transfers
-QUADRATURE = 1.01  # what the model has more than both rules, at most: narrow transfers fall between its nodes
+TABLE_ORDERS, TABLE_ERROR = (20, 10), 1e-3  # finer than the model's, for SNR beyond any image's
+QUADRATURE = 1.01  # what the model has more than a rule that does not end where narrow transfers do, at most
 SPREADS = 2.0 * np.pi * np.geomspace(10.0, 3000.0, 14)  # of lateral colour: k per cycle per px
 ANGLES = 24
 RADII = ((0.0, 0.5), (0.5, 0.5**0.5))  # cycles per px: circles inside the Nyquist square, and arcs of its corners
@@ -42,18 +42,11 @@ MOST_NUMBERS = 2_000_000  # held at once
 
 @cache
 def most_bit_per_px() -> Array:
-    """Information by pitch of a Gaussian blur, by diffraction and by SNR; the greatest of some rules."""
-    found = []
-    for rule in RULES:
-        nodes = Nodes.of(rule, both_signs=False)
-        radius = np.tile(nodes.radius_cyc_per_px, len(nodes.along) // len(nodes.radius_cyc_per_px))
-        still = np.log(TEXTURE_CONTRAST * sharpness.sinc_mtf(nodes.along) * sharpness.sinc_mtf(nodes.across))
-        blurred = still - np.log(2.0) * np.square(2.0 * radius * PITCHES_PX[:, None])
-        sharp = blurred[:, None, :] + log_pupil(CYCLES[:, None] * radius)[0]
-        squared = np.exp(2.0 * sharp)
-        each = [np.log1p(ratio**2 * squared) @ nodes.weight for ratio in db_to_ratio(LEVELS_DB)]
-        found.append(np.stack(each, axis=-1))
-    return np.asarray(np.max(found, axis=0) * QUADRATURE)
+    """Information by pitch of a Gaussian blur, by diffraction and by SNR: the model's, with room for its error."""
+    blurred = Sharpness(
+        working_f_number=CYCLES[:, None], wavelength_nm=1e9, pixel_pitch_m=1.0, lens_pitch_px=PITCHES_PX[:, None, None]
+    )
+    return information_bit_per_px(db_to_ratio(LEVELS_DB), sharpness=blurred, orders=TABLE_ORDERS) * (1.0 + TABLE_ERROR)
 
 
 @lru_cache(maxsize=512)
