@@ -68,9 +68,9 @@ DEFECTS = (
     Defect(
         name="a veil takes more of the pixel than it has in the bound of a best image",
         file="uwopt/solvers/exact/bounds.py",
-        old="np.minimum(electrons_e, contrast * held)",
-        new="np.minimum(electrons_e, contrast**2 * held)",
-        test=f"{KNEE}::test_bounds_of_information_and_snr_hold_all_that_is_drawn",
+        old="np.minimum(electrons_e, contrast * most_held_e(cameras, self.problem.scenes[scene_index]))",
+        new="np.minimum(electrons_e, contrast**2 * most_held_e(cameras, self.problem.scenes[scene_index]))",
+        test="tests/solvers/test_bounds.py::test_a_unit_is_bounded_by_its_best[best signal under a veil-False]",
     ),
     Defect(
         name="what more would buy is sought within what there is",

@@ -157,9 +157,9 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="saturation bounded 10 % too low",
-        file="uwopt/solvers/exact/bounds.py",
-        old="top = cameras.saturation_e / needs.highlight_ratio",
-        new="top = 0.9 * cameras.saturation_e / needs.highlight_ratio",
+        file="uwopt/solvers/exact/node_bounds.py",
+        old="np.minimum(cameras.saturation_e / needs.highlight_ratio, by_level)",
+        new="np.minimum(0.9 * cameras.saturation_e / needs.highlight_ratio, by_level)",
         test=f"{BOUNDS}test_a_unit_is_bounded_by_its_best[best signal of a full well-False]",
     ),
     Defect(
@@ -186,8 +186,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="bound of the electrons for the SNR loosened by a tenth",
         file="uwopt/solvers/exact/bounds.py",
-        old="np.where(need.by_snr_e > 0, need.by_snr_e / signal.min(axis=1), 0.0)",
-        new="np.where(need.by_snr_e > 0, 0.9 * need.by_snr_e / signal.min(axis=1), 0.0)",
+        old="np.where(need.by_snr_e > 0, need.by_snr_e / signal, 0.0)",
+        new="np.where(need.by_snr_e > 0, 0.9 * need.by_snr_e / signal, 0.0)",
         test=f"{BOUNDS}test_the_bound_of_a_unit_is_tight[least power-True]",
     ),
     Defect(

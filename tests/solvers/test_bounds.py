@@ -52,11 +52,18 @@ FLASH = {
     "flash_duration_us": 800.0, "recycle_s": 0.5, "charging_efficiency_frac": 0.7, "dim_levels": (0.25, 0.5, 1.0),
 }  # fmt: skip
 STEPS = {"dim_levels": (0.1, 0.5, 1.0)}
+BRIGHT, TURBID = {"flux_lm": 1_000_000.0}, ({"water": "3C"},)
 TWO = ({}, {"altitude_m": 1.4, "water": "III"})
 
 MISSIONS: dict[str, Callable[[], Case]] = {
     "least power": lambda: one(wanted=FAST, physics="paper"),
     "least power in full physics": lambda: one(wanted=FAST),
+    "light mostly veil": lambda: one(
+        wanted=FAST, scenes=TURBID, light=BRIGHT, vehicle={"altitude_tolerance_m": 0.2}
+    ),
+    "a well nearly full of veil": lambda: one(
+        wanted=LEVEL, scenes=TURBID, light=BRIGHT, camera={"saturation_e": 20_000.0}
+    ),
     "a wanted level": lambda: one(wanted=LEVEL, physics="paper", camera={"max_gain_db": 3.0}),
     "two scenes": lambda: one(
         wanted=FAST, physics="paper", scenes=TWO, vehicle={"altitude_tolerance_m": 0.2}
@@ -72,6 +79,7 @@ MISSIONS: dict[str, Callable[[], Case]] = {
     "best signal of a full well": lambda: one(
         "snr_db", wanted=FAST, physics="paper", camera={"saturation_e": 2000.0}
     ),
+    "best signal under a veil": lambda: one("snr_db", wanted=FAST, scenes=TURBID, light=BRIGHT),
     "power against signal": lambda: one(SUM, wanted=FAST, physics="paper", limits={"mass_kg": 2.0}),
 }
 DEAREST = "the same in two scenes"
@@ -411,6 +419,17 @@ def test_contrast_is_bounded_by_the_image_itself(min_contrast: float | None) -> 
     assert signal / (signal + forward + back) <= float(np.ravel(bound)[0]) <= 1.0
     assert float(np.ravel(bound)[0]) <= 1.1 * signal / (signal + forward)
     assert enough.all()
+
+
+def test_the_veil_is_bounded_at_each_altitude_by_that_of_the_image() -> None:
+    """In turbid water no less than the bound in any image, at 2 m as at 2.5 m, and not half as much again."""
+    search = one(wanted=FAST, scenes=TURBID, vehicle={"altitude_tolerance_m": 0.5}).searcher()
+    rows = np.arange(len(search.prepare()))
+    light = search.tables.exact(0, search.tables.lightings[0], rows)
+    assert light.forward_e is not None
+    veil = (light.forward_e / light.signal_e)[:, [-1, search.problem.scenes[0].nominal]]
+    bound = search.bounds._least_veil(0, rows)
+    assert (bound <= veil).all() and (veil <= 1.5 * bound).all()
 
 
 def test_a_contrast_that_the_forward_veil_forbids_is_discarded() -> None:

@@ -32,6 +32,7 @@ from uwopt.solvers.exact.node_bounds import (
     NodeBounds,
     bit_per_px_bound,
     least_mean_frac,
+    most_held_e,
     quickest,
     suffix_min,
 )
@@ -294,6 +295,12 @@ class Bounds:
         ]
         return np.array(most)[back.reshape(-1)]
 
+    def _least_veil(self, scene_index: int, rows: Array) -> Array:
+        """Least veil over signal under any lighting, at the farthest altitude and the nominal one, (n, 2)."""
+        every = self.tables.lightings
+        clearest = [self._most_contrast(scene_index, every, rows, altitude) for altitude in (-1, None)]
+        return 1.0 / np.stack(clearest, axis=1) - 1.0
+
     def light_needed(
         self, scene_index: int, lighting: Lighting, need: Needs, kind: int, rows: Array,
         pixel_e: Array | None = None,
@@ -302,7 +309,7 @@ class Bounds:
         electrons a unit of capacity can give at the nominal altitude."""
         signal = self._signal_bound(scene_index, lighting, rows)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            light_x = np.where(need.by_snr_e > 0, need.by_snr_e / signal.min(axis=1), 0.0)
+            light_x = np.where(need.by_snr_e > 0, need.by_snr_e / signal, 0.0).max(axis=1)
             if pixel_e is not None:
                 light_x = np.maximum(light_x, np.where(need.by_pixel_e > 0, need.by_pixel_e / pixel_e, 0.0))
             light_x = np.maximum(light_x, np.where(need.by_gain_e > 0, need.by_gain_e / signal[:, -1], 0.0))
@@ -351,9 +358,9 @@ class Bounds:
             by_snr, by_gain = self._electrons_needed(scene_index, rows)
             square, longest_s = np.square(focused.n_low * focused.working_factor), self._longest_time_s(focused, rows)
             sun_e = self._sun_electrons(scene_index, rows, np.maximum(longest_s, 0.0) / square)
-            by_snr = np.maximum(by_snr - sun_e.max(axis=1), 0.0)
+            by_snr = np.maximum(by_snr - sun_e.max(axis=1)[:, None], 0.0)
             known[scene_index] = Needs(
-                by_snr, by_snr / least_mean_frac(self.problem.scenes[scene_index]),
+                by_snr, by_snr[:, 0] / least_mean_frac(self.problem.scenes[scene_index]),
                 self._red_needed(scene_index, rows), by_gain, sun_e, square, longest_s, focused.rate_hz,
             )  # fmt: skip
         return known[scene_index]
@@ -392,16 +399,21 @@ class Bounds:
         return np.stack([far, self.tables.bound(scene_index, lighting, scene.nominal, rows)], axis=1)
 
     def _electrons_needed(self, scene_index: int, rows: Array) -> tuple[Array, Array]:
-        """Fewest electrons of all light for the SNR, wanted at every altitude, and for the mean level at the highest
-        gain, wanted at the nominal one; quantisation and dark current are left out."""
+        """Fewest electrons that form the image for the SNR, at the farthest altitude and the nominal one, (n, 2), inf
+        where no well holds them beside their veil; and of all light for the mean level at the highest gain, at the
+        nominal altitude. Quantisation and dark current are left out."""
         cameras = self.problem.cameras.take(self.imagers.camera[rows])
         scene = self.problem.scenes[scene_index]
         needs = scene.view.requirements
-        need = np.zeros(len(rows))
+        need = np.zeros((len(rows), 2))
         if needs.min_snr:
+            veil = self._least_veil(scene_index, rows)
             need = least_mean_frac(scene) * sensor.electrons_for_snr(
-                needs.min_snr, noise_variance_e2=np.square(cameras.read_noise_e), prnu_frac=cameras.prnu_frac
+                needs.min_snr, noise_variance_e2=np.square(cameras.read_noise_e)[:, None],
+                veil_ratio=veil, prnu_frac=cameras.prnu_frac[:, None],
             )
+            held = need[:, 1] <= most_held_e(cameras, scene) / (1.0 + veil[:, 1]) * ROUND
+            need = np.where(held[:, None], need, np.inf)
         if needs.mean_level is None or self.problem.effects.veils or self.is_sunlit(scene_index):
             # veils and the sun help to fill the range
             return np.asarray(need), np.zeros(len(rows))
@@ -476,14 +488,7 @@ class Bounds:
         Of what a pixel holds no more than the contrast's share forms the image, and the rest adds its noise.
         """
         cameras = self.problem.cameras.take(self.imagers.camera[rows])
-        needs = self.problem.scenes[scene_index].view.requirements
-        full_scale = 2.0**cameras.bits - 1.0
-        top = cameras.saturation_e / needs.highlight_ratio
-        level = (
-            full_scale / needs.highlight_ratio if needs.mean_level is None else needs.mean_level * full_scale
-        )
-        held = np.minimum(top, (level - cameras.black_level_dn) / cameras.gain_dn_per_e)
-        most = np.minimum(electrons_e, contrast * held)
+        most = np.minimum(electrons_e, contrast * most_held_e(cameras, self.problem.scenes[scene_index]))
         with np.errstate(invalid="ignore"):
             snr = sensor.snr(
                 most, veil_e=most * (1.0 / contrast - 1.0), read_noise_e=cameras.read_noise_e, gain_dn_per_e=np.inf,

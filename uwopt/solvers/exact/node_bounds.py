@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.flash_times import FlashTimes
-from uwopt.forward.part_columns import FLASH
+from uwopt.forward.part_columns import FLASH, Cameras
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import SceneOptics
 from uwopt.model import information, sharpness
@@ -98,8 +98,8 @@ class Corner:
 class Needs:
     """What imagers need in one scene before any light is chosen."""
 
-    by_snr_e: Array  # electrons of the mean, at every altitude
-    by_pixel_e: Array  # of the pixel that must reach the SNR, at every altitude
+    by_snr_e: Array  # electrons of the mean, at the farthest altitude and the nominal one, (n, 2)
+    by_pixel_e: Array  # of the pixel that must reach the SNR, at the farthest altitude
     by_red_e: Array | None  # of the red channel, at every altitude; None: nothing is asked of it
     by_gain_e: Array  # electrons, at the nominal altitude
     sun_e: Array  # electrons of the sun's signal at most, at the farthest altitude and the nominal one, (n, 2)
@@ -209,3 +209,11 @@ def least_mean_frac(scene: SceneOptics) -> float:
     No mean is below its darkest pixel. Where a share of the image may be dark, the mean has at least the rest's.
     """
     return FRAME_SHARE * LATTICE_MARGIN if scene.pixels == "frame" else 1.0
+
+
+def most_held_e(cameras: Cameras, scene: SceneOptics) -> Array:
+    """The most electrons of all light that sensors hold as a mean at the nominal altitude, (n,)."""
+    needs, full_scale = scene.view.requirements, 2.0**cameras.bits - 1.0
+    share = 1.0 / needs.highlight_ratio if needs.mean_level is None else needs.mean_level
+    by_level = (share * full_scale - cameras.black_level_dn) / cameras.gain_dn_per_e
+    return np.asarray(np.minimum(cameras.saturation_e / needs.highlight_ratio, by_level))

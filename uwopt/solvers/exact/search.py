@@ -40,6 +40,7 @@ from uwopt.solvers.exact.screen import pair_rules
 Array = NDArray[Any]
 
 FIRST_BATCH, LARGEST_BATCH = 32, 8192
+UNBEATEN_GROWTH = 4  # of batches while nothing is found: light is cheaper for many nodes at once
 LARGEST_COSTLY = 256  # where each node takes light at pixels: the next batch then knows what this one found
 LARGEST_UNBEATEN = 2048  # the same as long as nothing is found: where nothing fits all nodes are evaluated
 DEAR_REFINED, CHEAP_REFINED = 256, 2048  # at least, where bounds weigh quality: each call sorts all nodes anew
@@ -291,7 +292,8 @@ class Search(Evaluation):
                 if len(ahead) == 0:
                     break
                 self._take(nodes, ahead)
-                batch = min(2 * batch, self._largest_batch(costly=costly))
+                growth = 2 if self.ranking.best else UNBEATEN_GROWTH
+                batch = min(growth * batch, self._largest_batch(costly=costly))
                 look = max(least_look, REFINED_AHEAD * batch)
             self._solve_waiting()
         except OutOfTimeError:
