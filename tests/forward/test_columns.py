@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from uwopt.forward.columns import Columns, PartColumns, rows_alike
+from uwopt.forward.columns import Columns, PartColumns, distinct, groups_alike, rows_alike
 
 
 @dataclass(frozen=True)
@@ -105,3 +105,25 @@ def test_rows_that_agree_in_all_columns_are_found_once():
     assert np.array_equal(first, at)
     assert np.array_equal(back, into.reshape(-1))
     assert [len(part) for part in rows_alike(np.empty(0), np.empty(0))] == [0, 0]
+
+
+def test_groups_of_rows_agree_in_all_columns_and_start_with_their_first_row():
+    rng = np.random.default_rng(11)
+    columns = rng.integers(0, 3, 60), rng.choice([-np.inf, 0.5, np.inf], 60), rng.integers(0, 2, 60).astype(bool)
+    first, back = groups_alike(*columns)
+    _, at, into = np.unique(np.stack(columns), axis=1, return_index=True, return_inverse=True)
+    for column in columns:
+        assert np.array_equal(column[first][back], column)
+    assert set(at) <= set(first.tolist())  # sums of infinities are alike where rows are not: a group may come twice
+    finite = np.isfinite(columns[1])
+    counted = groups_alike(*(column[finite] for column in columns))[0]
+    assert len(counted) == len(set(into.reshape(-1)[finite]))
+    assert [len(part) for part in groups_alike(np.empty(0), np.empty(0))] == [0, 0]
+
+
+@pytest.mark.parametrize("numbers", [[3, 0, 3, 7, 0], [10**7, 4, 10**7], [], [0], [5, 5]])
+def test_distinct_numbers_are_those_of_unique(numbers):
+    values, back = distinct(np.array(numbers, int))
+    unique, into = np.unique(np.array(numbers, int), return_inverse=True)
+    assert values.tolist() == unique.tolist()
+    assert back.tolist() == into.reshape(-1).tolist()

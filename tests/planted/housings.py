@@ -106,8 +106,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="pairs are taken for alike by the first eight housings",
         file="uwopt/forward/enclosures.py",
-        old="rows_alike(*words.T)",
-        new="rows_alike(bits[:, 0])",
+        old="groups_alike(*words.T)",
+        new="groups_alike(bits[:, 0])",
         test="tests/forward/test_enclosures.py::test_needless_of_many_pairs_is_that_of_each",
     ),
     Defect(

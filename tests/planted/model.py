@@ -641,8 +641,8 @@ DEFECTS = (
     Defect(
         name="sensors that are alike but for their pixels see the same",
         file="uwopt/forward/views.py",
-        old="rows_alike(*alike)",
-        new="rows_alike(along, across)",
+        old="groups_alike(*alike)",
+        new="groups_alike(along, across)",
         test="tests/forward/test_port_columns.py::test_what_many_pairs_see_is_what_each_sees",
     ),
 )

@@ -5,12 +5,19 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
+from itertools import pairwise
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward.memory import keep_freed_memory
+
+keep_freed_memory()
+
 Array = NDArray[Any]
+MIXING = 0.5 * (5.0**0.5 - 1.0)  # irrational, so that sums of unlike rows are seldom the same
+SPARSE, SHORT = 8, 1000  # of numbers an entry, and of numbers, beyond which it is quicker to sort entries
 
 
 @dataclass(frozen=True)
@@ -53,12 +60,12 @@ class Columns:
     @classmethod
     def joined(cls, parts: Sequence[Self]) -> Self:
         """All rows of some lists."""
-        ends = np.cumsum([0, *(len_of(part) for part in parts)])
-        places = [np.arange(ends[k], ends[k + 1]) for k in range(len(parts))]
-        return cls.in_places(list(zip(places, parts, strict=True)), int(ends[-1]))
+        ends = np.cumsum([0, *(len_of(part) for part in parts)]).tolist()
+        places = [slice(start, end) for start, end in pairwise(ends)]
+        return cls.in_places(list(zip(places, parts, strict=True)), ends[-1])
 
     @classmethod
-    def in_places(cls, parts: Sequence[tuple[Array, Self]], count: int) -> Self:
+    def in_places(cls, parts: Sequence[tuple[Array | slice, Self]], count: int) -> Self:
         """Groups of rows put back in their places among `count`; a group that is less deep repeats its last."""
         columns = {}
         for f in fields(cls):
@@ -96,7 +103,24 @@ def rows_alike(*columns: Array) -> tuple[Array, Array]:
 
     As np.unique of a table, but that sorts rows as bytes.
     """
-    order = np.lexsort(columns[::-1])
+    return _first_of_groups(np.lexsort(columns[::-1]), columns)
+
+
+def groups_alike(*columns: Array) -> tuple[Array, Array]:
+    """The first rows of groups that agree in all columns, in no order, and of each row the place of its group.
+
+    For what is worked out once a group: rows are sorted by a sum of their numbers, ten times as quick as by each. Like
+    rows have the same; so may others, between which a group then comes twice.
+    """
+    mixed = columns[0]
+    with np.errstate(invalid="ignore"):
+        for column in columns[1:]:
+            mixed = MIXING * mixed + column
+    return _first_of_groups(np.argsort(mixed, kind="stable"), columns)
+
+
+def _first_of_groups(order: Array, columns: Sequence[Array]) -> tuple[Array, Array]:
+    """The first rows of groups of neighbours in this order that agree in all columns, and of each row its group."""
     new = np.zeros(len(order), bool)
     new[:1] = True
     for column in columns:
@@ -105,6 +129,17 @@ def rows_alike(*columns: Array) -> tuple[Array, Array]:
     back = np.empty(len(order), np.intp)
     back[order] = np.cumsum(new) - 1
     return order[new], back
+
+
+def distinct(index: Array) -> tuple[Array, Array]:
+    """The values of an array of whole numbers, none negative, in rising order, and of each entry its place.
+
+    As np.unique, but that sorts: places in a list are sooner counted, unless they are few in a long one.
+    """
+    if index.max(initial=0) > SPARSE * len(index) + SHORT:
+        return np.unique(index, return_inverse=True)
+    there = np.bincount(index) > 0
+    return np.flatnonzero(there), (np.cumsum(there) - 1)[index]
 
 
 def gathering(index: Array | slice) -> Callable[[Array], Array]:
@@ -138,7 +173,7 @@ def len_of(part: Columns) -> int:
     raise TypeError(f"{type(part).__name__} has no column")
 
 
-def placed(parts: Sequence[tuple[Array, Any]], count: int) -> Any:
+def placed(parts: Sequence[tuple[Array | slice, Any]], count: int) -> Any:
     """One field of several groups, each at its rows; what is no column is the first group's."""
     first = parts[0][1] if parts else None
     if isinstance(first, np.ndarray):
@@ -150,7 +185,7 @@ def placed(parts: Sequence[tuple[Array, Any]], count: int) -> Any:
     return first
 
 
-def array_in_places(parts: Sequence[tuple[Array, Array]], count: int) -> Array:
+def array_in_places(parts: Sequence[tuple[Array | slice, Array]], count: int) -> Array:
     """Arrays put at their rows; one whose last axis is shorter repeats its last entry."""
     first = parts[0][1]
     shape = [count, *first.shape[1:]]

@@ -20,7 +20,8 @@ from uwopt.catalog.mounts import is_free
 from uwopt.catalog.parts.housing import ANY_PORT
 from uwopt.catalog.readers.read_lens import circle_class
 from uwopt.catalog.records import Camera, Housing, Lens, Port, Quantity
-from uwopt.forward.columns import rows_alike
+from uwopt.forward.columns import groups_alike
+from uwopt.forward.once import once_each
 from uwopt.forward.part_columns import Cameras, Lenses, Ports
 from uwopt.model.enclosure import Bodies, dome_needed_m, mouth_needed_m, sphere_needed_m, tube_needed_m
 from uwopt.model.path_table import product
@@ -35,9 +36,14 @@ def enclosed(ports: Sequence[Port], housings: Sequence[Housing]) -> tuple[Port, 
     """Every port in every housing that takes it, port by port; a port of a closed mount has its own and stays bare."""
     made: list[Port] = []
     for port in ports:
-        built = [replace(port, housing=one) for one in housings if takes(one, port)]
-        made += built if is_free(port.mount) else [port]
+        made += [both for one in housings if (both := built(port, one))] if is_free(port.mount) else [port]
     return tuple(made)
+
+
+@once_each
+def built(port: Port, housing: Housing) -> Port | None:
+    """A port in a housing; None where it does not fit on it."""
+    return replace(port, housing=housing) if takes(housing, port) else None
 
 
 def takes(housing: Housing, port: Port) -> bool:
@@ -56,6 +62,7 @@ def missing_width_mm(housing: Housing, port: Port) -> float:
     return 0.0 if widest is None or port.width_mm is None else port.width_mm - widest.value
 
 
+@once_each
 def camera_with_size(camera: Camera) -> Camera:
     """A camera with the size of its body, that of its interface's class where it does not say."""
     if camera.inline or camera.complete:
@@ -69,6 +76,7 @@ def camera_with_size(camera: Camera) -> Camera:
     return replace(camera, **sizes)
 
 
+@once_each
 def lens_with_size(lens: Lens) -> Lens:
     """A lens with length, width and the place of its entrance pupil, those of its class where it does not say."""
     if lens.complete or (lens.inline and lens.length_mm is None):
@@ -197,6 +205,6 @@ def beaten(fits: Array, worth: Sequence[NDArray[np.float64]], names: Sequence[st
     beats = no_worse & (better | first) & rival
     bits = np.packbits(fits, axis=1)
     words = np.pad(bits, ((0, 0), (0, -bits.shape[1] % 8))).view(np.uint64)
-    first_of, back = rows_alike(*words.T)  # most pairs fit into the same housings as many others
+    first_of, back = groups_alike(*words.T)  # most pairs fit into the same housings as many others
     alike = fits[first_of]
     return np.asarray((alike & (product(alike.astype(np.float32), beats.astype(np.float32)) > 0.5))[back])

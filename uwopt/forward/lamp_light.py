@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.forward.columns import Columns
+from uwopt.forward.columns import Columns, distinct
 from uwopt.forward.lamps import (
     Mount,
     on_axis_gain,
@@ -444,7 +444,7 @@ def image_light(
     """
     efficiency = problem.cameras.qe_index[camera]
     parts = []
-    for curve in np.unique(efficiency):
+    for curve in distinct(efficiency)[0]:
         mine = np.nonzero(efficiency == curve)[0]
         field = partial(
             field_type, problem, scene_index, port_index=port_index, optics=optics, mount=mount, count=count,

@@ -31,6 +31,7 @@ from uwopt.forward.lamps import (
     light_counts,
     mission_mounts,
 )
+from uwopt.forward.once import Once
 from uwopt.forward.part_columns import (
     FAVOURED,
     Cameras,
@@ -98,6 +99,10 @@ PORT_OPTICS = (
 )  # fmt: skip
 
 
+#: Of parts that were tabulated before: with housings there are many.
+PORT_COLUMNS: Once[Ports] = Once(16)
+
+
 class Problem:
     """Tables of one mission over chosen parts, at one end of the estimates."""
 
@@ -146,9 +151,11 @@ class Problem:
             host_share=np.array([self.host_share(part) for part in parts.cameras]),
         )  # fmt: skip
         self.lenses: Lenses = lens_rows(parts.lenses, money=self.money, end=end, high_basis=high)
-        self.ports: Ports = port_rows(
-            parts.ports, money=self.money, glass_index=glass_index, end=end, high_basis=high
-        )
+        currency = mission.limits.currency, tuple(sorted(mission.limits.rates.items()))
+        self.ports = PORT_COLUMNS.of(
+            parts.ports, (currency, end, high),
+            lambda: port_rows(parts.ports, money=self.money, glass_index=glass_index, end=end, high_basis=high),
+        )  # fmt: skip
         self.optics, optics_index = distinct_optics(
             parts.lights, [scene.n_water for scene in self.scenes], end, paper=paper
         )

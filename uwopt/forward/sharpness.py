@@ -95,7 +95,7 @@ class SharpRows(Columns):
     place_colour: Array | None = None  # (n, 2) what it leaves of MTF along and across; None: looked up when needed
 
     @classmethod
-    def in_places(cls, parts: Sequence[tuple[Array, Self]], count: int) -> Self:
+    def in_places(cls, parts: Sequence[tuple[Array | slice, Self]], count: int) -> Self:
         """Groups of rows put back in their places; tables that groups share are kept once."""
         columns: dict[str, Any] = {"place_lens_blur": parts[0][1].place_lens_blur if parts else 1.0}
         columns["detail"] = placed([(rows, part.detail) for rows, part in parts], count)

@@ -18,6 +18,7 @@ from uwopt.catalog.estimates import required_class
 from uwopt.catalog.readers.read_lens import focal_class
 from uwopt.catalog.records import Lens
 from uwopt.catalog.spacers import stacks_of_mounts_mm
+from uwopt.forward.once import once_each
 from uwopt.forward.part_columns import Lenses
 from uwopt.model.extension import extended_distance_m, extension_m, focus_range_m
 from uwopt.tolerances import ROUND
@@ -25,6 +26,7 @@ from uwopt.tolerances import ROUND
 Array = NDArray[Any]
 
 
+@once_each
 def lens_with_spacers(lens: Lens) -> Lens:
     """A lens with the rings that may stand behind it and what it bears, that of its class where it does not say."""
     spacers_mm = stacks_of_mounts_mm(lens.mounts) if lens.spacers_mm is None else lens.spacers_mm
@@ -40,6 +42,7 @@ def lens_with_spacers(lens: Lens) -> Lens:
     )
 
 
+@once_each
 def without_spacers(lens: Lens) -> Lens:
     """A lens that stands on its camera as it is made."""
     if lens.spacers_mm is None and lens.thread_travel_mm is None and lens.max_magnification is None:

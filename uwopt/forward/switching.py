@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from uwopt.catalog.estimates import required_class
 from uwopt.catalog.parts.camera import Camera
 from uwopt.catalog.parts.light import Light
+from uwopt.forward.once import once_each
 from uwopt.forward.part_columns import CONTINUOUS, Cameras, Lights
 from uwopt.mission.sections.vehicle import Vehicle
 from uwopt.model.light import duty_frac
@@ -24,6 +25,7 @@ from uwopt.model.light import duty_frac
 Array = NDArray[Any]
 
 
+@once_each
 def light_with_estimates(light: Light) -> Light:
     """A lamp with warm-up and standby, those of its class where it does not say."""
     if light.kind != "continuous" or light.switchable == "no":
@@ -36,6 +38,7 @@ def light_with_estimates(light: Light) -> Light:
     )
 
 
+@once_each
 def camera_with_estimates(camera: Camera) -> Camera:
     """A camera with the time that it takes to wake up and standby, those of its class where it does not say."""
     wake_up, standby = (required_class(f"camera-{name}", "switched") for name in ("wake-up-s", "standby-w"))
@@ -46,6 +49,7 @@ def camera_with_estimates(camera: Camera) -> Camera:
     )
 
 
+@once_each
 def camera_with_host(camera: Camera) -> Camera:
     """A camera with power and price of the computer that takes its images, those of its interface unless it says."""
     names = ("host-power-w", "host-price")

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.forward.columns import Columns, rows_alike
+from uwopt.forward.columns import Columns, groups_alike
 from uwopt.forward.part_columns import Cameras, Lenses, Ports
 from uwopt.forward.scene import PAPER_N_WATER, SceneOptics
 from uwopt.model import defocus, operation, port, stereo
@@ -96,7 +96,7 @@ def views(
     transmission = lenses.transmission * (1.0 if scene.paper else port_transmission(shape))
     alike = (along, across, pitch, effective)
     if len(along) > 1:
-        first, back = rows_alike(*alike)
+        first, back = groups_alike(*alike)
         made = geometry(scene, shape, *(own[first] for own in alike))
         seen = {name: column.take(back, axis=0) for name, column in made.items()}
     else:

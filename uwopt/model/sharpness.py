@@ -287,6 +287,39 @@ def frequencies_at_cyc_per_px(
     The product falls from F(0) to 0 between nu = 0 and its first null, 1 cycle per px at the latest: one root,
     held between two bounds by false position after Illinois, every fourth step a bisection.
     """
+    shape, level, still, nulls = _falling_ranges(level, sharpness, detail)
+
+    def left(transfer: Any) -> Gain:
+        factor = detail or np.ones_like
+        return lambda nu: factor(nu) * transfer(nu, sharpness=sharpness, falling=True)
+
+    along, across = (
+        _root(left(transfer), level, still, end, np.full(shape, -level))
+        for transfer, end in zip((mtf_along, mtf_across), nulls, strict=True)
+    )
+    return along, across
+
+
+def highest_frequency_cyc_per_px(level: Numeric, *, sharpness: Sharpness, detail: Gain | None = None) -> Array:
+    """The highest frequency at which the transfer along and that across both reach a level, (...,) [cycles per px].
+
+    As `frequencies_at_cyc_per_px`, the lower of both, up to the Nyquist frequency: both fall, so the lesser of them
+    does, and has one root.
+    """
+    shape, level, still, nulls = _falling_ranges(level, sharpness, detail)
+
+    def left(nu: Array) -> Array:
+        both = np.minimum(*mtf_axes(nu, sharpness=sharpness, falling=True))
+        return np.asarray(both if detail is None else both * detail(nu))
+
+    end = np.minimum(np.minimum(*nulls), NYQUIST_CYC_PER_PX)
+    return _root(left, level, still, end, np.broadcast_to(left(end) - level, shape))
+
+
+def _falling_ranges(
+    level: Numeric, sharpness: Sharpness, detail: Gain | None
+) -> tuple[tuple[int, ...], Array, Array, tuple[Array, Array]]:
+    """Common shape, levels that are reached, F(0), and where the transfer along and across ends; 0: level not reached."""
     disc_null = 1.0 / np.maximum(np.minimum(sharpness.defocus_px, _HUGE) * (np.pi / J1_ZERO), 1.0)
     pupil_null = 1.0 / np.maximum(np.minimum(sharpness.diffraction_px, _HUGE), 1.0)
     null = np.minimum(disc_null, pupil_null)
@@ -296,16 +329,7 @@ def frequencies_at_cyc_per_px(
     still = np.ones(shape) if detail is None else detail(np.zeros(shape))
     level = np.minimum(level, still)
     null = np.where(level < still, null, 0.0)
-    nulls = np.broadcast_to(np.minimum(null, motion_null), shape), np.broadcast_to(null, shape)
-
-    def left(transfer: Any) -> Gain:
-        factor = detail or np.ones_like
-        return lambda nu: factor(nu) * transfer(nu, sharpness=sharpness, falling=True)
-
-    along, across = (
-        _root(left(transfer), level, still, end) for transfer, end in zip((mtf_along, mtf_across), nulls, strict=True)
-    )
-    return along, across
+    return shape, level, still, (np.broadcast_to(np.minimum(null, motion_null), shape), np.broadcast_to(null, shape))
 
 
 def mtf50_cyc_per_px(sharpness: Sharpness) -> Array:
@@ -329,8 +353,8 @@ def smallest_bars_m(
     """
     with np.errstate(divide="ignore", over="ignore"):
         level = RESOLVED_CONTRAST / np.asarray(contrast, dtype=float)
-        highest = np.minimum(*frequencies_at_cyc_per_px(level, sharpness=sharpness, detail=detail))
-        return np.asarray(ground_sample_m / (2.0 * np.minimum(highest, NYQUIST_CYC_PER_PX)))
+        highest = highest_frequency_cyc_per_px(level, sharpness=sharpness, detail=detail)
+        return np.asarray(ground_sample_m / (2.0 * highest))
 
 
 def resolution_10_m(
@@ -358,12 +382,16 @@ def _shape(sharpness: Sharpness, *others: Numeric) -> tuple[int, ...]:
     return np.broadcast_shapes(*(np.shape(number) for number in (*numbers, *others)))
 
 
-def _root(transfer: Gain, level: Numeric, still: Array, null: Array) -> Array:
-    """Where a transfer that falls from `still` at 0 to 0 at its null meets a level; Illinois and bisection."""
-    low, high = np.zeros(null.shape), null * 1.0
-    at_low, at_high = np.full(null.shape, still - level), np.full(null.shape, -level)
-    side = np.zeros(null.shape)  # 1: the low end moved last, -1: the high end
-    found, settled = np.zeros(null.shape), np.zeros(null.shape, bool)  # each is the same whatever stands beside it
+def _root(transfer: Gain, level: Numeric, still: Array, end: Array, at_end: Array) -> Array:
+    """Where a transfer that falls from `still` at 0 on meets a level; Illinois and bisection.
+
+    end : where it is no more than 0, or beyond which no root is looked for; at_end : what it is above the level there
+    """
+    settled = at_end >= 0.0  # each is the same whatever stands beside it
+    found = np.where(settled, end, 0.0)
+    low, high = np.zeros(end.shape), end * 1.0
+    at_low, at_high = np.where(settled, 1.0, still - level), np.where(settled, -1.0, at_end)
+    side = np.zeros(end.shape)  # 1: the low end moved last, -1: the high end
     for step in range(1, _MOST_STEPS):
         share = 0.5 if step % 4 == 0 else at_low / (at_low - at_high)
         nu = low + share * (high - low)
@@ -376,7 +404,7 @@ def _root(transfer: Gain, level: Numeric, still: Array, null: Array) -> Array:
         low, high = np.where(above, nu, low), np.where(above, high, nu)
         side = np.where(above, 1.0, -1.0)
         found = np.where(settled, found, nu)
-        settled |= (high - low <= _CONVERGED * null) | (np.abs(value) <= 1e-14) | (moved <= 0.0)
+        settled |= (high - low <= _CONVERGED * end) | (np.abs(value) <= 1e-14) | (moved <= 0.0)
         if np.all(settled):
             break
     return found

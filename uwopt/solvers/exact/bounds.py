@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward import switching
+from uwopt.forward.columns import distinct
 from uwopt.forward.detail import most_scattering_per_m, shows_detail, texture_gain
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.forward.views import CORNER_FIELD, RMS_FIELD
@@ -102,13 +103,15 @@ class Bounds:
 
     def _balances(self, k: int, rows: Array) -> Iterator[tuple[int, Array, float]]:
         """Each scene in which lamps alone keep a white balance, what the water leaves at least, and what is asked."""
-        curves, back = np.unique(self.problem.cameras.qe_index[self.imagers.camera[rows]], return_inverse=True)
-        for index, scene in enumerate(self.problem.scenes):
-            most = scene.view.requirements.max_white_balance
-            if most is not None and not self.is_sunlit(index):
-                lighting = self.tables.lightings[k]
-                least = [self.tables.least_balance(index, lighting, int(curve)) for curve in curves]
-                yield index, np.array(least)[back.reshape(-1)], most
+        scenes = [(i, scene.view.requirements.max_white_balance) for i, scene in enumerate(self.problem.scenes)]
+        asked = [(index, most) for index, most in scenes if most is not None and not self.is_sunlit(index)]
+        if not asked:
+            return
+        curves, back = distinct(self.problem.cameras.qe_index[self.imagers.camera[rows]])
+        for index, most in asked:
+            lighting = self.tables.lightings[k]
+            least = [self.tables.least_balance(index, lighting, int(curve)) for curve in curves]
+            yield index, np.array(least)[back], most
 
     def asks_of_images(self) -> bool:
         """Whether `of_pixels` may know more than `of_nodes`: pixels or colours count that lamps alone light."""
@@ -287,13 +290,13 @@ class Bounds:
             return np.ones(len(rows))
         contraction = self.problem.contractions[scene_index]
         at = self.problem.scenes[scene_index].nominal if altitude is None else altitude
-        curves, back = np.unique(self.problem.cameras.qe_index[self.imagers.camera[rows]], return_inverse=True)
+        curves, back = distinct(self.problem.cameras.qe_index[self.imagers.camera[rows]])
         spectra = {int(contraction.spectrum_of[lighting.optics]) for lighting in lightings}
         nearest_m = self.problem.nearest_m(scene_index, at)
         most = [
             max((contraction.most_contrast(s, int(c), at, nearest_m) for s in spectra), default=1.0) for c in curves
         ]
-        return np.array(most)[back.reshape(-1)]
+        return np.array(most)[back]
 
     def _least_veil(self, scene_index: int, rows: Array) -> Array:
         """Least veil over signal under any lighting, at the farthest altitude and the nominal one, (n, 2)."""

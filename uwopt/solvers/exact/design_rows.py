@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.deadline import Deadline
-from uwopt.forward.columns import rows_alike
+from uwopt.forward.columns import distinct, rows_alike
 from uwopt.forward.floor_light import even_enough
 from uwopt.forward.lamp_light import LIKELY_PLACES, ImageLight, SunLight, Veils
 from uwopt.forward.lamp_views import keeps_clear, lamps_refused
@@ -80,7 +80,7 @@ class NodeRows:
         needs = self.problem.scenes[scene_index].view.requirements
         if not needs.asks_sharpness and not self.objective.weight("information"):
             return None
-        unique, back = np.unique(imager, return_inverse=True)
+        unique, back = distinct(imager)
         imagers, seen = self.imagers, self.imagers.scenes[scene_index]
         return sharpness_of(
             self.problem, scene_index, seen.view.take(unique), camera=imagers.camera[unique], lens=imagers.lens[unique],
@@ -93,9 +93,9 @@ class NodeRows:
     ) -> SunLight | None:
         """The sun's light in these images; the pixels looked at depend on the number of lamps."""
         parts = []
-        for number in np.unique(count) if pixels else [int(count.max(initial=1))]:
+        for number in distinct(count)[0] if pixels else [int(count.max(initial=1))]:
             mine = np.nonzero(count == number)[0] if pixels else np.arange(len(count))
-            unique, back = np.unique(imager[mine], return_inverse=True)
+            unique, back = distinct(imager[mine])
             sun = sun_light(
                 self.problem,
                 scene_index,
@@ -138,7 +138,7 @@ class NodeRows:
         """The same in one scene; no lamp is none in the view, and its light is even."""
         wanted = self.problem.scenes[scene_index].view.requirements.min_uniformity
         kept = np.array([self.problem.unlit(one) for one in range(len(self.problem.parts.lights))])[light]
-        for number in np.unique(count):
+        for number in distinct(count)[0]:
             mine = np.nonzero((count == number) & ~kept)[0]
             view = self.imagers.scenes[scene_index].view.take(imager[mine])
             port = self.imagers.port[imager[mine]]
@@ -162,9 +162,9 @@ class NodeRows:
         pixels = self.problem.scenes[scene_index].pixels
         assert pixels is not None
         most_e = np.empty(len(imager))
-        for number in np.unique(count):
+        for number in distinct(count)[0]:
             mine = np.nonzero(count == number)[0]
-            unique, back = np.unique(imager[mine], return_inverse=True)
+            unique, back = distinct(imager[mine])
             most_e[mine] = self.tables.likely_pixel(
                 scene_index, lighting, unique, count=int(number), pixels=pixels
             )[back]
@@ -184,7 +184,7 @@ class NodeRows:
         """With the light at the pixels that the SNR is asked of: their share of each lamp depends on the number."""
         first, back = rows_alike(imager, count)
         parts = []
-        for number in np.unique(count):
+        for number in distinct(count)[0]:
             mine = np.nonzero(count[first] == number)[0]
             at = self.tables.exact(
                 scene_index,

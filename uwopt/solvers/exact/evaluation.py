@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.deadline import Deadline, UntilFound
-from uwopt.forward.columns import rows_alike
+from uwopt.forward.columns import distinct, rows_alike
 from uwopt.forward.lamp_light import ImageLight, Veils
 from uwopt.forward.problem import Problem
 from uwopt.forward.setting_rows import SceneRows
@@ -166,9 +166,9 @@ class Evaluation:
             kept = np.nonzero(np.isfinite(bound) & ~self._beaten(pairs, bound))[0]
             if len(kept) == 0:
                 break
-            used, back = np.unique(pairs.node[kept], return_inverse=True)
+            used, back = distinct(pairs.node[kept])
             lights = [light.take(used) for light in lights]
-            pairs = replace(pairs.take(kept), imager=pairs.imager[used], node=back.reshape(-1))
+            pairs = replace(pairs.take(kept), imager=pairs.imager[used], node=back)
             bound = bound[kept]
         solved = 0
         if self._patient and len(kept):  # other nodes may hold better bounds
@@ -226,7 +226,7 @@ class Evaluation:
             solved += len(some.node)
             some = some.take(np.nonzero(self.design_rows.keep_rules(some, lighting))[0])
             if len(some.node):
-                nodes, place = np.unique(some.node, return_inverse=True)
+                nodes, place = distinct(some.node)
                 full = self._with_veils(
                     pairs.imager[nodes], [light.take(nodes) for light in lights], lighting, "all"
                 )
@@ -247,7 +247,7 @@ class Evaluation:
             n_solved = len(some.node)
             some = some.take(np.nonzero(self.design_rows.keep_rules(some, first.lighting))[0])
             if n_solved and len(some.node):
-                used, place = np.unique(some.node, return_inverse=True)
+                used, place = distinct(some.node)
                 lights = [light.take(used) for light in first.lights]
                 full = self._with_veils(first.pairs.imager[used], lights, first.lighting, "all")
                 self._rank(some, [light.take(place) for light in full], first.lighting)

@@ -135,7 +135,7 @@ def focus_rules(
     yield "storage_gb", problem.duration.mean(rates) <= problem.duration.mean_data_limit_mb_s * ROUND
     each = [extra.rate_hz * cameras.frame_mb for extra in focused]
     yield "card_gb", problem.duration.mean(each) <= problem.duration.mean_rate_into(cameras.storage_gb) * ROUND
-    yield "lens_stop_down", stops_down(problem, problem.lenses.take(lens))
+    yield "lens_stop_down", stops_down(problem, problem.lenses)[lens]
     yield "min_dof_m", common_f_number(focused)
     yield (
         "max_blur_px",

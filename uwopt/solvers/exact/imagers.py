@@ -312,7 +312,7 @@ def focused_behind(
         requirements, shape = scene.view.requirements, problem.shape(port, index)
         with np.errstate(divide="ignore", invalid="ignore"):
             factor = working_factor(scene, view.focal_length_m, dioptre_per_m)
-        closed = problem.lenses.take(lens).f_number_from(requirements.lens_stop_down)
+        closed = problem.lenses.f_number_from(requirements.lens_stop_down)[lens]
         at = focus_map(scene, shape)
         n_depth = np.max([depth_f_number(scene, at, view, one) for one in stands_per_m], axis=0)
         rate = required_rate_hz(requirements, scene.view.vehicle.speed_m_s, view.footprint_along_m)

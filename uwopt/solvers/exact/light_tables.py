@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.deadline import NEVER, Deadline
+from uwopt.forward.columns import distinct
 from uwopt.forward.lamp_light import ImageLight, Veils, image_light
 from uwopt.forward.lamps import on_axis_gain
 from uwopt.forward.problem import Problem
@@ -111,7 +112,7 @@ class FieldTables:
         """What all lightings share for the same imagers: their rectangles and efficiency curves."""
         if self._chunk is None or self._chunk[0] is not rows:
             efficiency = self.problem.cameras.qe_index[self.imagers.camera[rows]]
-            curves, back = np.unique(efficiency, return_inverse=True)
+            curves, back = distinct(efficiency)
             self._chunk = (rows, {}, curves, back)
         return self._chunk[1:]
 
@@ -179,7 +180,7 @@ class FieldTables:
         view = imagers.scenes[scene_index].view
         port = np.zeros(len(rows), int) if problem.paper else problem.like_port[imagers.port[rows]]
         parts = []
-        for value in np.unique(port):
+        for value in distinct(port)[0]:
             deadline.check()
             mine = np.nonzero(port == value)[0]
             light = image_light(
@@ -196,7 +197,7 @@ class FieldTables:
         key = (scene_index, lighting.optics, lighting.mount.lamps(count), pixels)
         known = self._likely.setdefault(key, np.full(len(images), np.nan))
         collecting, image = self.imagers.scenes[scene_index].view.collecting_m2, image_of[rows]
-        new = np.unique(image[np.isnan(known[image])])
+        new = distinct(image[np.isnan(known[image])])[0]
         for lit, mine in self._fields(scene_index, lighting, images[new], count):
             view = self.imagers.scenes[scene_index].view.take(images[new[mine]])
             known[new[mine]] = lit.at_likely_pixels(view, pixels) / view.collecting_m2
@@ -207,7 +208,7 @@ class FieldTables:
         images, image_of = self.images
         known = self._balance.setdefault((scene_index, lighting), np.full(len(images), np.nan))
         image = image_of[rows]
-        new = np.unique(image[np.isnan(known[image])])
+        new = distinct(image[np.isnan(known[image])])[0]
         for lit, mine in self._fields(scene_index, lighting, images[new], 2):
             view = self.imagers.scenes[scene_index].view.take(images[new[mine]])
             known[new[mine]] = lit.far_balance(view)

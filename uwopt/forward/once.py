@@ -1,0 +1,44 @@
+"""What follows from records of the catalogue, worked out once for each of them: missions that are tried one after
+another have the same parts.
+
+Records are told apart by identity, which is quick: a catalogue is loaded once. They are frozen, and so is what is
+made of them; both are kept, so that no other record takes the place of one that is gone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Sequence
+from functools import wraps
+from typing import Any, Generic, TypeVar
+
+T = TypeVar("T")
+MOST_RECORDS = 20_000  # whose results one function keeps
+
+
+class Once(Generic[T]):
+    """Results by records and by what else they depend on; all are forgotten once there are too many."""
+
+    def __init__(self, most: int):
+        self.most = most
+        self.known: dict[Hashable, tuple[tuple[Any, ...], T]] = {}
+
+    def of(self, records: Sequence[Any], others: Hashable, make: Callable[[], T]) -> T:
+        """What is known, or made."""
+        key = (tuple(map(id, records)), others)
+        found = self.known.get(key)
+        if found is None:
+            if len(self.known) >= self.most:
+                self.known.clear()
+            found = self.known[key] = tuple(records), make()
+        return found[1]
+
+
+def once_each(make: Callable[..., T]) -> Callable[..., T]:
+    """A function of one or more records, called once for each choice of them."""
+    known: Once[T] = Once(MOST_RECORDS)
+
+    @wraps(make)
+    def remembered(*records: Any) -> T:
+        return known.of(records, None, lambda: make(*records))
+
+    return remembered
