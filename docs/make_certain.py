@@ -96,9 +96,9 @@ def looked_at(name: str, asked: float, tries: int, seconds: float) -> Row:
 
 
 def at_its_stop(result: Result) -> dict[str, Any]:
-    """The recommended system as `evaluate` takes it, its iris where scenarios want it."""
+    """The recommended system as it is set and `evaluate` takes it, its iris where scenarios want it."""
     assert result.recommendation is not None and result.confidence is not None
-    system = result.recommendation.as_system()
+    system = result.recommendation.as_system(to_set=True)
     if (stop := result.confidence.f_number) is not None:
         for given in system["scenes"].values():
             given["f_number"] = stop
@@ -153,7 +153,7 @@ def is_better(goal: Objective, one: Confidence, ours: Confidence) -> bool:
 
 def judged(problem: Problem, found: Found, goal: Objective, asked: float) -> Confidence:
     """As `evaluate --confidence` counts a system, at whatever stop holds often enough with the least median."""
-    return confidence_of(problem, hardware_of(found), goal, asked, FREE, None)  # type: ignore[arg-type]
+    return confidence_of(problem, hardware_of(found), goal, asked, FREE, None)
 
 
 def counted(problem: Problem, found: list[Found], goal: Objective, scenarios: Any, asked: float) -> list[Counted]:

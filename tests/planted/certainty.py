@@ -196,9 +196,30 @@ DEFECTS = (
     Defect(
         name="a given system is counted as if it were focused best",
         file="uwopt/api/certainty.py",
-        old="problem = problem.focused_on(given.focus_distance_m)",
-        new="problem = problem.focused_on(None)",
+        old="problem.focused_on(focus_to_set_m(design))",
+        new="problem.focused_on(None)",
         test="tests/api/test_confidence.py::test_a_given_focus_counts",
+    ),
+    Defect(
+        name="a lens is focused anew in every scenario",
+        file=f"{ROOM}/together.py",
+        old="            aimed = problem if in_focus else",
+        new="            aimed = problem if True else",
+        test=f"{TESTS}::test_one_focus_serves_all_altitudes_that_may_come",
+    ),
+    Defect(
+        name="a lens is meant to be focused where central numbers want it",
+        file=f"{ROOM}/aims.py",
+        old="best, least = np.where(asked < least, tried, best), np.minimum(asked, least)",
+        new="best, least = np.where(asked < least, best, best), np.minimum(asked, least)",
+        test=f"{TESTS}::test_the_focus_is_where_most_scenarios_are_sharp",
+    ),
+    Defect(
+        name="scenarios to come are counted at another focus than is told",
+        file=f"{ROOM}/search.py",
+        old="anew(problem.focused_on(focus_m), objective, certain)",
+        new="anew(problem, objective, certain)",
+        test=f"{TESTS}::test_the_scenarios_to_come_are_counted_at_the_focus_that_is_told",
     ),
     Defect(
         name="beyond its band the swath keeps its reserve",

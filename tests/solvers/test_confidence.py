@@ -9,19 +9,30 @@ from typing import Any
 
 import numpy as np
 import pytest
-from one_of_each import CAMERA, one, with_parts
+from one_of_each import CAMERA, LENS, one, with_parts
 from random_cases import Case
 
-from uwopt.api.certainty import as_settable
+from uwopt.api.certainty import as_settable, focus_to_set_m
 from uwopt.catalog.parts.quantity import Quantity
-from uwopt.deadline import Deadline
+from uwopt.deadline import NEVER, Deadline
+from uwopt.forward.views import focus_map
 from uwopt.mission.doubt import Doubt
+from uwopt.model.port import lens_dioptre_per_m, water_distance_m
 from uwopt.solvers.confidence import search as search_module
 from uwopt.solvers.confidence.candidates import worse_problem
 from uwopt.solvers.confidence.outcomes import outcomes
 from uwopt.solvers.confidence.scenarios import Scenarios
-from uwopt.solvers.confidence.search import Certain, Counted, at_its_stop, imagers_of, most_certain, rank
+from uwopt.solvers.confidence.search import (
+    Certain,
+    Counted,
+    at_its_stop,
+    imagers_of,
+    judged_anew,
+    most_certain,
+    rank,
+)
 from uwopt.solvers.confidence.summary import told
+from uwopt.solvers.confidence.waters import BANDS
 from uwopt.solvers.confidence.worth import gained, worth_of_knowing
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain.one_hardware import parts_of, problem_of
@@ -52,6 +63,15 @@ def counted(sought: Sought, doubt: Doubt = KNOWN, *, count: int = 200, seed: int
     problem = sought.problem
     scenarios = Scenarios.drawn(problem.mission, problem.scenes, doubt, seed=seed, count=count)
     return outcomes(problem, sought.outcome.best[0], sought.search.objective, scenarios)
+
+
+def judged(sought: Sought, asked: float) -> Certain:
+    """What is recommended, as it is set, in scenarios that it was not chosen on."""
+    certain = most_certain(sought, sought.search.objective, asked)
+    assert certain is not None
+    focus_m = certain.best.outcomes.meant_m
+    assert focus_m is not None
+    return judged_anew(sought.problem, sought.search.objective, certain, focus_m, NEVER)
 
 
 def test_without_doubt_every_scenario_is_the_central_one() -> None:
@@ -134,6 +154,73 @@ def test_hardware_with_room_is_sharp_wherever_the_lens_may_stand() -> None:
         asked = max(focal_m**2 / coc_m * abs(meant / x - meant) / (1.0 - focal_m * meant / x) for x in ends)
         assert made.settings[0]["f_number"] == pytest.approx(asked, rel=0.02)
         assert made.settings[0]["dioptre_per_m"] == pytest.approx(meant)
+
+
+def over_a_band(depth_m: float, **doubt: Any) -> Sought:
+    """Over 2 m +- 0.3 m of which all must be sharp within a quarter of a pixel, and at least so much."""
+    wanted = {"min_snr_db": 5.0, "min_dof_m": depth_m, "circle_of_confusion_px": 0.25}
+    return sought_of(one(wanted=wanted, vehicle={"altitude_tolerance_m": 0.3}), **doubt)
+
+
+def water_m(sought: Sought, dioptre_per_m: float) -> float:
+    """The distance in water that a lens sees at a dioptre behind its dome."""
+    at = focus_map(sought.problem.scenes[0], sought.problem.shape(0, 0))
+    return float(water_distance_m(dioptre_per_m, focus_map=at))
+
+
+def dioptres(sought: Sought, *distances_m: float) -> list[float]:
+    """Of distances in water, as the lens sees them behind its dome."""
+    at = focus_map(sought.problem.scenes[0], sought.problem.shape(0, 0))
+    return [float(lens_dioptre_per_m(distance_m, focus_map=at)) for distance_m in distances_m]
+
+
+def test_one_focus_serves_all_altitudes_that_may_come() -> None:
+    """The middle of the band that nine of ten keep, 1 - sqrt(0.1) beyond it; sharp is where N is enough for both ends.
+
+    Were the lens focused anew in each scenario, wider bands would be sharp: they would hold as one that knew them.
+    """
+    sought, focal_m, coc_m = over_a_band(0.1, beyond_band=1.0), 1e-3 * LENS.focal_length_mm, 1e-6
+    beyond = np.linspace(0.0, 1.0, 10001)
+    ends = np.array([dioptres(sought, 2.0 - 0.3 * (1.0 + b), 2.0 + 0.3 * (1.0 + b)) for b in beyond])
+    meant = float(np.mean(ends[np.searchsorted(beyond, 1.0 - np.sqrt(0.1))]))
+    needed = focal_m**2 / coc_m * np.abs(ends - meant).max(axis=1) / (1.0 - focal_m * meant)
+    anew = focal_m**2 / coc_m * np.ptp(ends, axis=1) / 2.0 / (1.0 - focal_m * ends.mean(axis=1))
+    f_number = 5.0
+    share, with_hindsight = (float(1.0 - (1.0 - beyond[n <= f_number][-1]) ** 2) for n in (needed, anew))
+    assert with_hindsight > share + 4 / BANDS
+    assert at_focus(sought, None, f_number).held[0] == pytest.approx(share, abs=1 / BANDS)
+
+
+def at_focus(sought: Sought, distance_m: float | None, f_number: float) -> Any:
+    """Outcomes of the best hardware with its lens focused at a distance, or where it is meant to be."""
+    problem, mission = sought.problem, sought.problem.mission
+    scenarios = Scenarios.drawn(mission, problem.scenes, mission.doubt, seed=0, count=200)
+    found, objective = sought.outcome.best[0], sought.search.objective
+    return outcomes(problem.focused_on(distance_m), found, objective, scenarios, f_numbers=[f_number])
+
+
+def test_the_focus_is_where_most_scenarios_are_sharp() -> None:
+    """Of those every 3 cm none serves in many more; that of central numbers, where a near end is sharp to the last
+    digit, in fewer: a lens that stands too near has depth to spare, one that stands too far has none.
+    """
+    sought, f_number = over_a_band(1.2, beyond_band=0.25, focus=[0.97, 1.03]), 9.5
+    ours = at_focus(sought, None, f_number).held[0]
+    others = [at_focus(sought, distance_m, f_number).held[0] for distance_m in np.arange(1.9, 2.2, 0.03)]
+    assert 0.5 < max(others) <= ours + 0.02
+    central_m = water_m(sought, sought.outcome.best[0].settings[0]["dioptre_per_m"])
+    assert at_focus(sought, central_m, f_number).held[0] < ours - 0.04
+
+
+def test_the_scenarios_to_come_are_counted_at_the_focus_that_is_told() -> None:
+    """Half as far, none is sharp."""
+    sought = over_a_band(0.1, focus=[0.98, 1.02])
+    certain, objective = judged(sought, 0.9), sought.search.objective
+    focus_m = certain.best.outcomes.meant_m
+    assert focus_m is not None and certain.fresh is not None and certain.fresh.held >= 0.9
+    wrong = judged_anew(sought.problem, objective, certain, 0.5 * focus_m, NEVER)
+    assert wrong.fresh is not None and wrong.fresh.held == 0.0
+    _, design = as_settable(sought, certain, objective, NEVER)
+    assert focus_to_set_m(design) == pytest.approx(focus_m, abs=0.02)
 
 
 def test_what_is_missed_is_told_and_adds_up() -> None:
@@ -231,8 +318,8 @@ def test_settings_that_were_fixed_are_those_of_scenarios_to_come() -> None:
     """The same in fresh scenarios, where others would be better; and nothing else holds there."""
     sought = sought_of(one(wanted=FAST, light={"flux_lm": between(1.5e4, 3e4, 4e4)}), settings="fixed")
     sought.problem.mission = sought.problem.mission.with_changes(confidence=0.9)
-    certain = most_certain(sought, sought.search.objective, 0.9)
-    assert certain is not None and certain.fresh is not None and certain.best.settings
+    certain = judged(sought, 0.9)
+    assert certain.fresh is not None and certain.best.settings
     assert certain.fresh.settings == certain.best.settings
     assert 0.9 <= certain.best.held < 0.92 and certain.fresh.held == pytest.approx(certain.best.held, abs=0.006)
     record = told(sought.problem, sought.search.objective, certain, sought.outcome.best[0], ends=False)
@@ -260,8 +347,8 @@ def test_a_sure_camera_is_bought_where_the_other_holds_too_seldom(monkeypatch: p
     objective = sought.search.objective
     assert sought.problem.parts.cameras[sought.outcome.best[0].camera].id == "camera"
     share = 1.0 - (0.3 / (1.56 * 0.7) - 0.2) ** 2 / (0.4 * 0.2)
-    sure, unsure = most_certain(sought, objective, 0.97), most_certain(sought, objective, 0.5)
-    assert sure is not None and unsure is not None and sure.fresh is not None and unsure.fresh is not None
+    sure, unsure = judged(sought, 0.97), judged(sought, 0.5)
+    assert sure.fresh is not None and unsure.fresh is not None
     assert sought.problem.parts.cameras[sure.best.found.camera].id == "camera-0"
     assert sought.problem.parts.cameras[unsure.best.found.camera].id == "camera"
     assert sure.best.held == 1.0 and sure.enough

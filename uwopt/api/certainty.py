@@ -20,7 +20,7 @@ from uwopt.forward.problem import Problem
 from uwopt.mission.doubt import ENDS
 from uwopt.objectives.objective import Objective
 from uwopt.results.certainty import Confidence
-from uwopt.results.design import Design, Note
+from uwopt.results.design import FARTHEST_M, Design, Note
 from uwopt.solvers.confidence.counted import Counted, rank
 from uwopt.solvers.confidence.fixed import SceneSetting
 from uwopt.solvers.confidence.search import (
@@ -28,9 +28,9 @@ from uwopt.solvers.confidence.search import (
     at_its_stop,
     check_fixed,
     has_room,
+    judged_anew,
     most_certain,
     scenarios_of,
-    with_stop,
 )
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.lightings import Lighting
@@ -75,6 +75,8 @@ def with_confidence(
         return sought, replace(winner, warnings=[note, *winner.warnings]), None, False
     with timed(timing, "certainty", progress):
         certain, design = as_settable(sought, certain, goal, deadline)
+        if asked != ENDS:
+            certain = judged_anew(problem, goal, certain, focus_to_set_m(design), patience)
         counted = told(problem, goal, certain, first, ends=asked == ENDS)
     found = certain.central
     if not counted.enough:
@@ -138,11 +140,18 @@ def as_settable(sought: Sought, certain: Certain, goal: Objective, deadline: Dea
             continue
         at = problem if one.f_number is None else problem.at_f_number(one.f_number)
         design = design_of(replace(sought, problem=at), found, goal, deadline=deadline)
-        chosen = certain if one is certain.best else with_stop(problem, goal, certain, one, found, deadline)
+        chosen = certain if one is certain.best else replace(certain, best=one, central=found)
         tried.append((chosen, design))
         if design.is_settable:
             return chosen, design
     return tried[0]
+
+
+def focus_to_set_m(design: Design) -> float:
+    """Where the lens is focused in the first scene's water, as that is typed in."""
+    first = design.scenes[0]
+    distance_m = (first.settings_to_set or first.settings).get("focus_distance_m")
+    return FARTHEST_M if distance_m is None else distance_m
 
 
 def stops_that_hold(certain: Certain) -> Iterator[Counted]:
@@ -158,13 +167,13 @@ def stops_that_hold(certain: Certain) -> Iterator[Counted]:
 
 
 def confidence_of(
-    problem: Problem, hardware: Hardware, goal: Objective, asked: float | str, given: SceneSettings, design: Design,
-    deadline: Deadline = NEVER,
+    problem: Problem, hardware: Hardware, goal: Objective, asked: float | str, given: SceneSettings,
+    design: Design | None, deadline: Deadline = NEVER,
 ) -> Confidence:  # fmt: skip
     """In how many scenarios a given system holds, its iris where it stands and all else set once the water is seen.
 
-    given : of the first scene; its lens is focused where that says. With the design's own settings where the mission
-        has them fixed before.
+    given : of the first scene
+    design : its lens is focused so, and all else set so where the mission has that fixed before; None: as is best
     """
     from uwopt.solvers.confidence.deciding import decided_by
     from uwopt.solvers.confidence.outcomes import outcomes
@@ -179,9 +188,9 @@ def confidence_of(
         cost=math.nan, mass_kg=math.nan, snr_db=math.nan, settings=[], pulse_s=0.0,
     )  # fmt: skip
     fixed = problem.mission.doubt.settings == "fixed"
-    problem = problem.focused_on(given.focus_distance_m)
+    problem = problem if design is None else problem.focused_on(focus_to_set_m(design))
     stops = None if given.f_number is None else [given.f_number]
-    own = as_given(problem, hardware, design) if fixed else None
+    own = as_given(problem, hardware, design) if fixed and design is not None else None
     made = outcomes(problem, found, goal, scenarios, deadline, f_numbers=stops, given=own)
     share = 1.0 if asked == ENDS else float(asked)
     seen = Counted(found, made, made.best(share))

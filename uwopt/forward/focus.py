@@ -45,11 +45,16 @@ def common_dioptre(scenes: Sequence[SceneOptics], maps: Sequence[port.FocusMap],
     altitude of its one scene.
     """
     count = len(seen[0].tan_along)
-    at_nominal = scenes[0].view.requirements.min_dof_m is None and not held_at_corner(scenes[0])
-    if len(scenes) == 1 and (scenes[0].paper or at_nominal):
+    if is_at_nominal(scenes):
         at_altitude = port.lens_dioptre_per_m(scenes[0].range_m[scenes[0].nominal], focus_map=maps[0])
         return np.full(count, float(at_altitude))
     return middle_focus(sharp_intervals(scenes, maps, seen), [view.coc_m for view in seen])
+
+
+def is_at_nominal(scenes: Sequence[SceneOptics]) -> bool:
+    """Whether the nominal altitude alone must be sharp, so that the focus lies there."""
+    needs = scenes[0].view.requirements
+    return len(scenes) == 1 and (scenes[0].paper or (needs.min_dof_m is None and not held_at_corner(scenes[0])))
 
 
 def default_dioptres_per_m(

@@ -6,7 +6,7 @@ the estimates (central, good, bad). A design is a row of indices into these tabl
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -93,6 +93,8 @@ def estimated(mission: Mission, parts: Parts) -> Parts:
     return parts
 
 
+#: Distances in water at which lenses are meant to be focused, from places of cameras and lenses, pair by pair.
+MeantFocus = Callable[[Array, Array], Array]
 #: Columns of ports that views and light depend on.
 PORT_OPTICS = (
     "is_dome", "outer_radius_m", "thickness_m", "refractive_index", "gap_m", "clear_radius_m"
@@ -128,7 +130,7 @@ class Problem:
         fixed = mission.fixed
         self.f_number = fixed.f_number  # at which every iris stands; None: where it is best
         self.focus_shares: Array | None = None  # of the distance meant at which lenses stand; see `focused_at`
-        self.focus_distance_m: float | None = None  # in water, that lenses are meant to be at; None: where it is best
+        self.meant_m: MeantFocus | float | None = None  # in water, of lenses, or by pair; None: where it is best
         self.effects = PAPER if paper else effects
         self.owned_lights = owned_lights or {}
         self.count_range = counts or light_counts(mission)
@@ -213,10 +215,13 @@ class Problem:
         changed.focus_shares, changed.known_models = np.atleast_2d(shares), {}
         return changed
 
-    def focused_on(self, distance_m: float | None) -> Problem:
-        """The same problem with lenses meant to be focused at a distance in the first scene's water; None: at best."""
+    def focused_on(self, distance_m: MeantFocus | float | None) -> Problem:
+        """The same problem with lenses meant to be focused at a distance in the first scene's water; None: at best.
+
+        One for all, or from places of cameras and lenses, pair by pair.
+        """
         changed = copy(self)
-        changed.focus_distance_m, changed.known_models = distance_m, {}
+        changed.meant_m, changed.known_models = distance_m, {}
         return changed
 
     def at_f_number(self, f_number: float) -> Problem:

@@ -1,8 +1,8 @@
 """How one hardware does in each scenario: whether settings meet every requirement, and the best objective with them.
 
 Hardware is bought now. Exposure, gain and light level are set once the water is seen, or fixed before (`fixed`); the
-f-number of a lens behind a sealed port is not, so that each stop of its ring is tried in all scenarios. Focus is set to
-the parts as they come, as well as it can be.
+f-number of a lens behind a sealed port is not, so that each stop of its ring is tried in all scenarios. Its focus is
+one distance in all of them (`aims`).
 """
 
 from __future__ import annotations
@@ -52,6 +52,7 @@ class Outcomes:
     lost: dict[str, int]
     short: list[dict[str, int]] = field(default_factory=list)
     fixed: list[Settings] = field(default_factory=list)  # by stop, where settings are fixed before the water is seen
+    meant_m: float | None = None  # where the lens is focused in the first scene; None: where each scenario wants it
 
     def missed(self, stop: int) -> dict[str, int]:
         """What is missed first in how many scenarios at one stop, the most frequent first."""
@@ -110,20 +111,21 @@ def outcomes_where(
 ) -> dict[int, Outcomes]:  # fmt: skip
     """The outcomes, at every stop that any scenario allows, of hardware that is wanted even with its iris free.
 
-    The iris then stands in each scenario where it is best, which no stop of a ring betters.
+    The iris and the focus then stand in each scenario where they are best, which nothing betters that is set before.
     """
     made: dict[int, Outcomes] = {}
     for places in groups_of(found):
         deadline.check()
-        group = Together.of(base, [found[k] for k in places], scenarios)
+        group = Together.of(base, [found[k] for k in places], scenarios, in_focus=True)
         free = [marks_of(base, group, hardware, [np.nan]) for hardware in range(len(places))]
         if not any(free):
             continue
         rows = group.rows(objective, deadline)
         may = [wanted(one) for one in outcomes_together(group, objective, rows, free)]
-        marks = [marks_of(base, group, h, None, every=True) if own else [] for h, own in enumerate(may)]
-        every = outcomes_together(group, objective, rows, marks)
-        made |= {place: one for place, one, own in zip(places, every, may, strict=True) if own}
+        some = [place for place, own in zip(places, may, strict=True) if own]
+        if some:
+            every = outcomes_of_each(base, [found[k] for k in some], objective, scenarios, deadline, every_stop=True)
+            made |= zip(some, every, strict=True)
     return made
 
 
@@ -145,7 +147,9 @@ def outcomes_together(
 ) -> list[Outcomes]:  # fmt: skip
     """How each of a group does with its iris at these marks; `given`: with these settings, where they are fixed."""
     count = group.scenarios.count
-    made = [Outcomes(np.array([np.nan]), np.full((1, count), np.inf), lost) for lost in group.lost]
+    meant_m = [None if np.isnan(own) else float(own) for own in group.meant_m]
+    nowhere = np.array([np.nan]), np.full((1, count), np.inf)
+    made = [Outcomes(*nowhere, lost, meant_m=own) for lost, own in zip(group.lost, meant_m, strict=True)]
     if not any(marks):
         return made
     imager = [np.tile(np.flatnonzero(group.hardware == h), len(own)) for h, own in enumerate(marks)]
@@ -168,7 +172,7 @@ def outcomes_together(
             filled = np.full((len(own), count), np.inf)
             filled[:, group.scenario[imager[h][: value.shape[1]]]] = value
             short = [{name: n for name, n in Counter(row.tolist()).items() if name} for row in first]
-            made[h] = Outcomes(np.array(own), filled, group.lost[h], short, fixed[h])
+            made[h] = Outcomes(np.array(own), filled, group.lost[h], short, fixed[h], meant_m[h])
     return made
 
 

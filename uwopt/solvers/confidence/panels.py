@@ -11,8 +11,9 @@ what a camera draws, costs or weighs is at a quantile of its own, as adverse as 
 light that is brighter than in a scenario must not be too bright: exposures may be as short as is wanted there, the iris
 as far closed or flashes as faint, and colours as unlike.
 
-Lenses stand where they are meant to, and the vehicle keeps within the narrowest band of the scenarios. That no focus
-serves better is argued, not proven: of sharpness at a corner, or of several scenes with a motorised lens, another may.
+Lenses stand where they ask for the least f-number, in bounds where they do in each scenario, and the vehicle keeps
+within the narrowest band. That no focus serves better is argued, not proven: one farther off takes in a little more
+light, and of several scenes with a motorised lens another may serve.
 """
 
 from __future__ import annotations

@@ -33,7 +33,7 @@ def may_be_better(
     lost, worse = least_covered(scenarios.count, share), least_covered(scenarios.count, 0.5)
     rule, left = partial(passes, ceiling=ceiling, lost_at_most=lost, worse_at_most=worse), np.ones(len(found), bool)
     for places in groups_of(found):
-        group = Together.of(base, [found[k] for k in places], scenarios)
+        group = Together.of(base, [found[k] for k in places], scenarios, in_focus=True)
         left[places] = rule(bounds_of(group, objective, anchors, deadline, rule))
     return left
 

@@ -46,7 +46,7 @@ FRESH_SEED = 1_000_003
 
 @dataclass(frozen=True)
 class Certain:
-    """What was found: the best, all that was counted, and the best on scenarios that the choice has not seen."""
+    """What was found: the best and all that was counted; as it is set, in scenarios that the choice has not seen."""
 
     asked: float
     scenarios: Scenarios
@@ -114,8 +114,7 @@ def most_certain(
     best, central = first_that_fits(problem, objective, sorted(tried, key=lambda one: rank(one, share)))
     if best is None or central is None:
         return None
-    certain = Certain(share, scenarios, best, central, tried, complete, proof=proof)
-    return certain if asked == ENDS else judged_anew(problem, objective, certain, deadline)
+    return Certain(share, scenarios, best, central, tried, complete, proof=proof)
 
 
 def has_room(problem: Problem, objective: Objective, asked: float | str, deadline: Deadline) -> bool:
@@ -193,18 +192,14 @@ def candidates(
                 waiting = []
 
 
-def judged_anew(problem: Problem, objective: Objective, certain: Certain, deadline: Deadline) -> Certain:
-    """With what it does in scenarios that the choice has not seen."""
-    fresh = deadline.within("scenarios that the choice has not seen", lambda: anew(problem, objective, certain), None)
-    return replace(certain, fresh=fresh)
-
-
-def with_stop(
-    problem: Problem, objective: Objective, certain: Certain, one: Counted, central: Found, deadline: Deadline
+def judged_anew(
+    problem: Problem, objective: Objective, certain: Certain, focus_m: float, deadline: Deadline
 ) -> Certain:
-    """The same choice with its hardware at another stop."""
-    made = replace(certain, best=one, central=central)
-    return made if certain.fresh is None else judged_anew(problem, objective, made, deadline)
+    """With what it does in scenarios that the choice has not seen, its lens focused where that is told."""
+    fresh = deadline.within(
+        "scenarios that the choice has not seen", lambda: anew(problem.focused_on(focus_m), objective, certain), None
+    )
+    return replace(certain, fresh=fresh)
 
 
 def anew(problem: Problem, objective: Objective, certain: Certain) -> Counted:
@@ -217,8 +212,8 @@ def anew(problem: Problem, objective: Objective, certain: Certain) -> Counted:
 
 
 def at_its_stop(problem: Problem, objective: Objective, one: Counted, deadline: Deadline = NEVER) -> Found | None:
-    """The same hardware by central numbers, with the iris where scenarios want it; None where nothing fits."""
-    alone = problem_of(problem, one.found)
+    """The same hardware by central numbers, iris and focus where scenarios want them; None where nothing fits."""
+    alone = problem_of(problem, one.found).focused_on(one.outcomes.meant_m)
     if one.f_number is not None:
         alone = alone.at_f_number(one.f_number)
     imagers = imagers_of(alone, one.found.landscape)

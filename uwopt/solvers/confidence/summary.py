@@ -80,7 +80,7 @@ def argued(problem: Problem) -> Iterator[str]:
     if any(scene.pixels is not None for scene in problem.scenes):
         yield "which pixel decides whether the SNR is reached"
     if high > low:
-        yield "that no focus serves better than the one that is meant"
+        yield "that no focus serves better than the sharpest"
 
 
 def counted(

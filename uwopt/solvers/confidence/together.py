@@ -18,16 +18,17 @@ from numpy.typing import NDArray
 from uwopt.catalog.records import Part
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.part_columns import FLASH
-from uwopt.forward.problem import Parts, Problem
+from uwopt.forward.problem import MeantFocus, Parts, Problem
 from uwopt.forward.scene import DESIGN_WAVELENGTH_NM, SceneOptics
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.forward.sharpness import SharpRows
 from uwopt.forward.spectra import TINY
 from uwopt.objectives.objective import Objective
+from uwopt.solvers.confidence.aims import meant_foci_m
 from uwopt.solvers.confidence.panels import CLOSED, SHORTER, Anchor, may_close
 from uwopt.solvers.confidence.response import LIT, VEILED, WaterResponse, of_deciding_pixels
 from uwopt.solvers.confidence.scenarios import Scenarios
-from uwopt.solvers.confidence.waters import may_leave_band, over_band
+from uwopt.solvers.confidence.waters import may_leave_band, over_band_of
 from uwopt.solvers.exact.candidates import Candidates
 from uwopt.solvers.exact.design_rows import NodeRows
 from uwopt.solvers.exact.imagers import IMAGER_RULES, Imagers, PortBlock, imagers_behind, joined
@@ -66,6 +67,7 @@ class Together:
         scenarios, the number of lamps and the place of their mount
     `lost` : by hardware, rules that no setting can mend, with how many scenarios each is the first to discard; empty
         where several views share a port
+    `meant_m` : by hardware, where its lens is meant to be focused in the first scene's water; nan: where it is best
     """
 
     problem: Problem
@@ -78,10 +80,14 @@ class Together:
     count: Array
     mount: Array
     lost: list[dict[str, int]]
+    meant_m: Array
 
     @staticmethod
-    def of(base: Problem, found: Sequence[Found], scenarios: Scenarios) -> Together:
-        """All states of the parts of hardware."""
+    def of(base: Problem, found: Sequence[Found], scenarios: Scenarios, *, in_focus: bool = False) -> Together:
+        """All states of the parts of hardware.
+
+        in_focus : as if each lens stood where it is best in each scenario, which no focus betters that is set before
+        """
         own = [dict(parts_of(base, one)) for one in found]
         cameras, lenses = (States.of([one[kind] for one in own], scenarios.each) for kind in ("camera", "lens"))
         ports = States.of([one["port"] for one in own], scenarios.ports)
@@ -93,21 +99,24 @@ class Together:
             paper=base.paper, owned_lights=base.owned_lights, counts=(int(counts.min()), int(counts.max())),
             mounts=mounts, scenes=base.scenes, effects=base.effects,
         )  # fmt: skip
-        shares = np.tile(scenarios.focus, len(cameras.parts) // scenarios.count)
-        problem = problem.focused_on(base.focus_distance_m).focused_at(shares)
+        meant_m = np.full(len(found), np.nan) if in_focus else meant_foci_m(base, found, scenarios)
+        if not in_focus:
+            problem = problem.focused_at(np.tile(scenarios.focus, len(cameras.parts) // scenarios.count))
         landscape = np.array([one.landscape for one in found], int)
-        views, view_of = np.unique(
-            np.stack([landscape, ports.begin, cameras.begin, lenses.begin], axis=1), axis=0, return_inverse=True
-        )
+        views, first, view_of = np.unique(
+            np.stack([landscape, ports.begin, cameras.begin, lenses.begin], axis=1), axis=0,
+            return_index=True, return_inverse=True,
+        )  # fmt: skip
         view_of = view_of.ravel()
         blocks: list[PortBlock] = []
         lost: list[dict[str, int]] = [{} for _ in views]
         for orientation, port in np.unique(views[:, :2], axis=0):
             mine = np.flatnonzero((views[:, 0] == orientation) & (views[:, 1] == port))
             discarded = dict.fromkeys(IMAGER_RULES, 0)
+            aimed = problem if in_focus else problem.focused_on(by_pair(views[mine], meant_m[first[mine]], scenarios))
             for state, band, which in different(scenarios, ports.parts, int(port)):
                 camera, lens = (np.add.outer(views[mine, k], which).ravel() for k in (2, 3))
-                seen = over_band_of(problem, band)
+                seen = over_band_of(aimed, band)
                 blocks += imagers_behind(seen, camera, lens, np.array([state]), bool(orientation), discarded, {})
             if len(mine) == 1:
                 lost[mine[0]] = dict(Counter({rule: n for rule, n in discarded.items() if n}).most_common())
@@ -118,7 +127,7 @@ class Together:
         mount = np.array([mounts.index(one.lighting.mount) for one in found])
         return Together(
             problem, scenarios, found, imagers, hardware, scenario, lights.begin[hardware] + scenario,
-            counts[hardware], mount[hardware], [lost[view] for view in view_of],
+            counts[hardware], mount[hardware], [lost[view] for view in view_of], meant_m,
         )  # fmt: skip
 
     def rows(self, objective: Objective, deadline: Deadline) -> list[SceneRows]:
@@ -270,6 +279,15 @@ def imagers_among(problem: Problem, found: Sequence[Found], landscape: bool) -> 
     return joined(problem, blocks, discarded, {})
 
 
+def by_pair(views: Array, meant_m: Array, scenarios: Scenarios) -> MeantFocus:
+    """Where lenses are meant to be focused, from places among the states of cameras and lenses behind one port."""
+    count = scenarios.count
+    camera, lens = views[:, 2] // count, views[:, 3] // count
+    table = np.full((int(camera.max()) + 1, int(lens.max()) + 1), np.nan)
+    table[camera, lens] = meant_m
+    return lambda cameras, lenses: table[cameras // count, lenses // count]
+
+
 def different(scenarios: Scenarios, parts: Sequence[Any], begin: int) -> list[tuple[int, float, Array]]:
     """The states of a port that differ, by their places, and of the band of altitudes, each with its scenarios."""
     states = [parts[begin + state] for state in range(int(scenarios.port.max()) + 1)]
@@ -282,11 +300,6 @@ def different(scenarios: Scenarios, parts: Sequence[Any], begin: int) -> list[tu
         if len(which):
             found.append((int(state), float(band), which))
     return found
-
-
-def over_band_of(problem: Problem, beyond: float) -> Problem:
-    """A problem whose vehicle leaves its band of altitudes so far in every scene."""
-    return problem.over_bands([over_band(scene, beyond) for scene in problem.scenes]) if beyond else problem
 
 
 def over_wider_band(rows: SceneRows, beyond: Array) -> SceneRows:

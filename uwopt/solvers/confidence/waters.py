@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from uwopt.catalog.curves.clarity import ClarityEnd
 from uwopt.catalog.curves.spectra import water_types
+from uwopt.forward.problem import Problem
 from uwopt.forward.scene import (
     LOST,
     LampLeg,
@@ -161,6 +162,11 @@ def over_band(scene: SceneOptics, beyond: float) -> SceneOptics:
     most = 0.5 * (1.0 + nominal / (nominal - float(scene.range_m[0])))
     asked = without_reserve(scene, "min_swath_m", "min_common_swath_m")
     return replace(asked, range_m=nominal + (scene.range_m - nominal) * min(1.0 + beyond, most), cache={})
+
+
+def over_band_of(problem: Problem, beyond: float) -> Problem:
+    """A problem whose vehicle leaves its band of altitudes so far in every scene."""
+    return problem.over_bands([over_band(scene, beyond) for scene in problem.scenes]) if beyond else problem
 
 
 def may_leave_band(scene: SceneOptics) -> bool:

@@ -270,10 +270,12 @@ def seen_behind(
         for scene, shape in zip(problem.scenes, shapes, strict=True)
     ]
     maps = [focus_map(scene, shape) for scene, shape in zip(problem.scenes, shapes, strict=True)]
-    if problem.focus_distance_m is None:
+    meant_m = problem.meant_m
+    if meant_m is None:
         dioptre = common_dioptre(problem.scenes, maps, seen)
     else:
-        dioptre = np.full(len(camera), float(lens_dioptre_per_m(problem.focus_distance_m, focus_map=maps[0])))
+        distance_m = meant_m(camera, lens) if callable(meant_m) else np.full(len(camera), meant_m)
+        dioptre = np.asarray(lens_dioptre_per_m(distance_m, focus_map=maps[0]))
     return seen, dioptre, needed_spacer_m(problem.lenses, dioptre, rows=lens)
 
 
