@@ -17,8 +17,9 @@ import os
 import sys
 import time
 from collections.abc import Iterator
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass, field
+from functools import partial
+from multiprocessing import get_context
 from pathlib import Path
 from statistics import median
 
@@ -265,14 +266,18 @@ def page(rows: list[Row], every: int) -> str:
     return "\n".join([HEAD + f"Asked of {len(rows)} of {every}. " + summary(rows), *table(rows), *after, ""])
 
 
-def made(waiting: list[Future[Row]]) -> Iterator[Row]:
+def made(asked: list[tuple[str, str]], jobs: int, *, tried: bool) -> Iterator[Row]:
     """Rows as they come, until a person wants no more."""
-    try:
-        for done in as_completed(waiting):
-            yield done.result()
-    except KeyboardInterrupt:
-        for other in waiting:
-            other.cancel()
+    with get_context("spawn").Pool(jobs, maxtasksperchild=8) as pool:
+        try:
+            yield from pool.imap_unordered(partial(explained_one, tried=tried), asked)
+        except KeyboardInterrupt:
+            pool.terminate()
+
+
+def explained_one(asked: tuple[str, str], *, tried: bool) -> Row:
+    """One mission and requirement of a list."""
+    return explained(*asked, tried)
 
 
 def main() -> None:
@@ -297,15 +302,14 @@ def main() -> None:
     if given.rows and given.rows.exists():
         lines = given.rows.read_text(encoding="utf-8").splitlines()
         known = {(row.mission, row.name): row for row in (Row(**json.loads(line)) for line in lines)}
-    with ProcessPoolExecutor(given.jobs, max_tasks_per_child=8) as pool:
-        waiting = [pool.submit(explained, *one, not given.untried) for one in asked if one not in known]
-        for row in made(waiting):
-            known[row.mission, row.name] = row
-            told = f"{row.mission} {row.name}: {row.status} {row.seconds:.1f} s {row.wrong}"
-            print(told, file=sys.stderr, flush=True)
-            if given.rows:
-                with given.rows.open("a", encoding="utf-8") as file:
-                    file.write(json.dumps(asdict(row)) + "\n")
+    new = [one for one in asked if one not in known]
+    for row in made(new, given.jobs, tried=not given.untried):
+        known[row.mission, row.name] = row
+        told = f"{row.mission} {row.name}: {row.status} {row.seconds:.1f} s {row.wrong}"
+        print(told, file=sys.stderr, flush=True)
+        if given.rows:
+            with given.rows.open("a", encoding="utf-8") as file:
+                file.write(json.dumps(asdict(row)) + "\n")
     text = page([known[one] for one in asked if one in known], every)
     if given.write:
         PAGE.write_text(text, encoding="utf-8")

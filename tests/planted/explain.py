@@ -11,6 +11,13 @@ PRICES, PRICED = "uwopt/solvers/explain/prices.py", "tests/solvers/test_prices.p
 
 DEFECTS = (
     Defect(
+        name="the best SNR of the mean is told as the least change of the darkest pixel's",
+        file="uwopt/solvers/explain/singles.py",
+        old='return name != "min_snr" or all(',
+        new='return True or all(',
+        test="tests/solvers/test_least_change.py::test_the_least_snr_is_that_of_the_pixel_that_is_asked_for",
+    ),
+    Defect(
         name="a figure that was reached is told with digits that nobody types",
         file="uwopt/solvers/explain/singles.py",
         old="            needed = rounded_away(needed, one.limit)\n",

@@ -10,6 +10,27 @@ ORDER = f"{TESTS}::test_missions_in_any_order_have_the_optima_of_their_own_searc
 
 DEFECTS = (
     Defect(
+        name="what is found refutes no proof made before",
+        file=SEARCHES,
+        old="if any(one.asks.asks_no_more(asks) and is_below",
+        new="if any(False and is_below",
+        test=f"{TESTS}::test_a_wrong_warm_start_is_caught[a few parts]",
+    ),
+    Defect(
+        name="a proof is held against nothing that was found before",
+        file=SEARCHES,
+        old="if asks.asks_no_more(stricter) and is_below(goal, reached, lower_bound):",
+        new="if asks == stricter and is_below(goal, reached, lower_bound):",
+        test=f"{TESTS}::test_a_wrong_proof_is_caught_by_what_was_shown_before",
+    ),
+    Defect(
+        name="a ceiling that nothing keeps below stays",
+        file=SEARCHES,
+        old="if not sought.outcome.best and sought.outcome.complete and math.isfinite(ceiling):",
+        new="if False:",
+        test=f"{TESTS}::test_a_ceiling_that_is_too_low_hides_nothing",
+    ),
+    Defect(
         name="what is found below a guess counts above it too",
         file=SEARCHES,
         old="if sought.outcome.complete and reached > most:",

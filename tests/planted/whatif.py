@@ -6,8 +6,37 @@ from planted.defect import Defect
 
 STRICTNESS = "uwopt/mission/strictness.py"
 TESTS = "tests/api/test_whatif.py"
+MAPS, DRAWN = "uwopt/report/pictures/system_maps.py", "tests/report/test_system_maps.py"
 
 DEFECTS = (
+    Defect(
+        name="a map's boundaries run halfway between its points",
+        file=MAPS,
+        old="return [(middle_of(switch), switch.second) for switch in inside]",
+        new="return [(0.5 * (low + high), switch.second) for switch in inside]",
+        test=f"{DRAWN}::test_a_straight_boundary_parts_a_cell_where_it_runs",
+    ),
+    Defect(
+        name="all boundaries of a cell meet in its middle",
+        file=MAPS,
+        old="    if any(len(places) != 2 for places in ends):\n",
+        new="    if ends:\n",
+        test=f"{DRAWN}::test_a_system_between_two_has_a_band_of_its_own",
+    ),
+    Defect(
+        name="a side met from its other end keeps its order of systems",
+        file=MAPS,
+        old="return [(place, before[n]) for n",
+        new="return [(place, rising[n][1]) for n",
+        test=f"{DRAWN}::test_a_corner_alone_is_cut_off_by_its_own_switches[False]",
+    ),
+    Defect(
+        name="marks of the optimum have a colour of their own",
+        file="uwopt/report/pictures/whatif_plots.py",
+        old="[colour_of(p.system) for p in own]",
+        new="[COLOURS[number] for p in own]",
+        test=f"{DRAWN}::test_a_system_has_one_colour_in_all_plots_of_a_table",
+    ),
     Defect(
         name="what does not hold as often as asked wins all the same",
         file="uwopt/api/certain_points.py",

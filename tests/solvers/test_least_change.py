@@ -32,7 +32,8 @@ FILES = {
     "lenses": "id,focal_length_mm,f_number_min,f_number_max,aperture_control,image_circle_mm,mounts,"
     "transmission_frac,min_object_distance_m,mass_g,price,currency\n"
     "zz-lens,12,1.4,16,manual,16,C,0.9,0.1,100,300,USD\n"
-    "zz-wide,8,4,16,manual,16,C,0.9,0.1,100,300,USD\n",
+    "zz-wide,8,4,16,manual,16,C,0.9,0.1,100,300,USD\n"
+    "zz-corner,5,1.2,16,manual,16,C,0.9,0.1,100,300,USD\n",
     "ports": "id,geometry,refractive_index,thickness_mm,gap_mm,clear_diameter_mm,depth_rating_m,mass_g,price,currency\n"
     "zz-port,flat,1.49,10,0,200,300,500,200,USD\n"
     "zz-deep,flat,1.49,20,0,200,500,2500,900,USD\n",
@@ -125,6 +126,22 @@ def test_best_figure_said_to_be_possible_can_be_typed_and_is_enough(parts, catal
     possible = told(mission(parts, **{key: asked}), catalog)[name]
     assert possible == float(f"{possible:.3g}")
     assert fits(mission(parts, **{key: possible}), catalog)
+
+
+def test_the_least_snr_is_that_of_the_pixel_that_is_asked_for(parts, catalog):
+    """The lens with the better mean has darker corners: it is not the one that comes nearest."""
+
+    def survey(lenses: tuple[str, ...], snr_db: float, **asked: Any) -> Mission:
+        wanted = mission(parts, lenses, min_snr_db=snr_db, max_blur_px=0.5, **asked)
+        return wanted.with_changes(physics="full")
+
+    both, darkest = ("zz-lens", "zz-corner"), {"snr_at": "worst_px"}
+    possible = told(survey(both, 40.0, **darkest), catalog)["min_snr"]
+    assert fits(survey(both, possible, **darkest), catalog)
+    assert not fits(survey(both, possible + 0.03 * (40.0 - possible), **darkest), catalog)
+    assert not fits(survey(("zz-corner",), possible, **darkest), catalog)
+    best_of_mean = told(survey(both, 40.0), catalog)["min_snr"]
+    assert not fits(survey(("zz-lens",), best_of_mean), catalog)
 
 
 def test_least_change_of_swath_takes_the_wider_lens_though_the_other_needs_less_power(parts, catalog):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from thorough import drawn
 
 from uwopt.api.solving import searched
 from uwopt.deadline import NEVER
+from uwopt.errors import SolverError
 from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.mission.strictness import Asking, sign_of
@@ -20,7 +22,7 @@ from uwopt.model.fineness import DEFAULT
 from uwopt.objectives.goal import goal_of
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.warm import searches
-from uwopt.solvers.warm.kept import KeptBounds
+from uwopt.solvers.warm.kept import KeptBounds, sizes
 from uwopt.solvers.warm.searches import Warm, WarmAnswer, weakest_first
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
@@ -217,3 +219,57 @@ def test_sizes_of_housings_are_not_compared_where_one_stands_for_others():
     for section, name in (("limits", "size_mm"), ("limits", "depth_rating_m")):
         assert sign_of(bare, section, name) != 0
         assert sign_of(housed, section, name) == 0
+
+
+def hidden(parts: Any) -> Any:
+    """`KeptBounds.of` that leaves out the nodes of one camera, as wrong bounds would."""
+    made = KeptBounds.of
+
+    def wrong(search: Search, *more: Any) -> KeptBounds:
+        kept = made(search, *more)
+        camera = np.unravel_index(kept.node // len(search.problem.optics), sizes(search.problem))[0]
+        known = np.array([part.id in parts["camera"] for part in search.problem.parts.cameras])
+        return replace(kept, node=kept.node[~known[camera]], least=kept.least[~known[camera]])
+
+    return staticmethod(wrong)
+
+
+@pytest.mark.parametrize("shown_by", ["a few parts", "a search of its own"])
+def test_a_wrong_warm_start_is_caught(monkeypatch, shown_by):
+    """Bounds hide the best camera at 0.8 m/s: what is proven there is refuted by that camera, there or at 0.81 m/s."""
+    missions = [varied(reef(), speed_m_s=speed) for speed in (0.3, 0.8, 0.81)]
+    at_best = Warm()
+    at_best.best(missions[2])
+    winner = at_best.winners[0]
+    warm = Warm()
+    monkeypatch.setattr(KeptBounds, "of", hidden(winner))
+    warm.best(missions[0])
+    worse = warm.best(missions[1])
+    assert worse.kept and worse.found is not None  # proven, it says
+    with pytest.raises(SolverError, match="defect of uwopt"):
+        if shown_by == "a few parts":
+            warm.among(missions[1], winner)
+        else:
+            monkeypatch.setattr(warm, "_warm", lambda *more: None)
+            warm.best(missions[2])
+
+
+def test_a_wrong_proof_is_caught_by_what_was_shown_before(monkeypatch):
+    """The same camera was seen at 0.81 m/s first; then nothing as good is proven at 0.8."""
+    missions = [varied(reef(), speed_m_s=speed) for speed in (0.3, 0.8, 0.81)]
+    at_best = Warm()
+    at_best.best(missions[2])
+    winner, warm = at_best.winners[0], Warm()
+    monkeypatch.setattr(KeptBounds, "of", hidden(winner))
+    warm.best(missions[0])
+    warm.among(missions[2], winner)
+    with pytest.raises(SolverError, match="defect of uwopt"):
+        warm.best(missions[1])
+
+
+def test_a_ceiling_that_is_too_low_hides_nothing(monkeypatch):
+    """What the last winners are thought to reach in other water is only where to begin."""
+    warm, murky = Warm(), varied(reef(), speed_m_s=0.5, water="IB")
+    warm.best(varied(reef(), speed_m_s=0.5))
+    monkeypatch.setattr(warm, "_reached", lambda stage: 0.5)
+    agree(warm, murky)

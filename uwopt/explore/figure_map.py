@@ -8,7 +8,7 @@ from uwopt.api.mapping import FigureMap
 from uwopt.quantities import BY_NAME
 from uwopt.report.pictures.design_pictures import Picture
 from uwopt.report.pictures.plots import Plot, axis, heat, layout, numbers
-from uwopt.report.pictures.whatif_plots import markup_free
+from uwopt.report.pictures.system_maps import markup_free
 from uwopt.report.text import formats
 from uwopt.units import symbol
 

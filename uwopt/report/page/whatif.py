@@ -13,10 +13,21 @@ from uwopt.report.text.whatif_tables import opening, whatif_blocks
 from uwopt.results.whatif import WhatIf
 
 PICTURES = {
-    "optimum": ("The optimum", "Diamonds: another system takes over. A gap: nothing fits."),
-    "map": ("Which system wins where", "Each colour is a system; lines are where one takes over from another."),
+    "optimum": (
+        "The optimum",
+        "Marks have the colours of the systems. Diamonds: another system takes over. Where a line ends nothing fits.",
+    ),
+    "map": (
+        "Which system wins where",
+        "A colour and a number each, as in the table of systems; grey: nothing fits. Where one takes over is solved "
+        "to a hundredth of a step on the lines through the points, and drawn straight between them.",
+    ),
     "values": ("The optimum", "Of the system that wins there."),
-    "spider": ("Each quantity alone", "All others as the mission has them; the steepest line moves the optimum most."),
+    "spider": (
+        "Each quantity alone",
+        "All others as the mission has them; the steepest moves the optimum most. Open marks: another system wins. "
+        "Where a line ends nothing fits.",
+    ),
 }
 MARKS = {"complete": "good", "stopped": "warn", "interrupted": "warn"}
 

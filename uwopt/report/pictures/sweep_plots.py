@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from uwopt.report.pictures.plots import BLUE, VERMILLION, Plot, axis, layout
-from uwopt.report.pictures.whatif_plots import markup_free
+from uwopt.report.pictures.system_maps import markup_free
 from uwopt.report.text import formats
 from uwopt.results.sweep import SweepSummary
 

@@ -1,6 +1,6 @@
 """Plots of a table over varied keys: the optimum with its switch points, the map of systems, the spider.
 
-Plain Plotly figures as in `plots`; systems have one colour each in all of them.
+Plain Plotly figures as in `plots`. Where systems are told by colour, it is that of the map of systems.
 """
 
 from __future__ import annotations
@@ -9,47 +9,47 @@ import itertools
 from collections.abc import Sequence
 from typing import Any
 
-from uwopt.report.pictures.plots import (
-    BLUE,
-    DASHES,
-    GREEN,
-    GREY,
-    PURPLE,
-    VERMILLION,
-    Plot,
-    axis,
-    layout,
-    numbers,
+from uwopt.report.pictures.plots import DASHES, GREY, Plot, axis, layout, numbers
+from uwopt.report.pictures.system_maps import (
+    COLOURS,
+    YELLOW,
+    colour_of,
+    grid_of,
+    hover,
+    is_numeric,
+    markup_free,
+    middle_of,
+    switches_at,
+    system_map,
+    titled,
 )
 from uwopt.report.text import formats
-from uwopt.report.text.whatif_tables import change_text, short_system, spread, value_text
-from uwopt.results.whatif import KeyValue, Switch, WhatIf, WhatIfPoint
+from uwopt.report.text.whatif_tables import change_text, spread, value_text
+from uwopt.results.whatif import KeyValue, SpiderLine, Switch, WhatIf, WhatIfPoint
 from uwopt.units import symbol
 
-COLOURS = (BLUE, VERMILLION, GREEN, "#e69f00", PURPLE, "#56b4e9", "#b2912f", "#4d4d4d", "#f15854", "#decf3f", "#60bd68")
-NOTHING = "rgba(128,128,128,0.25)"  # where nothing fits
 SYMBOLS = ("circle", "square", "diamond", "cross", "triangle-up", "x", "star")
+LINES = ("solid", *(dash for dash in DASHES if dash != "solid"))
+DARK_COLOURS = tuple(colour for colour in COLOURS if colour != YELLOW)  # a yellow line is hardly seen on white
+APART = 0.06  # of an axis: labels that are closer hide each other
+MOVES = 1e-3  # of the optimum: what moves it less is drawn with all that moves nothing
 
 
 def whatif_figures(table: WhatIf) -> dict[str, Plot]:
     """All plots of a table by name."""
     made: dict[str, Plot] = {}
     if table.points:
-        numeric = [key for key in table.keys if all(isinstance(value, (int, float)) for value in key.values)]
-        if len(table.keys) == 2 and len(numeric) != 1:
-            made["map"] = map_plot(table)
-            made["values"] = value_map(table)
-        else:
+        over_two = len(table.keys) == 2 and is_numeric(table, 0) == is_numeric(table, 1)
+        if not over_two:
             made["optimum"] = line_plot(table)
+        drawn = system_map(table)
+        if drawn is not None:
+            made["map"] = drawn
+        if over_two:
+            made["values"] = value_map(table)
     if table.spider:
         made["spider"] = spider_plot(table)
     return made
-
-
-def titled(table: WhatIf, index: int) -> str:
-    """A key with its unit."""
-    key = table.keys[index]
-    return formats.one_line(key.key, 40) + (f" [{symbol(key.unit)}]" if key.unit else "")
 
 
 def goal_title(table: WhatIf) -> str:
@@ -58,69 +58,83 @@ def goal_title(table: WhatIf) -> str:
     return formats.one_line(table.objective.name, 60) + unit
 
 
-def colour_of(system: int | None) -> str:
-    """A system's colour."""
-    return NOTHING if system is None else COLOURS[system % len(COLOURS)]
-
-
-def hover(table: WhatIf, point: WhatIfPoint) -> str:
-    """What a point says of itself."""
-    if point.system is None:
-        return "nothing fits" if point.status == "infeasible" else "not known"
-    parts = formats.one_line(table.systems[point.system].parts, 200)
-    return f"{point.system + 1}: {markup_free(parts)}"
-
-
-def markup_free(text: str) -> str:
-    """Text in which Plotly finds no markup."""
-    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
-
-
 # ---------------------------------------------------------------- one numeric key
 
 
 def line_plot(table: WhatIf) -> Plot:
-    """The optimum over the numeric key, a line for each value of the other; diamonds are switches."""
-    along = next((n for n, key in enumerate(table.keys) if not isinstance(key.values[0], str)), 0)
+    """The optimum over the numeric key, a line for each value of the other; diamonds are switches.
+
+    Lines differ in their dashes and are named at their ends; marks have the colours of the systems.
+    """
+    along = next((n for n in range(len(table.keys)) if is_numeric(table, n)), 0)
     other = 1 - along if len(table.keys) == 2 else None
     values: list[KeyValue | None] = [None] if other is None else list(table.keys[other].values)
     data: list[dict[str, Any]] = []
     for number, value in enumerate(values):
         own = [p for p in table.points if other is None or p.values[other] == value]
-        if not isinstance(table.keys[along].values[0], str):
+        if is_numeric(table, along):
             own.sort(key=lambda p: float(p.values[along]))
         name = "optimum" if value is None or other is None else (
             f"{formats.one_line(table.keys[other].key, 30)} {value_text(value, table.keys[other].unit)}"
         )  # fmt: skip
         data.append({
-            "type": "scatter", "mode": "lines+markers", "name": markup_free(name),
+            "type": "scatter", "mode": "lines+markers", "name": markup_free(name), "showlegend": False,
             "x": [p.values[along] for p in own], "y": [p.objective for p in own],
-            "line": {"color": COLOURS[number % len(COLOURS)], "width": 2, "dash": DASHES[(number + 2) % len(DASHES)]},
-            "marker": {"size": 5}, "text": [hover(table, p) for p in own], "hovertemplate": "%{x}: %{y}<br>%{text}",
-            "connectgaps": False,
+            "line": {"color": GREY, "width": 2, "dash": LINES[number % len(LINES)]},
+            "marker": {
+                "size": 7, "color": [colour_of(p.system) for p in own], "line": {"color": GREY, "width": 0.5}
+            },
+            "text": [hover(table, p) for p in own], "hovertemplate": "%{x}: %{y}<br>%{text}", "connectgaps": False,
         })  # fmt: skip
-        data.append(switch_marks(table, along, value, own, COLOURS[number % len(COLOURS)], first=number == 0))
+        marks = switch_marks(table, along, value, own, first=number == 0) if is_numeric(table, along) else None
+        if marks is not None:
+            data.append(marks)
+        if value is not None:
+            data.append(end_name(own, along, markup_free(name), marks["x"][-1:] if marks else []))
     return {
         "data": [trace for trace in data if trace["x"]],
         "layout": layout(
             height=460, xaxis=axis(titled(table, along)), yaxis=axis(goal_title(table), rangemode="tozero"),
-        ),
+        ) | {"margin": {"l": 64, "r": 16 if other is None else 110, "t": 16, "b": 52}},
+    }  # fmt: skip
+
+
+def end_name(points: Sequence[WhatIfPoint], along: int, name: str, mark: Sequence[float]) -> dict[str, Any]:
+    """A line's name at its last point at which something fits, or at its last mark where that is farther."""
+    last = [point for point in points if point.objective is not None][-1:]
+    at = [max(p.values[along], *mark) if mark else p.values[along] for p in last]
+    return {
+        "type": "scatter", "mode": "text", "x": at, "y": [p.objective for p in last],
+        "text": [f"   {name}"] * len(last), "textposition": "middle right", "showlegend": False, "hoverinfo": "skip",
+        "cliponaxis": False,
     }  # fmt: skip
 
 
 def switch_marks(
-    table: WhatIf, along: int, other: KeyValue | None, points: Sequence[WhatIfPoint], colour: str, *, first: bool
+    table: WhatIf, along: int, other: KeyValue | None, points: Sequence[WhatIfPoint], *, first: bool
 ) -> dict[str, Any]:
-    """Diamonds on one line where the system changes."""
-    mine = [s for s in table.switches if s.key == table.keys[along].key and (other is None or other in s.others)]
-    places = [(0.5 * (s.low + s.high), between(points, along, 0.5 * (s.low + s.high)), s) for s in mine]
+    """Diamonds on one line where the system changes, with the numbers of both where there is room."""
+    mine = sorted(switches_at(table, along, other), key=middle_of)
+    places = [(middle_of(s), between(points, along, middle_of(s)), s) for s in mine]
     known = [place for place in places if place[1] is not None]
+    values = [float(value) for value in table.keys[along].values]
+    room, last, said = APART * (max(values) - min(values)), float("-inf"), list[str]()
+    for x, _, switch in known:
+        said.append(f"{number_of(switch.first)} → {number_of(switch.second)}" if x - last >= room else "")
+        last = x if said[-1] else last
     return {
-        "type": "scatter", "mode": "markers", "name": "another system", "legendgroup": "switch", "showlegend": first,
-        "x": numbers([x for x, _, _ in known]), "y": numbers([y for _, y, _ in known]),
-        "marker": {"symbol": "diamond-open", "size": 11, "color": colour, "line": {"width": 2}},
-        "text": [switch_hover(table, switch) for _, _, switch in known], "hovertemplate": "%{x}<br>%{text}",
+        "type": "scatter", "mode": "markers+text", "name": "another system takes over", "legendgroup": "switch",
+        "showlegend": first, "x": numbers([x for x, _, _ in known]), "y": numbers([y for _, y, _ in known]),
+        "marker": {"symbol": "diamond-open", "size": 13, "color": GREY, "line": {"width": 2}},
+        "text": said, "textposition": "top center", "textfont": {"size": 11},
+        "hovertext": [switch_hover(table, switch) for _, _, switch in known],
+        "hovertemplate": "%{x}<br>%{hovertext}<extra></extra>",
     }  # fmt: skip
+
+
+def number_of(system: int | None) -> str:
+    """As the table of systems counts."""
+    return "–" if system is None else str(system + 1)
 
 
 def switch_hover(table: WhatIf, switch: Switch) -> str:
@@ -142,81 +156,7 @@ def between(points: Sequence[WhatIfPoint], along: int, x: float) -> float | None
     return None
 
 
-# ---------------------------------------------------------------- maps
-
-
-def grid_of(table: WhatIf) -> tuple[list[KeyValue], list[KeyValue], dict[tuple[KeyValue, ...], WhatIfPoint]]:
-    """Values along both axes, rising where they are numbers, and the points by their values."""
-    axes = [
-        sorted(key.values, key=float) if not any(isinstance(v, str) for v in key.values) else list(key.values)
-        for key in table.keys
-    ]
-    return axes[0], axes[1], {tuple(point.values): point for point in table.points}
-
-
-def map_plot(table: WhatIf) -> Plot:
-    """Which system wins where: a colour each, and the boundaries between them as sharp as they were found."""
-    xs, ys, points = grid_of(table)
-    used = sorted({point.system for point in table.points if point.system is not None})
-    place = {system: n + 1 for n, system in enumerate(used)}
-    rows = [[points.get((x, y)) for x in xs] for y in ys]
-    many = len(used) + 1
-    steps = [NOTHING, *(colour_of(system) for system in used)]
-    scale = [[share, colour] for n, colour in enumerate(steps) for share in (n / many, (n + 1) / many)]
-    data: list[dict[str, Any]] = [{
-        "type": "heatmap", "x": list(xs), "y": list(ys), "zmin": 0, "zmax": many, "colorscale": scale,
-        "showscale": False, "opacity": 0.6, "xgap": 0, "ygap": 0,
-        "z": [[None if p is None else 0.5 + (0 if p.system is None else place[p.system]) for p in row] for row in rows],
-        "text": [["" if p is None else hover(table, p) for p in row] for row in rows],
-        "hovertemplate": "%{x}, %{y}<br>%{text}<extra></extra>",
-    }]  # fmt: skip
-    data += [named_square(markup_free(short_system(table.systems[one], one)), colour_of(one)) for one in used]
-    if any(point.system is None for point in table.points):
-        data.append(named_square("nothing fits", GREY))
-    data += boundary(table, xs, ys)
-    axes = {"xaxis": axis(titled(table, 0)), "yaxis": axis(titled(table, 1))}
-    below = {"orientation": "v", "x": 0, "y": -0.18, "yanchor": "top"}
-    return {"data": data, "layout": layout(height=560 + 22 * len(used), legend=below, **axes)}
-
-
-def named_square(name: str, colour: str) -> dict[str, Any]:
-    """A square in the legend."""
-    marker = {"symbol": "square", "size": 12, "color": colour}
-    return {"type": "scatter", "mode": "markers", "x": [None], "y": [None], "name": name, "marker": marker}
-
-
-def boundary(table: WhatIf, xs: Sequence[KeyValue], ys: Sequence[KeyValue]) -> list[dict[str, Any]]:
-    """Lines through the switches on the edges of each cell of the grid; none where an axis has no numbers."""
-    if any(isinstance(value, str) for value in (*xs, *ys)):
-        return []
-    on_x, on_y = dict[KeyValue, list[Switch]](), dict[KeyValue, list[Switch]]()
-    for switch in table.switches:
-        if switch.key == table.keys[0].key and switch.others[1] is not None:
-            on_x.setdefault(switch.others[1], []).append(switch)
-        elif switch.others[0] is not None:
-            on_y.setdefault(switch.others[0], []).append(switch)
-
-    def inside(found: Sequence[Switch], low: float, high: float) -> list[float]:
-        middles = [0.5 * (switch.low + switch.high) for switch in found]
-        return [middle for middle in middles if low <= middle <= high]
-
-    line_x: list[float | None] = []
-    line_y: list[float | None] = []
-    for x0, x1 in itertools.pairwise(map(float, xs)):
-        for y0, y1 in itertools.pairwise(map(float, ys)):
-            ends = [(x, y) for y in (y0, y1) for x in inside(on_x.get(y, ()), x0, x1)]
-            ends += [(x, y) for x in (x0, x1) for y in inside(on_y.get(x, ()), y0, y1)]
-            if len(ends) < 2:
-                continue
-            middle = (sum(x for x, _ in ends) / len(ends), sum(y for _, y in ends) / len(ends))
-            pairs = [(ends[0], ends[1])] if len(ends) == 2 else [(end, middle) for end in ends]
-            for a, b in pairs:
-                line_x += [a[0], b[0], None]
-                line_y += [a[1], b[1], None]
-    return [{
-        "type": "scatter", "mode": "lines", "name": "boundary", "x": line_x, "y": line_y, "hoverinfo": "skip",
-        "line": {"color": GREY, "width": 2}, "connectgaps": False,
-    }]  # fmt: skip
+# ---------------------------------------------------------------- two keys
 
 
 def value_map(table: WhatIf) -> Plot:
@@ -238,18 +178,51 @@ def value_map(table: WhatIf) -> Plot:
 
 
 def spider_plot(table: WhatIf) -> Plot:
-    """The optimum over each quantity in per cent of what the mission states; the steepest first."""
+    """The optimum over each quantity in per cent of what the mission states, the steepest first.
+
+    Marks are open where another system wins than as the mission stands. Quantities that move nothing share a line.
+    """
+    lines = sorted(table.spider, key=lambda line: -spread(line))
+    moving = [line for line in lines if moves(line)]
     data = []
-    for number, line in enumerate(sorted(table.spider, key=lambda line: -spread(line))):
+    for number, line in enumerate(moving):
+        base, mark = system_as_stated(line), SYMBOLS[number % len(SYMBOLS)]
+        colour = DARK_COLOURS[number % len(DARK_COLOURS)]
         data.append({
             "type": "scatter", "mode": "lines+markers", "name": markup_free(line.key),
-            "x": numbers([100.0 * (float(p.values[0]) - 1.0) for p in line.points]),
-            "y": [p.objective for p in line.points], "connectgaps": False,
-            "line": {"color": COLOURS[number % len(COLOURS)], "width": 2, "dash": DASHES[(number + 2) % len(DASHES)]},
-            "marker": {"size": 7, "symbol": SYMBOLS[number % len(SYMBOLS)]},
-            "text": [hover(table, p) for p in line.points], "hovertemplate": "%{x} %: %{y}<br>%{text}",
+            "x": changes_pct(line), "y": [p.objective for p in line.points], "connectgaps": False,
+            "line": {"color": colour, "width": 2, "dash": LINES[number % len(LINES)]},
+            "marker": {
+                "size": 9, "color": colour, "line": {"width": 2, "color": colour},
+                "symbol": [mark if p.system == base else f"{mark}-open" for p in line.points],
+            },
+            "text": [hover(table, p) for p in line.points],
+            "hovertemplate": "%{x} %: %{y}<br>%{text}",
+        })  # fmt: skip
+    still = [line for line in lines if not moves(line)]
+    if still:
+        widest = max(still, key=lambda line: len(line.points))
+        data.append({
+            "type": "scatter", "mode": "lines", "name": f"{len(still)} more, which move nothing",
+            "x": changes_pct(widest), "y": [p.objective for p in widest.points], "connectgaps": False,
+            "line": {"color": GREY, "width": 1}, "hoverinfo": "skip",
         })  # fmt: skip
     return {
         "data": data,
         "layout": layout(height=520, xaxis=axis("change of the quantity [%]"), yaxis=axis(goal_title(table))),
     }
+
+
+def changes_pct(line: SpiderLine) -> list[Any]:
+    """By how much the points of a line are more than what the mission states."""
+    return numbers([100.0 * (float(p.values[0]) - 1.0) for p in line.points])
+
+
+def system_as_stated(line: SpiderLine) -> int | None:
+    """The system that wins as the mission stands."""
+    return next((p.system for p in line.points if float(p.values[0]) == 1.0), None)
+
+
+def moves(line: SpiderLine) -> bool:
+    """Whether a quantity moves the optimum by more than a mark."""
+    return spread(line) > MOVES * max((abs(p.objective) for p in line.points if p.objective is not None), default=0.0)

@@ -189,7 +189,11 @@ def spread(line: SpiderLine) -> float:
     return float("inf") if known and len(known) < len(values) else max(known, default=0.0) - min(known, default=0.0)
 
 
-def short_system(system: WinningSystem, index: int) -> str:
-    """A system's name in a legend."""
-    camera, light = (formats.one_line(name, 40) for name in (system.camera, system.light))
-    return f"{index + 1}: {camera}, {system.light_count} × {light}"
+def short_system(table: WhatIf, index: int) -> str:
+    """A system's number with what is not the same in all systems of a table, for a legend."""
+    system = table.systems[index]
+    differ = [kind for kind in KINDS if len({one[kind] for one in table.systems}) > 1] or list(KINDS)
+    told = [formats.one_line(system[kind], 48) for kind in differ]
+    if len({one.light_count for one in table.systems}) > 1:
+        told.append(words.counted(system.light_count, "light"))
+    return f"{index + 1}: {' + '.join(told)}{' (a part to be made)' if system.generic else ''}"

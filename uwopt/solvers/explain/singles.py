@@ -164,7 +164,7 @@ class Singles:
         """The least change of a requirement that helps, or that of the design at hand."""
         _, key, best = RELAXABLE[one.name]
         trials, found, by_depth, turn = self.trials, one.found, key == "depth_rating_m", self.trials.turn()
-        by_figure = best is not None and not one.at_central_prices
+        by_figure = best is not None and not one.at_central_prices and self._is_what_counts(one.name)
         if by_depth and not trials.interrupted:
             found = deepest(
                 found, one.mission, trials.catalog, ANY, generic=trials.generic, deadline=trials.deadline
@@ -185,6 +185,10 @@ class Singles:
                 trials.interrupted = True
             trials.deadline.left_out.extend(turn.left_out)
         return Relaxation(one.name, one.limit, needed, miss(one.limit, needed), design, one.at_central_prices)
+
+    def _is_what_counts(self, name: str) -> bool:
+        """Whether the best figure is the best of what is asked: the SNR to get best is that of the mean."""
+        return name != "min_snr" or all(view.requirements.snr_at == "mean" for view in self.trials.mission.views)
 
     def _best_without(self, one: Without, goal: Objective, turn: Deadline) -> Sought:
         """The design whose figure is best without its limit; the first that was found where there is no time."""

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from uwopt.catalog.choose import Selection
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError
+from uwopt.errors import SolverError
 from uwopt.forward.assembly import Generic, build_problem, load_catalog, selected
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import SceneOptics
@@ -41,6 +42,7 @@ MANY = 50_000  # nodes to search where nothing is known to fit: worth a closer l
 WORTH_BOUNDING = 1000  # nodes that had to be searched: few of them are left once they are bounded at this mission
 MOST_FAMILIES = 6  # whose bounds are kept: up to 10 MB each
 MOST_BOUNDS = 12  # of one family
+MOST_SHOWN = 64  # values of a family that what is proven is held against
 MOST_SCENES = 8  # problems that are remembered for the light of their scenes
 
 
@@ -84,6 +86,7 @@ class Met(NamedTuple):
     asks: Asking
     mission: Mission
     minimised: float  # the optimum
+    lower_bound: float  # that is proven
 
 
 @dataclass
@@ -93,6 +96,7 @@ class Family:
     bounds: list[tuple[Asking, KeptBounds]] = field(default_factory=list)
     met: list[Met] = field(default_factory=list)
     missed: list[Asking] = field(default_factory=list)  # by everything
+    shown: list[tuple[Asking, float]] = field(default_factory=list)  # values that something reaches
     waiting: tuple[Asking, Sought] | None = None  # a search whose bounds are not taken yet
     share: float = MOST_GUESS  # by which the next optimum is guessed to be worse than that of a weaker mission
 
@@ -105,6 +109,18 @@ class Family:
         """Of the missions that ask for no more the one whose optimum is the worst."""
         weaker = [one for one in self.met if one.asks.asks_no_more(asks)]
         return max(weaker, key=lambda one: one.minimised, default=None)
+
+    def show(self, goal: Objective, asks: Asking, reached: float) -> None:
+        """Something reaches a value in a mission; raises SolverError where nothing should in one that asks for less."""
+        if any(one.asks.asks_no_more(asks) and is_below(goal, reached, one.lower_bound) for one in self.met):
+            raise SolverError(contradiction(goal, reached))
+        self.shown = [*self.shown[1 - MOST_SHOWN :], (asks, reached)]
+
+    def prove(self, goal: Objective, asks: Asking, lower_bound: float) -> None:
+        """Nothing is better in a mission; raises SolverError where something is, in that or one that asks for more."""
+        for stricter, reached in self.shown:
+            if asks.asks_no_more(stricter) and is_below(goal, reached, lower_bound):
+                raise SolverError(contradiction(goal, reached))
 
     def keep(self, asks: Asking, kept: KeptBounds) -> None:
         """Further bounds; of many the first and the last few stay."""
@@ -174,8 +190,12 @@ class Warm:
         best, complete = sought.outcome.best, sought.outcome.complete
         if best:
             self._remember(sought)
+        if best:
+            family.show(goal_of(stage.mission), asks, best[0].minimised)
+        if complete:
+            family.prove(goal_of(stage.mission), asks, sought.outcome.lower_bound)
         if best and complete:
-            family.met.append(Met(asks, stage.mission, best[0].minimised))
+            family.met.append(Met(asks, stage.mission, best[0].minimised, sought.outcome.lower_bound))
         elif complete:
             family.missed.append(asks)
         return stage.answer(sought, kept=kept)
@@ -195,7 +215,7 @@ class Warm:
             if selection.indices == sought.selection.indices:
                 family = self._family(WarmStage(mission, asks, generic, True, selection))
                 family.waiting = asks, sought
-                family.met.append(Met(asks, mission, reached_by(sought)))
+                family.met.append(Met(asks, mission, reached_by(sought), outcome.lower_bound))
                 self.asked.setdefault(asks.family, []).append((asks, mission))
 
     # ------------------------------------------------------------ with what is known
@@ -331,7 +351,11 @@ class Warm:
         """A search among a few parts."""
         few = only(stage.selection, parts)
         problem = build_problem(stage.mission, few, scenes=self._scenes(stage.mission))
-        return self._run(few, self._search(problem, goal_of(stage.mission)))
+        goal = goal_of(stage.mission)
+        sought = self._run(few, self._search(problem, goal))
+        if sought.outcome.best:
+            self._family(stage).show(goal, stage.asks, reached_by(sought))
+        return sought
 
     # ------------------------------------------------------------ what all share
 
@@ -384,6 +408,21 @@ def reached_by(sought: Sought) -> float:
     """The best value that a search has found; inf of none."""
     best = sought.outcome.best
     return best[0].minimised if best else math.inf
+
+
+def is_below(goal: Objective, value: float, bound: float) -> bool:
+    """Whether a value is below a bound by more than two ways of computing it differ."""
+    if math.isinf(bound):
+        return value < bound
+    return goal.share(max(bound - value, 0.0), bound) > AGREES_REL
+
+
+def contradiction(goal: Objective, reached: float) -> str:
+    """What to say where a search that was helped by others has missed something."""
+    return (
+        f"something reaches {goal.reported(reached):.9g} that a search which used bounds of other missions has missed; "
+        "this is a defect of uwopt"
+    )
 
 
 def is_better(other: Sought, first: Sought) -> bool:
