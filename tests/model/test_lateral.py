@@ -219,3 +219,20 @@ def test_spread_accepts_symbols(symbol: Any) -> None:
         lateral.finite_range_share(0.6, **plates),
     ]
     assert [float(value) for value in function(0.6)] == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("falling", [False, True])
+def test_rows_of_many_spectra_have_each_its_own_transform(falling):
+    narrow = lateral.spread_table(
+        WAVELENGTH_NM, electrons_per_nm=np.exp(-(((WAVELENGTH_NM - 520.0) / 30.0) ** 2)), n_water=N_WATER
+    )
+    single = lateral.spread_table([530.0], electrons_per_nm=[1.0], n_water=[1.34])  # spreads nothing
+    tables, index = [TABLE, narrow, single], np.array([1, 0, 2, 0, 1, 2])
+    k = np.array([40.0, 300.0, 1e4, -900.0, 1e6, 0.0])
+    rows = lateral.SpreadRows.of(tables, index)
+    alone = [float(lateral.spread_mtf(one, table=tables[n], falling=falling)) for one, n in zip(k, index, strict=True)]
+    assert lateral.spread_mtf(k, table=rows, falling=falling).tolist() == alone
+    some = np.array([4, 1])
+    assert lateral.spread_mtf(k[some], table=rows.take(some), falling=falling).tolist() == [alone[4], alone[1]]
+    assert alone[2] == alone[5] == 1.0
+    assert 0.0 < alone[4] < alone[0] < 1.0

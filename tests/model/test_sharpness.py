@@ -231,6 +231,25 @@ def test_bars_are_no_narrower_than_a_pixel_and_none_arrive_through_nine_tenths_o
     assert sharpness.smallest_bars_m(NOTHING, contrast=np.array([0.1, 0.05]), ground_sample_m=1e-3).min() == np.inf
 
 
+def test_bars_are_those_of_the_worse_axis_with_colours_that_spread() -> None:
+    """Against the two frequencies, each found alone; more designs than are looked at together."""
+    n, rng = sharpness._BLOCK_ROOTS + 50, np.random.default_rng(5)
+    colours = dict(electrons_per_nm=[1.0, 2.0, 1.0], n_water=[1.346, 1.340, 1.337])
+    spread = lateral.spread_table([450.0, 550.0, 650.0], **colours)
+    blurred = sharpness.Sharpness(
+        rng.uniform(2.0, 16.0, n), wavelength_nm=530.0, pixel_pitch_m=3.45e-6, motion_blur_px=rng.uniform(0.0, 3.0, n),
+        defocus_px=rng.uniform(0.0, 3.0, n), lens_pitch_px=1.0, lateral_k_along=rng.uniform(0.0, 1500.0, n),
+        lateral_k_across=rng.uniform(0.0, 1500.0, n), spread=spread,
+    )  # fmt: skip
+    contrast = rng.uniform(0.05, 1.0, n)
+    got = sharpness.smallest_bars_m(blurred, contrast=contrast, ground_sample_m=1e-3)
+    along, across = sharpness.frequencies_at_cyc_per_px(0.1 / contrast, sharpness=blurred)
+    with np.errstate(divide="ignore"):
+        expected = 1e-3 / (2.0 * np.minimum(np.minimum(along, across), 0.5))
+    assert np.allclose(got, expected, rtol=1e-9)
+    assert min(np.sum(along < across), np.sum(across < along), np.sum(np.isinf(got)), np.sum(got == 1e-3)) > 10
+
+
 def test_frequencies_of_a_level_are_those_of_each_design_alone():
     """Bisection and false position stop at each design's own root, to the last digit."""
     f_numbers, discs = np.array([[1.4], [8.0], [22.0]]), np.array([[0.1, 3.0, 0.7]])

@@ -9,6 +9,13 @@ SEARCH_DEADLINE = "tests/solvers/test_search_deadline.py"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="a report draws all pictures, whatever the time",
+        file="uwopt/report/page/page.py",
+        old='"deadline": deadline,',
+        new='"deadline": NEVER,',
+        test="tests/report/test_page.py::test_a_page_without_time_for_pictures_says_so_and_keeps_the_rest",
+    ),
+    Defect(
         name="a word that is no choice is told with the name of an exception",
         file="uwopt/cli/app.py",
         old="said.removeprefix(PREFIX)",

@@ -15,11 +15,56 @@ DEFECTS = (
         test="tests/forward/test_columns.py::test_columns_of_parts_are_those_of_the_rows_that_were_taken",
     ),
     Defect(
-        name="a root goes on until all roots are found",
+        name="a root is given up when another is found",
+        file="uwopt/model/falling_root.py",
+        old="left = np.flatnonzero(~settled)",
+        new="left = np.flatnonzero(~settled)[1:]",
+        test="tests/model/test_falling_root.py::test_a_root_is_the_same_whatever_stands_beside_it",
+    ),
+    Defect(
+        name="a root beyond the end of its range is looked for",
+        file="uwopt/model/falling_root.py",
+        old="open_: Array = np.flatnonzero(at_end < level)",
+        new="open_: Array = np.flatnonzero(at_end < 2.0 * level)",
+        test="tests/model/test_falling_root.py::test_what_stays_above_its_level_ends_where_its_range_does",
+    ),
+    Defect(
+        name="all rows spread colours as the first spectrum does",
+        file="uwopt/model/lateral.py",
+        old="size * index, size,",
+        new="0 * index, size,",
+        test="tests/model/test_lateral.py::test_rows_of_many_spectra_have_each_its_own_transform",
+    ),
+    Defect(
+        name="bars are those across the motion alone",
         file="uwopt/model/sharpness.py",
-        old="found = np.where(settled, found, nu)",
-        new="found = nu",
-        test="tests/model/test_sharpness.py::test_frequencies_of_a_level_are_those_of_each_design_alone",
+        old="both = np.minimum(*mtf_axes(nu, sharpness=_some(flat, some), falling=True))",
+        new="both = mtf_axes(nu, sharpness=_some(flat, some), falling=True)[1]",
+        test="tests/model/test_sharpness.py::test_bars_are_those_of_the_worse_axis_with_colours_that_spread",
+    ),
+    Defect(
+        name="small numbers in a long list are counted one too low",
+        file="uwopt/forward/columns.py",
+        old="(np.cumsum(there) - 1)[index]",
+        new="np.cumsum(there)[index]",
+        test="tests/forward/test_columns.py::test_distinct_numbers_are_those_of_unique",
+    ),
+    Defect(
+        name="groups of rows agree in their last column alone",
+        file="uwopt/forward/columns.py",
+        old="new[1:] |= ordered[1:] != ordered[:-1]",
+        new="new[1:] = ordered[1:] != ordered[:-1]",
+        test=(
+            "tests/forward/test_columns.py::test_groups_of_rows_agree_in_all_columns_and_start_with_their_first_row",
+            "tests/forward/test_columns.py::test_rows_that_agree_in_all_columns_are_found_once",
+        ),
+    ),
+    Defect(
+        name="what follows from a part is remembered for all parts",
+        file="uwopt/forward/once.py",
+        old="key = (tuple(map(id, records)), others)",
+        new="key = (len(records), others)",
+        test="tests/forward/test_once.py::test_what_follows_is_made_once_for_each_record",
     ),
     Defect(
         name="images and ranges of a mean mixed up",
@@ -511,16 +556,16 @@ DEFECTS = (
     Defect(
         name="bars may be narrower than a pixel",
         file="uwopt/model/sharpness.py",
-        old="(2.0 * np.minimum(highest, NYQUIST_CYC_PER_PX))",
-        new="(2.0 * highest)",
+        old="np.minimum(np.minimum(*nulls), NYQUIST_CYC_PER_PX)",
+        new="np.minimum(*nulls)",
         test="tests/model/test_sharpness.py"
         "::test_bars_are_no_narrower_than_a_pixel_and_none_arrive_through_nine_tenths_of_veil",
     ),
     Defect(
         name="a bar on the floor is a whole cycle",
         file="uwopt/model/sharpness.py",
-        old="ground_sample_m / (2.0 * np.minimum(highest",
-        new="ground_sample_m / (1.0 * np.minimum(highest",
+        old="ground_sample_m / (2.0 * highest",
+        new="ground_sample_m / (1.0 * highest",
         test=(
             "tests/model/test_sharpness.py::test_narrowest_bars_are_where_a_tenth_of_all_light_is_left",
             "tests/evaluation/test_resolve.py"

@@ -15,6 +15,7 @@ from typing import Any
 
 import pytest
 
+from uwopt.deadline import Deadline
 from uwopt.report.page import style as page_style
 from uwopt.report.page.html_file import json_for_script
 from uwopt.report.page.page import common_width_mm, report_html
@@ -324,6 +325,15 @@ def test_picks_of_a_front_show_the_same_width_of_floor(make_front: Make) -> None
 def test_missing_pictures_leave_a_note(make_result: Make) -> None:
     # the parts of the result made by hand are in no catalogue, so the model cannot draw them
     assert "Pictures are missing." in Tree(report_html(make_result())).text()
+
+
+@pytest.mark.parametrize("kind", ["result", "front"])
+def test_a_page_without_time_for_pictures_says_so_and_keeps_the_rest(kind, make_result: Make, make_front: Make) -> None:
+    made = make_result() if kind == "result" else make_front()
+    late = report_html(made, Deadline(end_s=0.0))
+    assert "Pictures are missing." in late
+    assert "no time was left for drawings, simulated pictures" in late
+    assert "no time was left" not in report_html(made)
 
 
 @pytest.mark.parametrize(("sense", "value", "limit", "room"), [

@@ -47,7 +47,7 @@ def range_prices(
     systems, warm = Systems(goal_of(base.base)), Warm(deadline)
     if sought is not None:
         warm.take(sought)
-    told = {price.name: price for price in result.prices}
+    told, asked_for = {price.name: price for price in result.prices}, list[WhatIfPoint]()
     keys = [*priced_keys(base.base, result.recommendation)]
     for number, (key, asked, step) in enumerate(keys):
         if deadline.passed():
@@ -55,7 +55,9 @@ def range_prices(
             break
         if progress is not None:
             progress(number / len(keys), f"what {key.name} costs")
-        price = range_price(base, key, asked, step, systems, warm, best=result.objective.value)
+        price = range_price(
+            base, key, asked, step, systems, warm, best=result.objective.value, asked_for=asked_for
+        )  # fmt: skip
         if price is not None:
             known = told.get(key.name, price)
             told[key.name] = replace(price, slope=known.slope, slope_casadi=known.slope_casadi)
@@ -64,19 +66,26 @@ def range_prices(
 
 def range_price(
     base: VariedMission, key: Varied, asked: float, step: float, systems: Systems, warm: Warm, *,
-    best: float | None = None,
+    best: float | None = None, asked_for: list[WhatIfPoint] | None = None,
 ) -> Price | None:  # fmt: skip
-    """One key from what is asked on; None where there is no time for the first step, or another optimum than `best`."""
+    """One key from what is asked on; None where there is no time for the first step, or another optimum than `best`.
+
+    asked_for : the optimum of the mission as it is, once it is known: that of other keys too
+    """
     values = allowed(base, key, [rounded(asked + n * step) for n in range(STEPS + 1)])
     varied = Varied(key.key, key.section, key.name, tuple(values))
     if len(values) < 2:
         return None
-    grid = VariedGrid(base, (varied,), systems, warm)
-    points = list[WhatIfPoint]()
+    grid, points = VariedGrid(base, (varied,), systems, warm), list[WhatIfPoint]()
+    same = asked_for if asked_for is not None and values[0] == asked else []
+    if same:
+        grid.points[values[0],] = replace(same[0], values=[values[0]])
     for value in values:
         if warm.deadline.passed():
             break
         points.append(grid.solve((value,)))
+        if len(points) == 1 and not same and points[0].status == "optimal":
+            same.append(points[0])
         if points[-1].system != points[0].system:
             break
     if len(points) < 2 or points[0].objective is None or points[1].status == "stopped":

@@ -42,6 +42,7 @@ from uwopt.cli.status import BAD_INPUT, DONE, EXIT_STATUS, command, result_statu
 from uwopt.cli.sweep import sweep_command
 from uwopt.cli.tender import quotes_command, tender_command
 from uwopt.cli.whatif import whatif_command
+from uwopt.deadline import Deadline
 from uwopt.version import __version__
 
 if TYPE_CHECKING:
@@ -145,6 +146,7 @@ def solve_command(
     from uwopt.report.write import check_folder
 
     limit_s = checked_seconds(seconds)
+    deadline = Deadline.after(limit_s)
     wanted = None if objective is None else parsed_objective(objective)
     if out is not None:
         check_folder(out)
@@ -173,7 +175,7 @@ def solve_command(
             quick=quick,
             first=None if as_json or full else first,
         )
-    hand_over(result, full=full, as_json=as_json, out=out, quiet=quiet, begun=bool(begun))
+    hand_over(result, full=full, as_json=as_json, out=out, quiet=quiet, begun=bool(begun), deadline=deadline)
     return result_status(result)
 
 
@@ -206,6 +208,7 @@ def evaluate_command(
     from uwopt.report.write import check_folder
 
     limit_s = checked_seconds(seconds)
+    deadline = Deadline.after(limit_s)
     if out is not None:
         check_folder(out)
     from uwopt.api.evaluating import evaluate
@@ -214,7 +217,7 @@ def evaluate_command(
         mission, system, physics=physics and physics.value, accuracy=accuracy, tolerance=tolerance,
         confidence=confidence, seconds=limit_s,
     )  # fmt: skip
-    hand_over(result, full=full, as_json=as_json, out=out, quiet=quiet)
+    hand_over(result, full=full, as_json=as_json, out=out, quiet=quiet, deadline=deadline)
     return result_status(result, check=check)
 
 

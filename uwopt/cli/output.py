@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from uwopt.cli.status import DONE, told
+from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import OutputError
 
 if TYPE_CHECKING:
@@ -29,11 +30,12 @@ def print_first(result: Result, bar: ProgressBar) -> None:
 
 def hand_over(
     result: Result | FrontResult, *, as_json: bool, out: str | None, quiet: bool, full: bool = False,
-    begun: bool = False,
+    begun: bool = False, deadline: Deadline = NEVER,
 ) -> None:  # fmt: skip
     """Write the files and print the result, on one page or in full; what cannot be written is printed all the same.
 
     begun : the page's beginning stands there already, by `print_first`
+    deadline : past which the report does without pictures
     """
     from uwopt.report.text.console import ProgressBar, print_blocks, print_text
     from uwopt.report.text.looked_at import wording
@@ -48,9 +50,9 @@ def hand_over(
             if out is None:
                 pass
             elif isinstance(result, Result):
-                written = write_results(result, out)
+                written = write_results(result, out, deadline=deadline)
             else:
-                written = write_front(result, out)
+                written = write_front(result, out, deadline=deadline)
     except OutputError as fault:
         refused = fault
     if as_json:

@@ -9,6 +9,7 @@ import typer
 from uwopt.cli.options import JsonOption, MissionArgument, PhysicsOption, QuietOption, checked_seconds
 from uwopt.cli.output import hand_over
 from uwopt.cli.status import command, front_status
+from uwopt.deadline import Deadline
 
 
 @command
@@ -48,6 +49,7 @@ def pareto_command(
     from uwopt.report.write import check_folder
 
     limit_s = checked_seconds(seconds)
+    deadline = Deadline.after(limit_s)
     if out is not None:
         check_folder(out)
     with ProgressBar(quiet=quiet) as bar:
@@ -63,5 +65,5 @@ def pareto_command(
             alternatives=out is not None,
             progress=bar.report,
         )
-    hand_over(front, as_json=as_json, out=out, quiet=quiet)
+    hand_over(front, as_json=as_json, out=out, quiet=quiet, deadline=deadline)
     return front_status(front)

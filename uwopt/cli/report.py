@@ -7,7 +7,9 @@ from typing import Annotated
 
 import typer
 
+from uwopt.cli.options import checked_seconds
 from uwopt.cli.status import DONE, command, told
+from uwopt.deadline import Deadline
 from uwopt.errors import OutputError
 
 
@@ -22,6 +24,10 @@ def report_command(
             "--out", metavar="FILE|DIR", help="Page to write; report.html beside the result unless given."
         ),
     ] = None,
+    seconds: Annotated[
+        float | None,
+        typer.Option(metavar="S", help="Stop after S seconds: pictures that there is no time for are left out."),
+    ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no notes.")] = False,
 ) -> int:
     """Make the page of a result again: verdict, figures and margins from the file, pictures by the model."""
@@ -29,6 +35,7 @@ def report_command(
     from uwopt.report.write import check_file, write_page
     from uwopt.results.reading import read_result
 
+    deadline = Deadline.after(checked_seconds(seconds))
     target = check_file(page_file(result, out))
     if target.exists() and Path(result).exists() and target.samefile(result):
         raise OutputError(f"{target}: is the result itself; choose another --out.")
@@ -37,7 +44,7 @@ def report_command(
     with ProgressBar(quiet=quiet) as bar:
         if bar.report is not None:
             bar.report(0.1, "making the report")
-        written = write_page(read_result(result), target)
+        written = write_page(read_result(result), target, deadline=deadline)
     if not quiet:
         told(f"written: {written}", DONE)
     return DONE

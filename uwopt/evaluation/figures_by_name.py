@@ -264,7 +264,7 @@ def sharpness_figures(
     contrast = bars_contrast_at(model.rows[index], settings, figures)[:, scene.nominal]
     bars_m = sharpness.smallest_bars_m(
         seen("corner"), contrast=contrast, ground_sample_m=view.gsd_m[:, 1],
-        detail=rows.detail_gain(altitude=1),
+        detail=rows.detail_gain_of(np.zeros(1, int), np.ones(1, int)),
     )  # fmt: skip
     spectrum = int(problem.contractions[index].spectrum_of[int(model.lights.optics_index[0])])
     electrons = arriving(scene, problem.contractions[index], spectrum, int(model.cameras.qe_index[0]))

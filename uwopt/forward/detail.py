@@ -28,8 +28,9 @@ class DetailRows(Columns):
     table: DetailTable
 
     def gain(
-        self, frequency_cyc_per_px: Array, rows: Array | slice = slice(None), altitude: int | slice = slice(None)
-    ) -> Array:
+        self, frequency_cyc_per_px: Array, rows: Array | slice = slice(None),
+        altitude: int | slice | Array = slice(None),
+    ) -> Array:  # fmt: skip
         """Factor on the contrast of detail at frequencies (m, 3) or (m,), of some rows and altitudes; 1 or more."""
         return detail_gain(
             frequency_cyc_per_px * self.cycles_per_rad[rows, altitude], scattered=self.scattered[rows, altitude],

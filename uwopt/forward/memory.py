@@ -1,7 +1,7 @@
 """How the process keeps memory that arrays have left.
 
-Figures of thousands of designs go through some hundred arrays of a hundred kilobytes. Where each of them is asked of the
-system and given back, its pages are cleared every time, which costs as much as what is worked out in them.
+Figures of thousands of designs go through some hundred arrays of a hundred kilobytes. Where each of them is asked of
+the system and given back, its pages are cleared every time, which costs as much as what is worked out in them.
 """
 
 from __future__ import annotations

@@ -30,9 +30,9 @@ from uwopt.forward.spectra import TINY, Contraction
 from uwopt.forward.views import CORNER_FIELD, RMS_FIELD, Views, altitudes_m, field_dioptres_per_m
 from uwopt.model import aberration, information, lateral, operation, sharpness
 from uwopt.model.defocus import defocus_px
-from uwopt.model.lateral import SpreadTable, spread_mtf
+from uwopt.model.lateral import SpreadRows, SpreadTable, spread_mtf
 from uwopt.model.lens import airy_diameter_m
-from uwopt.model.sharpness import HALF_NYQUIST_CYC_PER_PX, NYQUIST_CYC_PER_PX, Gain, Sharpness
+from uwopt.model.sharpness import HALF_NYQUIST_CYC_PER_PX, NYQUIST_CYC_PER_PX, Gain, GainOfSome, Sharpness
 from uwopt.model.spectrum import trapezoid_weights_nm
 
 if TYPE_CHECKING:
@@ -137,6 +137,13 @@ class SharpRows(Columns):
         """What detail of a frequency has in light scattered nearly forward, of some rows; None: nothing."""
         return None if self.detail is None else partial(self.detail.gain, rows=rows, altitude=altitude)
 
+    def detail_gain_of(self, rows: Array, altitude: Array) -> GainOfSome | None:
+        """The same of rows at altitudes (m,), some of which are then asked for."""
+        detail = self.detail
+        if detail is None:
+            return None
+        return lambda frequency, some: detail.gain(frequency, rows=rows[some], altitude=altitude[some])
+
     @property
     def texture_gain(self) -> Array:
         """What light scattered nearly forward adds to the SNR that information is reckoned from, as a factor (n,)."""
@@ -160,8 +167,8 @@ class SharpRows(Columns):
         return np.asarray(pitch)
 
     def at(
-        self, rows: Array | slice, spread: SpreadTable | None, *, f_number: Array, working_f_number: Array,
-        blur_s: Array, field: Field, altitude: int | slice = 1,
+        self, rows: Array | slice, spread: SpreadTable | SpreadRows | None, *, f_number: Array,
+        working_f_number: Array, blur_s: Array, field: Field, altitude: int | slice | Array = 1,
     ) -> Sharpness:  # fmt: skip
         """The model's record of some rows, (n, n_altitudes) for a slice of them; the settings are those of all rows."""
         along, across = self.colour(field)
@@ -232,16 +239,18 @@ class SharpRows(Columns):
         self, contrast: Array, *, f_number: Array, working_f_number: Array, blur_s: Array
     ) -> Array:
         """Narrowest bars on the floor that arrive in the corner, veil counted; (n, 3), as is the contrast."""
-        settings = dict(f_number=f_number, working_f_number=working_f_number, blur_s=blur_s)
-
-        found = np.empty(self.gsd_m.shape)
-        for rows, spread in self.groups("corner"):
-            at = self.at(rows, spread, field="corner", altitude=slice(None), **settings)
-            found[rows] = sharpness.smallest_bars_m(
-                at, contrast=contrast[rows], ground_sample_m=self.gsd_m[rows],
-                detail=self.detail_gain(rows),
-            )  # fmt: skip
-        return found
+        rows, altitude = (places.ravel() for places in np.indices(self.gsd_m.shape))
+        along, across = self.colour("corner")
+        spread = SpreadRows.of(self.spreads, self.spread_index[rows]) if (along.any() or across.any()) else None
+        at = self.at(
+            rows, spread, f_number=f_number, working_f_number=working_f_number, blur_s=blur_s, field="corner",
+            altitude=altitude,
+        )  # fmt: skip
+        found = sharpness.smallest_bars_m(
+            at, contrast=contrast[rows, altitude], ground_sample_m=self.gsd_m[rows, altitude],
+            detail=self.detail_gain_of(rows, altitude),
+        )  # fmt: skip
+        return np.asarray(found.reshape(self.gsd_m.shape))
 
     def information_bit_per_m2(
         self, snr: Array, *, f_number: Array, working_f_number: Array, blur_s: Array,

@@ -8,7 +8,7 @@ ends, and what is proven of the integral holds of the figure.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -17,7 +17,17 @@ from numpy.typing import NDArray
 
 from uwopt.model.fineness import scaled
 from uwopt.model.lateral import SpreadTable, spread_mtf
-from uwopt.model.sharpness import J1_ZERO, NYQUIST_CYC_PER_PX, Sharpness, round_mtf, sinc_mtf
+from uwopt.model.sharpness import (
+    J1_ZERO,
+    NUMBERS,
+    NYQUIST_CYC_PER_PX,
+    Sharpness,
+    as_columns,
+    common_shape,
+    round_mtf,
+    rows_of,
+    sinc_mtf,
+)
 
 Numeric = Any  # float, array that broadcasts
 Array = NDArray[Any]
@@ -48,7 +58,6 @@ SMEAR_PX = 100.0  # motion from which the third are
 SQUARE, CIRCLE, CUT_CORNERS, SMEARED, SMEARED_CUT, SMEARED_CIRCLE = range(6)
 MIRRORED = (SQUARE, CIRCLE, CUT_CORNERS)
 
-_NUMBERS = tuple(field.name for field in fields(Sharpness) if field.name != "spread")
 _HUGE = 1e300  # a blur that is called infinite: nothing arrives
 _BLOCK_NODES = 40_000  # held at once, so that arrays stay in the cache
 
@@ -85,13 +94,9 @@ def information_bit_per_px(
     ----------
     Shannon's capacity of a Gaussian channel per sample, frequency by frequency. Physics page, section 8.
     """
-    shape = np.broadcast_shapes(*(np.shape(getattr(sharpness, name)) for name in _NUMBERS), np.shape(snr))
-    columns = {
-        name: np.broadcast_to(np.asarray(getattr(sharpness, name), dtype=float), shape).reshape(-1, 1, 1)
-        for name in _NUMBERS
-    }
+    shape = common_shape(sharpness, snr)
     gain = np.broadcast_to(texture_contrast * np.asarray(snr, dtype=float), shape).reshape(-1, 1, 1)
-    table = Sharpness(**columns, spread=sharpness.spread)
+    table = as_columns(sharpness, shape, (-1, 1, 1))
     ends = transfer_ends(gain[:, 0, 0], sharpness=_flat(table))
     colour_px = _colour_rms_px(table)
     bit = np.zeros(gain.shape[0])
@@ -107,7 +112,7 @@ def information_bit_per_px(
             for start in range(0, rows.size, block):
                 some = rows[start : start + block]
                 nodes = rule(int(kind), ends.round_cyc_per_px[some], ends.motion_cyc_per_px[some], wanted)
-                bit[some] = _sum_bit(gain[some], _rows(table, some, spread=spread), nodes)
+                bit[some] = _sum_bit(gain[some], rows_of(table, some, spread=spread), nodes)
     return bit.reshape(shape)[()]
 
 
@@ -271,16 +276,11 @@ def _sum_bit(gain: Array, sharpness: Sharpness, nodes: Rule) -> Array:
 
 def _flat(table: Sharpness) -> Sharpness:
     """A table of columns as (n,)."""
-    return Sharpness(**{name: getattr(table, name)[:, 0, 0] for name in _NUMBERS})
-
-
-def _rows(table: Sharpness, rows: Array, *, spread: SpreadTable | None) -> Sharpness:
-    """Some designs of a table of columns."""
-    return Sharpness(**{name: getattr(table, name)[rows] for name in _NUMBERS}, spread=spread)
+    return Sharpness(**{name: getattr(table, name)[:, 0, 0] for name in NUMBERS})
 
 
 def _colour_rms_px(table: Sharpness) -> Array:
     """Lateral colour of each design [px rms] to first order, from columns: (n,)."""
-    index_rms = 0.0 if table.spread is None else table.spread.index_rms
+    index_rms = table.spread.index_rms if isinstance(table.spread, SpreadTable) else 0.0
     k = np.hypot(table.lateral_k_along, table.lateral_k_across)
     return np.asarray(k * (index_rms / (2.0 * np.pi)), dtype=float)[:, 0, 0]

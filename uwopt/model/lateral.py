@@ -11,7 +11,8 @@ with the pupil at its centre has no lateral colour. Functions marked [sym] also 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -165,6 +166,36 @@ class SpreadTable:
     index_rms: float  # electron-weighted rms of n_water: |Phi| = 1 - (k index_rms)^2 / 2 at small k
 
 
+@dataclass(frozen=True)
+class SpreadRows:
+    """Tables of many spectra, one after another, and of each design (n,) its own."""
+
+    magnitude: Array  # (n_tables * size,)
+    least_so_far: Array
+    step: Array  # (n,); inf where nothing is spread
+    first: Array  # (n,) where its table begins
+    size: int  # of each
+
+    @classmethod
+    def of(cls, tables: Sequence[SpreadTable], index: Array) -> SpreadRows:
+        """Designs by the index of their table."""
+        size = max(table.magnitude.size for table in tables)
+        there = [table.magnitude.size == size and table.index_rms > 0.0 for table in tables]
+        ones, steps = np.ones(size), [t.step if spread else np.inf for t, spread in zip(tables, there, strict=True)]
+
+        def joined(columns: Sequence[Array]) -> Array:
+            return np.concatenate([one if spread else ones for one, spread in zip(columns, there, strict=True)])
+
+        return cls(
+            joined([t.magnitude for t in tables]), joined([t.least_so_far for t in tables]), np.array(steps)[index],
+            size * index, size,
+        )  # fmt: skip
+
+    def take(self, rows: Array) -> SpreadRows:
+        """Some designs."""
+        return replace(self, step=self.step[rows], first=self.first[rows])
+
+
 _NO_SPREAD = SpreadTable(np.ones(2), np.ones(2), step=1.0, index_rms=0.0)
 
 
@@ -209,7 +240,7 @@ def spread_table(wavelength_nm: ArrayLike, *, electrons_per_nm: ArrayLike, n_wat
     return SpreadTable(magnitude, np.minimum.accumulate(magnitude), step, index_rms)
 
 
-def spread_mtf(k: Numeric, *, table: SpreadTable, falling: bool = False) -> Numeric:
+def spread_mtf(k: Numeric, *, table: SpreadTable | SpreadRows, falling: bool = False) -> Numeric:
     """Modulation that lateral colour leaves.
 
         |Phi(k)|,   k = 2 pi nu . e_r radius_slope_px
@@ -217,7 +248,7 @@ def spread_mtf(k: Numeric, *, table: SpreadTable, falling: bool = False) -> Nume
     Parameters
     ----------
     k : (...,) [1 / index], either sign
-    table : of the detected spectrum
+    table : of the detected spectrum, or of those of n designs, k (n,)
     falling : give the least of |Phi| up to k instead
 
     Returns
@@ -230,14 +261,15 @@ def spread_mtf(k: Numeric, *, table: SpreadTable, falling: bool = False) -> Nume
     Physics page, section 8.
     """
     place = np.abs(k) / table.step
-    if table.index_rms == 0.0:
+    if isinstance(table, SpreadTable) and table.index_rms == 0.0:
         return np.ones_like(place)[()]
     magnitude = table.least_so_far if falling else table.magnitude
-    last = magnitude.size - 1
+    size, first = (table.size, table.first) if isinstance(table, SpreadRows) else (magnitude.size, 0)
+    last = size - 1
     inside = np.minimum(place, float(last))
     below = np.minimum(np.asarray(inside).astype(np.int64), last - 1)
-    value = magnitude[below]
-    value = value + (inside - below) * (magnitude[below + 1] - value)
+    value = magnitude[below + first]
+    value = value + (inside - below) * (magnitude[below + (first + 1)] - value)
     return (value * (last / np.maximum(place, last)))[()]
 
 

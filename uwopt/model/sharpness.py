@@ -21,11 +21,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.model.lateral import SpreadTable, spread_mtf
+from uwopt.model.falling_root import falling_roots
+from uwopt.model.lateral import SpreadRows, SpreadTable, spread_mtf
 
 Numeric = Any  # float, array that broadcasts, or (where marked [sym]) a CasADi scalar
 Array = NDArray[Any]
 Gain = Callable[[Array], Array]  # a factor by frequency [cycles per px]
+GainOfSome = Callable[[Array, Array], Array]  # the same by frequency (m,), and of which designs it is
 
 RESOLVED_CONTRAST = 0.1  # of bars that count as resolved, of all light that arrives (MTF10)
 #: SNR from which a tenth of the light equals a pixel's noise. Two bars of n pixels then differ by sqrt(2 n) times the
@@ -67,8 +69,7 @@ _JINC = (
 
 _BEFORE_CUTOFF = 1.0 - 1e-12  # of a frequency over the cut-off: acos has an infinite slope at 1
 _HUGE = 1e300  # a blur that is called infinite: 0 at every frequency but 0
-_CONVERGED = 1e-12  # of a frequency relative to the first null
-_MOST_STEPS = 100
+_BLOCK_ROOTS = 12_000  # frequencies that are looked for together, so that arrays stay in the cache
 
 
 # ---------------------------------------------------------------- factors
@@ -191,7 +192,7 @@ class Sharpness:
     lens_pitch_px: Numeric = 0.0  # pitch the lens is good for over the camera's; 0: it blurs nothing
     lateral_k_along: Numeric = 0.0
     lateral_k_across: Numeric = 0.0
-    spread: SpreadTable | None = None  # shared by all designs; None: no lateral colour
+    spread: SpreadTable | SpreadRows | None = None  # shared by all designs, or one a row; None: no lateral colour
 
     @property
     def diffraction_px(self) -> Numeric:
@@ -265,7 +266,7 @@ def mtf_half_nyquist(sharpness: Sharpness) -> Numeric:
 
 
 def frequencies_at_cyc_per_px(
-    level: Numeric, *, sharpness: Sharpness, detail: Gain | None = None
+    level: Numeric, *, sharpness: Sharpness, detail: GainOfSome | None = None
 ) -> tuple[Array, Array]:
     """Frequencies along and across at which the transfer has fallen to a level.
 
@@ -287,49 +288,61 @@ def frequencies_at_cyc_per_px(
     The product falls from F(0) to 0 between nu = 0 and its first null, 1 cycle per px at the latest: one root,
     held between two bounds by false position after Illinois, every fourth step a bisection.
     """
-    shape, level, still, nulls = _falling_ranges(level, sharpness, detail)
+    shape = common_shape(sharpness, level)
+    flat, level, still, nulls = _falling_ranges(level, sharpness, shape, detail)
 
-    def left(transfer: Any) -> Gain:
-        factor = detail or np.ones_like
-        return lambda nu: factor(nu) * transfer(nu, sharpness=sharpness, falling=True)
+    def root(transfer: Any, end: Array) -> Array:
+        def left(nu: Array, some: Array) -> Array:
+            seen = transfer(nu, sharpness=_some(flat, some), falling=True)
+            return np.asarray(seen if detail is None else seen * detail(nu, some))
 
-    along, across = (
-        _root(left(transfer), level, still, end, np.full(shape, -level))
-        for transfer, end in zip((mtf_along, mtf_across), nulls, strict=True)
-    )
-    return along, across
+        found = falling_roots(left, level=level, start=still, end=end, at_end=np.zeros(len(end)))
+        return found.reshape(shape)[()]
+
+    return root(mtf_along, nulls[0]), root(mtf_across, nulls[1])
 
 
-def highest_frequency_cyc_per_px(level: Numeric, *, sharpness: Sharpness, detail: Gain | None = None) -> Array:
+def highest_frequency_cyc_per_px(level: Numeric, *, sharpness: Sharpness, detail: GainOfSome | None = None) -> Array:
     """The highest frequency at which the transfer along and that across both reach a level, (...,) [cycles per px].
 
     As `frequencies_at_cyc_per_px`, the lower of both, up to the Nyquist frequency: both fall, so the lesser of them
     does, and has one root.
     """
-    shape, level, still, nulls = _falling_ranges(level, sharpness, detail)
+    shape = common_shape(sharpness, level)
+    flat, level, still, nulls = _falling_ranges(level, sharpness, shape, detail)
 
-    def left(nu: Array) -> Array:
-        both = np.minimum(*mtf_axes(nu, sharpness=sharpness, falling=True))
-        return np.asarray(both if detail is None else both * detail(nu))
+    def left(nu: Array, some: Array) -> Array:
+        both = np.minimum(*mtf_axes(nu, sharpness=_some(flat, some), falling=True))
+        return np.asarray(both if detail is None else both * detail(nu, some))
 
-    end = np.minimum(np.minimum(*nulls), NYQUIST_CYC_PER_PX)
-    return _root(left, level, still, end, np.broadcast_to(left(end) - level, shape))
+    ends, found = np.minimum(np.minimum(*nulls), NYQUIST_CYC_PER_PX), np.empty(len(level))
+    for start in range(0, len(level), _BLOCK_ROOTS):
+        rows = np.arange(start, min(start + _BLOCK_ROOTS, len(level)))
+
+        def of_block(nu: Array, some: Array, rows: Array = rows) -> Array:
+            return left(nu, rows[some])
+
+        end = ends[rows]
+        found[rows] = falling_roots(
+            of_block, level=level[rows], start=still[rows], end=end, at_end=np.where(end > 0.0, left(end, rows), 0.0)
+        )
+    return found.reshape(shape)[()]
 
 
 def _falling_ranges(
-    level: Numeric, sharpness: Sharpness, detail: Gain | None
-) -> tuple[tuple[int, ...], Array, Array, tuple[Array, Array]]:
-    """Common shape, levels that are reached, F(0), and where the transfer along and across ends; 0: level not reached."""
-    disc_null = 1.0 / np.maximum(np.minimum(sharpness.defocus_px, _HUGE) * (np.pi / J1_ZERO), 1.0)
-    pupil_null = 1.0 / np.maximum(np.minimum(sharpness.diffraction_px, _HUGE), 1.0)
+    level: Numeric, sharpness: Sharpness, shape: tuple[int, ...], detail: GainOfSome | None
+) -> tuple[Sharpness, Array, Array, tuple[Array, Array]]:
+    """Columns (n,) of all, levels that are reached, F(0), and where transfers along and across end; 0: level missed."""
+    flat = as_columns(sharpness, shape, (-1,))
+    level = np.broadcast_to(np.asarray(level, dtype=float), shape).reshape(-1)
+    disc_null = 1.0 / np.maximum(np.minimum(flat.defocus_px, _HUGE) * (np.pi / J1_ZERO), 1.0)
+    pupil_null = 1.0 / np.maximum(np.minimum(flat.diffraction_px, _HUGE), 1.0)
     null = np.minimum(disc_null, pupil_null)
-    motion_null = 1.0 / np.maximum(np.minimum(sharpness.motion_blur_px, _HUGE), 1.0)
+    motion_null = 1.0 / np.maximum(np.minimum(flat.motion_blur_px, _HUGE), 1.0)
     null, motion_null = (np.where(end > 2.0 / _HUGE, end, 0.0) for end in (null, motion_null))
-    shape = _shape(sharpness, level)
-    still = np.ones(shape) if detail is None else detail(np.zeros(shape))
-    level = np.minimum(level, still)
+    still = np.ones(len(level)) if detail is None else detail(np.zeros(len(level)), np.arange(len(level)))
     null = np.where(level < still, null, 0.0)
-    return shape, level, still, (np.broadcast_to(np.minimum(null, motion_null), shape), np.broadcast_to(null, shape))
+    return flat, np.minimum(level, still), still, (np.minimum(null, motion_null), null)
 
 
 def mtf50_cyc_per_px(sharpness: Sharpness) -> Array:
@@ -339,7 +352,7 @@ def mtf50_cyc_per_px(sharpness: Sharpness) -> Array:
 
 
 def smallest_bars_m(
-    sharpness: Sharpness, *, contrast: Numeric, ground_sample_m: Numeric, detail: Gain | None = None
+    sharpness: Sharpness, *, contrast: Numeric, ground_sample_m: Numeric, detail: GainOfSome | None = None
 ) -> Array:
     """Narrowest bars on the floor of which a tenth of the contrast arrives, veil counted.
 
@@ -373,38 +386,30 @@ def resolution_10_m(
         return np.maximum(ground_sample_along_m / along, ground_sample_across_m / across)
 
 
-_NUMBERS = tuple(field.name for field in fields(Sharpness) if field.name != "spread")
+NUMBERS = tuple(field.name for field in fields(Sharpness) if field.name != "spread")  # all but the spread by colour
 
 
-def _shape(sharpness: Sharpness, *others: Numeric) -> tuple[int, ...]:
+def common_shape(sharpness: Sharpness, *others: Numeric) -> tuple[int, ...]:
     """Common shape of the fields that are numbers, and of others."""
-    numbers = [getattr(sharpness, name) for name in _NUMBERS]
+    numbers = [getattr(sharpness, name) for name in NUMBERS]
     return np.broadcast_shapes(*(np.shape(number) for number in (*numbers, *others)))
 
 
-def _root(transfer: Gain, level: Numeric, still: Array, end: Array, at_end: Array) -> Array:
-    """Where a transfer that falls from `still` at 0 on meets a level; Illinois and bisection.
+def as_columns(sharpness: Sharpness, shape: tuple[int, ...], into: tuple[int, ...]) -> Sharpness:
+    """All designs of a shape as columns of another."""
+    columns = {
+        name: np.broadcast_to(np.asarray(getattr(sharpness, name), dtype=float), shape).reshape(into)
+        for name in NUMBERS
+    }
+    return Sharpness(**columns, spread=sharpness.spread)
 
-    end : where it is no more than 0, or beyond which no root is looked for; at_end : what it is above the level there
-    """
-    settled = at_end >= 0.0  # each is the same whatever stands beside it
-    found = np.where(settled, end, 0.0)
-    low, high = np.zeros(end.shape), end * 1.0
-    at_low, at_high = np.where(settled, 1.0, still - level), np.where(settled, -1.0, at_end)
-    side = np.zeros(end.shape)  # 1: the low end moved last, -1: the high end
-    for step in range(1, _MOST_STEPS):
-        share = 0.5 if step % 4 == 0 else at_low / (at_low - at_high)
-        nu = low + share * (high - low)
-        value = transfer(nu) - level
-        above = value >= 0.0
-        stuck = np.where(above, side > 0, side < 0)  # twice the same end: halve the other's weight
-        at_low = np.where(above, value, np.where(stuck, 0.5 * at_low, at_low))
-        at_high = np.where(above, np.where(stuck, 0.5 * at_high, at_high), value)
-        moved = np.where(above, nu - low, high - nu)
-        low, high = np.where(above, nu, low), np.where(above, high, nu)
-        side = np.where(above, 1.0, -1.0)
-        found = np.where(settled, found, nu)
-        settled |= (high - low <= _CONVERGED * end) | (np.abs(value) <= 1e-14) | (moved <= 0.0)
-        if np.all(settled):
-            break
-    return found
+
+def _some(table: Sharpness, rows: Array) -> Sharpness:
+    """Some designs of a table of columns; spreads of rows are taken with them."""
+    spread = table.spread
+    return rows_of(table, rows, spread=spread.take(rows) if isinstance(spread, SpreadRows) else spread)
+
+
+def rows_of(table: Sharpness, rows: Array, *, spread: SpreadTable | SpreadRows | None) -> Sharpness:
+    """Some designs of a table of columns."""
+    return Sharpness(**{name: getattr(table, name)[rows] for name in NUMBERS}, spread=spread)

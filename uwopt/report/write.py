@@ -17,6 +17,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
+from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import OutputError
 from uwopt.report.text.cells import defused, to_pay
 from uwopt.results.design import BillRow
@@ -45,11 +46,11 @@ BOM_COLUMNS = (
 )  # fmt: skip
 
 
-def write_results(result: Result, folder: str | Path) -> list[Path]:
+def write_results(result: Result, folder: str | Path, *, deadline: Deadline = NEVER) -> list[Path]:
     """Write result.json, system.yaml, bom.csv, bom.xlsx and report.html into a folder, made if need be; their paths.
 
     Without a design the bill of materials holds its header only, and system.yaml a remark, so that none of an earlier
-    run stays.
+    run stays. The page does without pictures for which the deadline leaves no time.
     """
     target = check_folder(folder)
     rows = result.best.bom if result.best is not None else []
@@ -59,16 +60,19 @@ def write_results(result: Result, folder: str | Path) -> list[Path]:
         from uwopt.report.order.bom_book import bom_book
 
         files[BOOK_FILE] = bom_book(result)
-    return write_files(made_folder(target), files | {PAGE_FILE: page_text(result)})
+    return write_files(made_folder(target), files | {PAGE_FILE: page_text(result, deadline)})
 
 
-def write_front(front: FrontResult, folder: str | Path) -> list[Path]:
-    """Write front.json, front.csv and report.html into a folder, made if need be; returns their paths."""
+def write_front(front: FrontResult, folder: str | Path, *, deadline: Deadline = NEVER) -> list[Path]:
+    """Write front.json, front.csv and report.html into a folder, made if need be; returns their paths.
+
+    The page does without pictures for which the deadline leaves no time.
+    """
     target = check_folder(folder)
     texts = {
         FRONT_FILE: json_text(front) + "\n",
         FRONT_TABLE: front_csv(front),
-        PAGE_FILE: page_text(front),
+        PAGE_FILE: page_text(front, deadline),
     }
     return write_files(made_folder(target), texts)
 
@@ -88,9 +92,12 @@ def write_whatif(table: WhatIf, folder: str | Path) -> list[Path]:
     return write_files(made_folder(target), texts)
 
 
-def write_page(result: AnyResult, file: str | Path) -> Path:
-    """Write the report of a result to a file; one that stands there is replaced."""
-    return write_text(page_text(result), file)
+def write_page(result: AnyResult, file: str | Path, *, deadline: Deadline = NEVER) -> Path:
+    """Write the report of a result to a file; one that stands there is replaced.
+
+    The page does without pictures for which the deadline leaves no time.
+    """
+    return write_text(page_text(result, deadline), file)
 
 
 def write_text(text: str, file: str | Path) -> Path:
@@ -99,7 +106,7 @@ def write_text(text: str, file: str | Path) -> Path:
     return write_files(made_folder(target.parent), {target.name: text})[0]
 
 
-def page_text(result: AnyResult) -> str:
+def page_text(result: AnyResult, deadline: Deadline = NEVER) -> str:
     """The page of a result; the template engine is loaded only when a page is made."""
     from uwopt.results.sweep import SweepSummary
     from uwopt.results.whatif import WhatIf
@@ -114,7 +121,7 @@ def page_text(result: AnyResult) -> str:
         return sweep_html(result)
     from uwopt.report.page.page import report_html
 
-    return report_html(result)
+    return report_html(result, deadline)
 
 
 def made_folder(folder: Path) -> Path:

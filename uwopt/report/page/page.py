@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import UwoptError
 from uwopt.report.page import sections as page_parts
 from uwopt.report.page.front import front_cards, front_data, history_figure
@@ -71,11 +72,11 @@ class Pictures:
         return taken
 
 
-def report_html(result: Result | FrontResult) -> str:
-    """The page of a result or a front."""
+def report_html(result: Result | FrontResult, deadline: Deadline = NEVER) -> str:
+    """The page of a result or a front, with the pictures for which there is time."""
     front = result if isinstance(result, FrontResult) else None
     pictures = Pictures()
-    parts = list(design_parts(result, pictures))
+    parts = list(design_parts(result, pictures, deadline))
     table = front_data(front) if front and front.points else None
     facts = front_facts(front, pictures) if table and front else None
     data = {"figures": pictures.drawn, "front": table}
@@ -111,7 +112,9 @@ def opening(result: Result | FrontResult) -> tuple[str, str]:
 # ---------------------------------------------------------------- designs and their pictures
 
 
-def design_parts(result: Result | FrontResult, pictures: Pictures) -> Iterator[DesignPart]:
+def design_parts(
+    result: Result | FrontResult, pictures: Pictures, deadline: Deadline = NEVER
+) -> Iterator[DesignPart]:
     """The designs that the page shows in full: the best, or the nearest miss, or a front's picks."""
     if isinstance(result, FrontResult) and result.points:
         names = pick_names(result) or {result.points[0].id: "First point"}
@@ -123,7 +126,7 @@ def design_parts(result: Result | FrontResult, pictures: Pictures) -> Iterator[D
             design = result.point(point_id).design
             part = page_parts.design_part(result, design, name, part_id=point_id, definition=definition)
             prefix = f"d{number}"
-            add_pictures(result, design, pictures, prefix, part, whole=number == 0, width_mm=width_mm)
+            add_pictures(result, design, pictures, prefix, part, deadline, whole=number == 0, width_mm=width_mm)
             yield part
         return
     best = result.best if isinstance(result, Result) else None
@@ -132,7 +135,7 @@ def design_parts(result: Result | FrontResult, pictures: Pictures) -> Iterator[D
         shown, name = tables.nearest_miss(result), "Nearest miss"
     if shown is not None:
         part = page_parts.design_part(result, shown, name)
-        add_pictures(result, shown, pictures, "d0", part, whole=True)
+        add_pictures(result, shown, pictures, "d0", part, deadline, whole=True)
         yield part
 
 
@@ -149,6 +152,7 @@ def add_pictures(
     pictures: Pictures,
     prefix: str,
     part: DesignPart,
+    deadline: Deadline,
     *,
     whole: bool,
     width_mm: float | None = None,
@@ -157,7 +161,9 @@ def add_pictures(
     inputs: dict[str, Any] = {
         "physics": result.physics, "mission_file": result.mission_file,
         "system": result.system if isinstance(result, Result) else None, "width_mm": width_mm,
+        "deadline": deadline,
     }  # fmt: skip
+    known = len(deadline.left_out)
     try:
         from uwopt.report.pictures import design_pictures as studio
 
@@ -170,6 +176,8 @@ def add_pictures(
             f"{part.name}: a defect of uwopt, please report it: {type(fault).__name__}: {fault}"
         )
         return
+    if missing := deadline.left_out[known:]:
+        pictures.missing.append(f"{part.name}: no time was left for {', '.join(missing)}; `uwopt report` makes them.")
     part.pictures.extend(pictures.add(list(made), prefix))
     pictures.shown.extend(part.pictures)
 

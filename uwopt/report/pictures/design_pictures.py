@@ -8,13 +8,15 @@ from __future__ import annotations
 
 import base64
 import io
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.deadline import NEVER, Deadline
 from uwopt.evaluation.recompute import Replay, replay
 from uwopt.report.pictures import drawing, oblique_drawing, plots
 from uwopt.report.pictures.curves import (
@@ -68,21 +70,28 @@ def design_pictures(
     system: Mapping[str, Any] | None = None,
     scene: int = 0,
     width_mm: float | None = None,
+    deadline: Deadline = NEVER,
 ) -> list[Picture]:
     """All pictures of a design in one scene; arguments as `uwopt.evaluation.recompute.replay` takes them from a result.
 
     With the same `width_mm` of floor the details of several designs can be compared side by side.
-    Raises ReplayError where the design cannot be recomputed. Physics `paper` knows no field: it has no maps.
+    Those for which the deadline leaves no time are left out. Raises ReplayError where the design cannot be recomputed.
+    Physics `paper` knows no field: it has no maps.
     """
+    steps: dict[str, Callable[[Replay], Sequence[Picture]]] = {
+        "drawings": lambda made: drawings(rig_measures(made, scene), on_axis=made.model.problem.paper),
+        "simulated pictures": lambda made: simulated(made, scene, width_mm),
+        "spectra": lambda made: [light_picture(spectrum_way(made, scene))],
+        "sharpness": lambda made: sharp_pictures(depth_of_field(made, scene)),
+        "operation": lambda made: operation_pictures(operation_curves(made, scene)),
+        "maps": lambda made: map_pictures(image_map(made, scene), floor_map(made, scene)),
+    }
+    if deadline.passed():
+        deadline.left_out.extend(steps)
+        return []
     made = replay(mission, design, physics=physics, mission_file=mission_file, system=system)
-    pictures = [
-        *drawings(rig_measures(made, scene), on_axis=made.model.problem.paper),
-        *simulated(made, scene, width_mm),
-        light_picture(spectrum_way(made, scene)),
-        *sharp_pictures(depth_of_field(made, scene)),
-        *operation_pictures(operation_curves(made, scene)),
-        *map_pictures(image_map(made, scene), floor_map(made, scene)),
-    ]
+    none: Sequence[Picture] = ()
+    pictures = [one for what, make in steps.items() for one in deadline.within(what, partial(make, made), none)]
     if scene == 0:
         return pictures
     return [Picture(**{**vars(one), "id": f"{one.id}-scene{scene + 1}"}) for one in pictures]
@@ -97,11 +106,15 @@ def picture_pair(
     system: Mapping[str, Any] | None = None,
     scene: int = 0,
     width_mm: float | None = None,
-) -> tuple[Picture, Picture]:
+    deadline: Deadline = NEVER,
+) -> Sequence[Picture]:
     """The chart and its simulated picture, pixel by pixel from the middle of the image.
 
-    With the same `width_mm` of floor the pairs of several designs can be compared side by side.
+    With the same `width_mm` of floor the pairs of several designs can be compared side by side; none past the deadline.
     """
+    if deadline.passed():
+        deadline.left_out.append("the detail")
+        return []
     made = replay(mission, design, physics=physics, mission_file=mission_file, system=system)
     chart, seen = view_pictures(
         detail_view(made, scene, width_mm=width_mm), "detail", "Detail, pixel by pixel"

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from uwopt.evaluation.recompute import Replay
 from uwopt.forward.sharpness import unfocused
 from uwopt.model import sensor, sharpness
+from uwopt.model.lateral import SpreadTable
 from uwopt.model.sharpness import Gain, Sharpness
 from uwopt.report.pictures.chart import BOARD_WIDTH, nice_unit_mm, scene_reflectance
 from uwopt.report.pictures.curves import is_colour
@@ -263,7 +264,7 @@ def detail_at(design: Replay, scene_index: int) -> Gain | None:
 
 def lateral_colour_px(at: Sharpness) -> float:
     """Electron-weighted rms of the spread of colours, to first order; see `lateral.radius_slope_px`."""
-    if at.spread is None:
+    if not isinstance(at.spread, SpreadTable):
         return 0.0
     slope = float(np.max(np.hypot(at.lateral_k_along, at.lateral_k_across))) / (2.0 * np.pi)
     return slope * at.spread.index_rms

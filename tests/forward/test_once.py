@@ -1,0 +1,41 @@
+"""What follows from records is made once for each, and for each choice of what else it depends on."""
+
+from __future__ import annotations
+
+from uwopt.forward.once import Once, once_each
+
+
+class Record:
+    """Equal to all others: records are told apart by identity."""
+
+    def __eq__(self, other: object) -> bool:
+        return True
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+def test_what_follows_is_made_once_for_each_record():
+    made = []
+
+    @once_each
+    def follows(record, *others):
+        made.append(record)
+        return [record, *others]
+
+    one, other = Record(), Record()
+    assert follows(one) is follows(one)
+    assert follows(other)[0] is other
+    assert follows(one, other) is follows(one, other)
+    assert len(made) == 3
+
+
+def test_what_else_counts_is_told_apart_and_too_much_is_forgotten():
+    known, made, records = Once[int](2), [], [Record(), Record()]
+
+    def make() -> int:
+        made.append(0)
+        return len(made)
+
+    assert [known.of(records, currency, make) for currency in ("USD", "EUR", "USD")] == [1, 2, 1]
+    assert known.of(records[:1], "USD", make) == 3  # the third: the other two are forgotten
+    assert known.of(records, "USD", make) == 4
