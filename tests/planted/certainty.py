@@ -201,6 +201,27 @@ DEFECTS = (
         test="tests/api/test_confidence.py::test_a_given_focus_counts",
     ),
     Defect(
+        name="of the best known no other lamps are tried",
+        file=f"{ROOM}/polish.py",
+        old="made = [*other_lamps(problem, found), *other_views(problem, found)]",
+        new="made = list(other_views(problem, found))",
+        test=f"{PROOF}::test_the_best_is_found_from_the_worst_part_by_part",
+    ),
+    Defect(
+        name="what seems worse than the best known is counted",
+        file=f"{ROOM}/polish.py",
+        old="steps = (value - base) / np.abs(base)",
+        new="steps = (base - value) / np.abs(base)",
+        test=f"{PROOF}::test_a_glance_tells_what_is_better",
+    ),
+    Defect(
+        name="lamps of some scenarios are those of the first",
+        file=f"{ROOM}/scenarios.py",
+        old="return [replace(every[int(k)], **beam) for k in self.places]",
+        new="return [replace(every[k], **beam) for k in range(self.count)]",
+        test=f"{PROOF}::test_some_scenarios_are_those_of_all",
+    ),
+    Defect(
         name="a lens is focused anew in every scenario",
         file=f"{ROOM}/together.py",
         old="            aimed = problem if in_focus else",

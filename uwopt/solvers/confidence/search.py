@@ -23,6 +23,7 @@ from uwopt.solvers.confidence.candidates import worse_problem
 from uwopt.solvers.confidence.counted import Counted, names, rank
 from uwopt.solvers.confidence.ends import EndScenarios
 from uwopt.solvers.confidence.outcomes import outcomes, outcomes_of_each
+from uwopt.solvers.confidence.polish import polish
 from uwopt.solvers.confidence.proof import NoneBetter, Prover
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.exact.imagers import IMAGER_RULES, Imagers, imagers_behind, joined
@@ -39,6 +40,7 @@ LESS_WORSE = (0.5, 0.3)  # where nothing fits so
 A_SEARCH = 4  # hardware that each brings up
 OF_CENTRAL = 2  # of the central search
 ENOUGH = 3  # hardware that holds: no further search is made
+POLISH_SHARE = 0.4  # of the time that is left
 PROOF_SHARE = 0.6  # of the time that is left: the rest is for what is told of the choice, or to count what is known
 FRESH = 1024  # scenarios that the choice has not seen
 FRESH_SEED = 1_000_003
@@ -107,6 +109,8 @@ def most_certain(
         complete = False
         if not tried:
             raise
+    if complete and scenarios.is_drawn:
+        polish(problem, objective, scenarios, share, tried, deadline.at_most(POLISH_SHARE * deadline.left_s))
     proof = None
     if complete and can_be_proven(problem, objective):
         patience = deadline.at_most(PROOF_SHARE * deadline.left_s)
