@@ -45,6 +45,7 @@ ALL_PARTS = "parts to be made that may hold more often"  # where there is no tim
 NOT_CERTAIN = "not_certain"  # code of the warning that nothing holds as often as asked
 CERTAINTY_S = 15.0  # of the processor, where no time is given
 SOLD_SHARE = 0.4  # of it, until parts to be made are looked at where those that are sold do not hold
+MADE_SHARE = 0.6  # of what is left then, for these: the rest is for the most certain of what is sold
 EASED_S = 8.0  # of the processor, likewise, for what asked less would make certain enough
 MOST_SET = 6  # stops of a ring, of one hardware or the next, that are tried to be set
 OF_A_SYSTEM = 10_000  # scenarios in which a given system is counted
@@ -77,14 +78,20 @@ def with_confidence(
     patience = deadline if math.isfinite(deadline.end_s) else Deadline.after(CERTAINTY_S, time.process_time)
     sold, certain, surer = sought, None, None
     with timed(timing, "certainty", progress):
-        first = patience.at_most(SOLD_SHARE * patience.left_s) if leaves_out_generic(sought) else patience
-        seen = patience.within(STAGES["certainty"], lambda: look(sought, goal, asked, first, report), None)
+        others = leaves_out_generic(sought)
+        first = patience.at_most(SOLD_SHARE * patience.left_s) if others else patience
+        seen = patience.within(
+            STAGES["certainty"], lambda: look(sought, goal, asked, first, report, with_room=others), None
+        )
     if seen is not None:
-        surer = surer_of_all_parts(sought, goal, seen, patience, progress, timing)
-        held = seen.held
+        made = patience.at_most(MADE_SHARE * patience.left_s)
+        surer = surer_of_all_parts(sought, goal, seen, made, progress, timing)
         if surer is not None:
             sought, seen, proven = surer[0], surer[1], surer[0].outcome
         with timed(timing, "certainty", progress):
+            if surer is None and others and seen.held < seen.share:
+                known = seen
+                seen = patience.within(STAGES["certainty"], lambda: look(sold, goal, asked, patience, report), known)
             certain = chosen(sought.problem, goal, seen, patience, report)
     if certain is None:
         return as_central(sold, winner, goal, deadline, patience)
@@ -101,12 +108,12 @@ def with_confidence(
     if surer is not None:
         share = "at every end" if asked == ENDS else f"in {100.0 * certain.asked:g} % of the scenarios"
         text = (
-            f"nothing sold that was counted holds {share}: the best of it does in {100.0 * held:.0f} %; with parts to "
-            f"be made this does in {100.0 * counted.held:.0f} %"
+            f"nothing sold that was counted holds {share}; with parts to be made this does in "
+            f"{100.0 * counted.held:.0f} %"
         )
         design = with_note(design, Note(MADE_IS_SURER, "catalog.generic", text))
-    others = [one for one in sought.outcome.best if not same_hardware(one, certain.central)]
-    headed = replace(sought, outcome=replace(sought.outcome, best=[certain.central, *others]))
+    next_best = [one for one in sought.outcome.best if not same_hardware(one, certain.central)]
+    headed = replace(sought, outcome=replace(sought.outcome, best=[certain.central, *next_best]))
     return Recommended(headed, proven, design, counted, counted.enough and certain.proven, surer is not None)
 
 

@@ -39,31 +39,45 @@ def polish(
     problem: Problem, objective: Objective, scenarios: Scenarios, share: float, tried: list[Counted], deadline: Deadline
 ) -> bool:
     """Count what may be better by one part than the best known; whether there was time until nothing is."""
-    known = {names(problem, one.found) for one in tried}
+    known: set[Any] = set()
     for _ in range(ROUNDS):
         best = best_of(tried, share)
         if best is None:
             return True
         near = [one for one in neighbours(problem, best.found) if names(problem, one) not in known]
-        near = [one for one in near if colours_of(problem.parts.cameras[one.camera]) in scenarios.colours]
-        glance, complete = Glance.of(best, share, scenarios), True
-        try:
-            for first in range(0, len(near), A_GLANCE):
-                some = near[first : first + A_GLANCE]
-                glance.look_at(problem, objective, some, share, deadline)
-                known.update(names(problem, one) for one in some)
-        except OutOfTimeError:
-            complete = False
-        hopeful = glance.promising(A_ROUND)
-        for first in range(0, len(hopeful), A_COUNT):
-            if first and deadline.passed():
-                return False
-            some = hopeful[first : first + A_COUNT]
-            made = outcomes_of_each(problem, some, objective, scenarios)
-            tried += [Counted(found, one, one.best(share)) for found, one in zip(some, made, strict=True)]
+        known.update(names(problem, one) for one in near)
+        complete = compare(problem, objective, scenarios, share, tried, near, deadline)
         if best_of(tried, share) is best or not complete:
             return complete
     return False
+
+
+def compare(
+    problem: Problem, objective: Objective, scenarios: Scenarios, share: float, tried: list[Counted],
+    others: Sequence[Found], deadline: Deadline,
+) -> bool:  # fmt: skip
+    """Look at other hardware beside the best known, and count what seems better; whether there was time for all."""
+    best = best_of(tried, share)
+    assert best is not None
+    known = {names(problem, one.found) for one in tried}
+    new = [
+        one for one in others
+        if names(problem, one) not in known and colours_of(problem.parts.cameras[one.camera]) in scenarios.colours
+    ]  # fmt: skip
+    glance, complete = Glance.of(best, share, scenarios), True
+    try:
+        for first in range(0, len(new), A_GLANCE):
+            glance.look_at(problem, objective, new[first : first + A_GLANCE], share, deadline)
+    except OutOfTimeError:
+        complete = False
+    hopeful = glance.promising(A_ROUND)
+    for first in range(0, len(hopeful), A_COUNT):
+        if first and deadline.passed():
+            return False
+        some = hopeful[first : first + A_COUNT]
+        made = outcomes_of_each(problem, some, objective, scenarios)
+        tried += [Counted(found, one, one.best(share)) for found, one in zip(some, made, strict=True)]
+    return complete
 
 
 @dataclass

@@ -7,6 +7,7 @@ then proven (`proof`), but for the sun's light and for objectives whose settings
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -40,7 +41,7 @@ LESS_WORSE = (0.5, 0.3)  # where nothing fits so
 A_SEARCH = 4  # hardware that each brings up
 OF_CENTRAL = 2  # of the central search
 ENOUGH = 3  # hardware that holds: no further search is made
-POLISH_SHARE = 0.4  # of the time that is left
+POLISH_SHARE, POLISH_S = 0.4, 2.5  # of the time that is left, and seconds at most where there is a limit
 PROOF_SHARE = 0.6  # of the time that is left: the rest is for what is told of the choice, or to count what is known
 FRESH = 1024  # scenarios that the choice has not seen
 FRESH_SEED = 1_000_003
@@ -122,7 +123,7 @@ def look(
     sought: Sought, objective: Objective, asked: float | str, deadline: Deadline, report: Report, *,
     with_room: bool = False,
 ) -> Looked:  # fmt: skip
-    """Count hardware that is likely to hold; `with_room`: none where nothing fits with room."""
+    """Count hardware that is likely to hold; `with_room`: no more than central optima where nothing fits with room."""
     problem, mission = sought.problem, sought.problem.mission
     check_fixed(problem, objective)
     seen = Looked(asked, scenarios_of(problem, asked, mission.seed, mission.doubt.scenarios), [], True)
@@ -147,8 +148,10 @@ def chosen(
 ) -> Certain | None:
     """The best of what was counted, compared with what is near it, and proven as far as there is time."""
     scenarios, share, tried = seen.scenarios, seen.share, seen.tried
+    timed = math.isfinite(deadline.left_s)
     if seen.complete and scenarios.is_drawn:
-        polish(problem, objective, scenarios, share, tried, deadline.at_most(POLISH_SHARE * deadline.left_s))
+        most_s = min(POLISH_SHARE * deadline.left_s, POLISH_S) if timed else deadline.left_s
+        polish(problem, objective, scenarios, share, tried, deadline.at_most(most_s))
     proof = None
     if seen.complete and can_be_proven(problem, objective):
         patience = deadline.at_most(PROOF_SHARE * deadline.left_s)
@@ -194,8 +197,8 @@ def candidates(
     """Hardware worth counting, some at a time: the best of the central search, then of those with room.
 
     What is proven besides brings up all other hardware that holds; else worse numbers are tried. Where none of these
-    holds, the brightest and worse numbers still; where nothing fits with room, less room is asked for, or `with_room`
-    nothing is told.
+    holds, the brightest and worse numbers still; where nothing fits with room, less room is asked for, unless that is
+    all that is wanted (`with_room`).
     """
     problem, known = sought.problem, set[Any]()
     rungs = WORSE[:1] if can_be_proven(problem, objective) else WORSE
@@ -221,6 +224,7 @@ def candidates(
                 raise OutOfTimeError
             fits |= bool(searched.best)
             if with_room and not fits:
+                yield waiting
                 return
             least = least if searched.best else min(least, worse)
             wants_light &= goal is objective
