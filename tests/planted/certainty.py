@@ -222,6 +222,20 @@ DEFECTS = (
         test=f"{PROOF}::test_some_scenarios_are_those_of_all",
     ),
     Defect(
+        name="what holds more often is kept from the buyer",
+        file=f"{ROOM}/summary.py",
+        old="if certain.enough or first.held <= certain.best.held:",
+        new="if certain.enough or first.held >= certain.best.held:",
+        test=f"{TESTS}::test_what_holds_more_often_but_not_by_central_numbers_is_named",
+    ),
+    Defect(
+        name="a share below what was asked is told as if it were no less",
+        file="uwopt/report/text/certainty.py",
+        old="if known.enough and known.held < float(known.asked) else",
+        new="if known.enough and known.held < 0.5 else",
+        test=f"{API}::test_a_share_that_is_less_than_asked_is_told_as_such",
+    ),
+    Defect(
         name="a lens is focused anew in every scenario",
         file=f"{ROOM}/together.py",
         old="            aimed = problem if in_focus else",
