@@ -5,7 +5,8 @@ from __future__ import annotations
 import io
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -14,17 +15,19 @@ from thorough import THOROUGH
 import uwopt
 from uwopt.api import certainty
 from uwopt.cli.status import result_status
-from uwopt.deadline import NEVER
+from uwopt.deadline import NEVER, OutOfTimeError
 from uwopt.errors import MissionError
 from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import load_mission
 from uwopt.objectives.goal import goal_of
-from uwopt.report.text.certainty import percent
+from uwopt.report.text.certainty import held_text, percent
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.short import short_text_blocks
-from uwopt.results.certainty import Confidence
 from uwopt.results.result import Result
 from uwopt.solvers.confidence import search
+from uwopt.solvers.confidence.counted import Counted
+from uwopt.solvers.confidence.scenarios import Scenarios
+from uwopt.solvers.confidence.search import Looked
 from uwopt.solvers.recommend import seek
 
 ROOT = Path(__file__).parents[2]
@@ -82,6 +85,16 @@ def test_it_is_told_first_and_survives_its_file(certain: Result) -> None:
     assert "holds in" in text.splitlines()[0] and "of 256 scenarios" in " ".join(text.split())
     assert "How certain" in text
     assert Result.from_dict(certain.to_dict()).confidence == certain.confidence
+
+
+def test_a_share_that_is_less_than_asked_is_told_as_such(certain: Result) -> None:
+    """Where fresh scenarios do not refute what was asked, but fall short of it; and nothing of it where they do not."""
+    known = certain.confidence
+    assert known is not None
+    short = replace(known, asked=0.9, enough=True, held=0.889, held_low=0.868, held_high=0.907)
+    assert held_text(short).endswith("(87 % to 91 %); 90 % asked, which so many do not refute")
+    for other in (replace(short, held=0.9), replace(short, held=0.8, held_high=0.82, enough=False)):
+        assert held_text(other).endswith("90 % asked")
 
 
 def test_what_is_not_certain_enough_is_told_by_the_exit_status(certain: Result) -> None:
@@ -210,7 +223,7 @@ def test_parts_to_be_made_are_taken_where_they_alone_are_sure_enough() -> None:
         assert result.certificate.adds_up()
         held[generic] = result.confidence.held
         codes = [note["code"] for note in result.warnings]
-        assert (certainty.MADE_IS_SURER in codes) == (generic == "fallback") == result.confidence.enough
+        assert (certainty.MADE_IS_SURER in codes) == (generic == "fallback")
     assert held["never"] < 0.5 < 0.85 < held["fallback"]
 
 
@@ -218,21 +231,23 @@ def test_parts_to_be_made_are_asked_only_where_they_may_be_surer() -> None:
     """Not where what is sold is sure enough, nor where the mission wants none, nor where it is of all parts already."""
     wanted = load_mission(STROBED | {"catalog": ONE_OF_EACH})
     goal, catalog = goal_of(wanted), load_catalog(wanted)
-    sold = Confidence(
-        asked=0.9, enough=False, held=0.3, held_low=0.2, held_high=0.4, scenarios=64, held_in_choice=0.3,
-        scenarios_in_choice=64, objective_p50=None, objective_p90=None, f_number=None, lost_to=[],
-    )  # fmt: skip
 
-    def asked(generic: str, policy: str, known: Confidence) -> bool:
+    def asked(generic: str, policy: str, held: float) -> bool:
         mission = wanted.with_changes(catalog=wanted.to_dict()["catalog"] | {"generic": policy})
         sought = seek(mission, catalog, goal, generic=generic, top=1)  # type: ignore[arg-type]
+        sold = Looked(0.9, cast(Scenarios, None), [cast(Counted, SimpleNamespace(held=held))], True)
+        tried: list[float] = []
+
+        def of_all_parts(*_: Any) -> Any:
+            tried.append(1.0)
+            raise OutOfTimeError
+
         with pytest.MonkeyPatch.context() as patch:
-            tried: list[float] = []
-            patch.setattr(certainty, "has_room", lambda *_: tried.append(1.0))
-            assert certainty.surer_of_all_parts(sought, goal, known, NEVER, None, {}) is None
+            patch.setattr(certainty, "of_all_parts", of_all_parts)
+            assert certainty.surer_of_all_parts(sought, goal, sold, NEVER, None, {}) is None
         return bool(tried)
 
-    assert asked("never", "fallback", sold)
-    assert not asked("never", "fallback", replace(sold, enough=True))
-    assert not asked("never", "never", sold)
-    assert not asked("allow", "fallback", sold)
+    assert asked("never", "fallback", 0.3)
+    assert not asked("never", "fallback", 0.9)
+    assert not asked("never", "never", 0.3)
+    assert not asked("allow", "fallback", 0.3)

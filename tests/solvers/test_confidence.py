@@ -31,7 +31,7 @@ from uwopt.solvers.confidence.search import (
     most_certain,
     rank,
 )
-from uwopt.solvers.confidence.summary import told
+from uwopt.solvers.confidence.summary import ids, surest, told
 from uwopt.solvers.confidence.waters import BANDS
 from uwopt.solvers.confidence.worth import gained, worth_of_knowing
 from uwopt.solvers.exact.search import Search
@@ -415,6 +415,21 @@ def test_pieces_of_one_name_are_each_drawn_as_what_they_are() -> None:
     camera, lens = problem.parts.cameras[0], replace(problem.parts.lenses[0], id="camera")
     assert {type(part) for part in scenarios.each(camera)} == {type(camera)}
     assert {type(part) for part in scenarios.each(lens)} == {type(lens)}
+
+
+def test_what_holds_more_often_but_not_by_central_numbers_is_named() -> None:
+    """Of two cameras the one that is fast enough in more scenarios, where the other is recommended."""
+    sought = sought_of(rivals())
+    problem, objective = sought.problem, sought.search.objective
+    certain = most_certain(sought, objective, 0.5)
+    assert certain is not None
+    seldom, often = sorted(certain.tried, key=lambda one_: one_.held)[:: len(certain.tried) - 1]
+    assert seldom.held < often.held
+    for best, asked, named in ((seldom, 1.01, True), (often, 1.01, False), (seldom, seldom.held, False)):
+        shown = surest(problem, replace(certain, best=best, asked=asked))
+        assert (shown is not None) == named
+        if shown is not None:
+            assert shown.held == often.held and shown.hardware == ids(problem, often.found)
 
 
 def test_what_was_chosen_is_kept_when_time_is_over() -> None:

@@ -18,11 +18,13 @@ from uwopt.catalog.parts.quantity import Quantity
 from uwopt.deadline import NEVER
 from uwopt.forward.part_columns import FAVOURED
 from uwopt.forward.problem import Parts, Problem
+from uwopt.solvers.confidence import polish as polish_module
 from uwopt.solvers.confidence import search as search_module
-from uwopt.solvers.confidence.counted import Counted, best_of
+from uwopt.solvers.confidence.counted import Counted, best_of, names, rank
 from uwopt.solvers.confidence.outcomes import groups_of, outcomes_of_each
 from uwopt.solvers.confidence.panels import anchors_of, best_scene, least_covered, panel_of
-from uwopt.solvers.confidence.scenarios import Scenarios
+from uwopt.solvers.confidence.polish import Glance, polish
+from uwopt.solvers.confidence.scenarios import Scenarios, SomeScenarios
 from uwopt.solvers.confidence.screen import bounds_of
 from uwopt.solvers.confidence.search import Certain, can_be_proven, most_certain
 from uwopt.solvers.confidence.summary import counted, proof_told, wilson
@@ -108,6 +110,59 @@ def test_what_is_proven_best_is_the_best_of_every_hardware() -> None:
     first = sought.outcome.best[0]
     assert certain.best.found.camera != first.camera
     assert certain.best.quantile(0.5) < 0.995 * certain.tried[0].quantile(0.5)
+
+
+def test_the_best_is_found_from_the_worst_part_by_part(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From the one that holds with the greatest median, though only the best that is seen is counted in each round.
+
+    And from the one that holds least often; the best stays.
+    """
+    sought, certain = known()
+    problem, objective, scenarios = sought.problem, sought.search.objective, certain.scenarios
+    every = every_hardware(problem, sought.outcome.best[0])
+    made = outcomes_of_each(problem, every, objective, scenarios, every_stop=True)
+    all_counted = [Counted(found, one_, one_.best(SHARE)) for found, one_ in zip(every, made, strict=True)]
+    best, seldom = (of(all_counted, key=lambda one: rank(one, SHARE)) for of in (min, max))
+    dear = max((one_ for one_ in all_counted if one_.held >= SHARE), key=lambda one: one.quantile(0.5))
+    assert seldom.held < SHARE and dear.quantile(0.5) > 1.02 * best.quantile(0.5)
+    for first, counted_at_once in ((dear, 1), (seldom, 16), (best, 16)):
+        monkeypatch.setattr(polish_module, "A_ROUND", counted_at_once)
+        tried = [first]
+        assert polish(problem, objective, scenarios, SHARE, tried, NEVER)
+        found = best_of(tried, SHARE)
+        assert found is not None and found.quantile(0.5) <= best.quantile(0.5) * (1.0 + 1e-3)
+        assert len({names(problem, one.found) for one in tried}) == len(tried) < len(every)
+
+
+def test_a_glance_tells_what_is_better() -> None:
+    """Of all hardware beside the one in the middle: what is counted to be better, the best first, and nothing else."""
+    sought, certain = known()
+    problem, objective, scenarios = sought.problem, sought.search.objective, certain.scenarios
+    every = every_hardware(problem, sought.outcome.best[0])
+    made = outcomes_of_each(problem, every, objective, scenarios)
+    median = [one_.quantile(0.5)[one_.best(SHARE)] for one_ in made]
+    order = np.argsort(median)
+    middle = int(order[len(order) // 2])
+    glance = Glance.of(Counted(every[middle], made[middle], made[middle].best(SHARE)), SHARE, scenarios)
+    glance.look_at(problem, objective, every, SHARE, NEVER)
+    told = [names(problem, found) for found in glance.promising(len(every))]
+    better = [names(problem, every[k]) for k in order if median[k] < 0.99 * median[middle]]
+    assert 4 <= len(better) == len(told) and set(told) == set(better)
+    assert told[0] in better[:4]  # as many lamps, or two of which one is lit
+    worst = [k for k in order if median[k] > 1.01 * median[middle]]
+    assert len(worst) >= 4
+
+
+def test_some_scenarios_are_those_of_all() -> None:
+    """Their cameras, lamps and floors, by their places; ports and beams stand at central numbers."""
+    sought, certain = known()
+    whole, places, parts = certain.scenarios, np.array([3, 7, 40]), sought.problem.parts
+    some = SomeScenarios.among(whole, places)
+    assert some.count == 3 and [state.floor for state in some.states] == [whole.states[k].floor for k in places]
+    assert some.each(parts.cameras[0]) == [whole.each(parts.cameras[0])[k] for k in places]
+    lamps = whole.lights(parts.lights[0])
+    assert [one_.flux_lm for one_ in some.lights(parts.lights[0])] == [lamps[k].flux_lm for k in places]
+    assert all(port is parts.ports[0] for port in some.ports(parts.ports[0]))
 
 
 def test_a_proof_tells_what_it_takes_for_granted() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import islice
 
 import numpy as np
@@ -25,13 +25,16 @@ from uwopt.solvers.confidence.counted import Counted, rank
 from uwopt.solvers.confidence.fixed import SceneSetting
 from uwopt.solvers.confidence.search import (
     Certain,
+    Looked,
     at_its_stop,
     check_fixed,
-    has_room,
+    chosen,
     judged_anew,
-    most_certain,
+    look,
     scenarios_of,
+    unheard,
 )
+from uwopt.solvers.confidence.summary import told
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.ranking import Found
@@ -41,86 +44,117 @@ MADE_IS_SURER = "made_is_surer"  # code of the warning that parts to be made hol
 ALL_PARTS = "parts to be made that may hold more often"  # where there is no time for them
 NOT_CERTAIN = "not_certain"  # code of the warning that nothing holds as often as asked
 CERTAINTY_S = 15.0  # of the processor, where no time is given
+SOLD_SHARE = 0.4  # of it, until parts to be made are looked at where those that are sold do not hold
+MADE_SHARE = 0.6  # of what is left then, for these: the rest is for the most certain of what is sold
 EASED_S = 8.0  # of the processor, likewise, for what asked less would make certain enough
 MOST_SET = 6  # stops of a ring, of one hardware or the next, that are tried to be set
 OF_A_SYSTEM = 10_000  # scenarios in which a given system is counted
 AS_CENTRAL = "certainty_left_out"  # that there was no time for it
 
 
+@dataclass(frozen=True)
+class Recommended:
+    """What is recommended at a mission's confidence."""
+
+    sought: Sought  # with it at its head
+    proven: Outcome  # of the search by central numbers
+    design: Design
+    counted: Confidence | None
+    is_best: bool  # whether it is proven best
+    of_all_parts: bool = False  # whether parts to be made were taken though what is sold fits by central numbers
+
+
 def with_confidence(
     sought: Sought, winner: Design | None, goal: Objective, deadline: Deadline, progress: Progress | None,
     timing: dict[str, float],
-) -> tuple[Sought, Design, Confidence | None, bool]:  # fmt: skip
-    """What is recommended at the mission's confidence: the search with it at its head, its design, what was counted.
+) -> Recommended:  # fmt: skip
+    """What is recommended at the mission's confidence: its design, and what was counted.
 
-    And whether it is proven best. There must be a design, and a mission that does not take every number as central.
+    There must be a design, and a mission that does not take every number as central.
 
     winner : the best by central numbers, as it can be set; None: made only where nothing was counted
     """
-    from uwopt.solvers.confidence.summary import told
-
-    asked, problem = sought.problem.mission.confidence, sought.problem
+    asked, report, proven = sought.problem.mission.confidence, progress or unheard, sought.outcome
     patience = deadline if math.isfinite(deadline.end_s) else Deadline.after(CERTAINTY_S, time.process_time)
+    sold, certain, surer = sought, None, None
     with timed(timing, "certainty", progress):
-        certain = patience.within(
-            STAGES["certainty"], lambda: most_certain(sought, goal, asked, patience, progress), None
+        others = leaves_out_generic(sought)
+        first = patience.at_most(SOLD_SHARE * patience.left_s) if others else patience
+        seen = patience.within(
+            STAGES["certainty"], lambda: look(sought, goal, asked, first, report, with_room=others), None
         )
-    first = sought.outcome.best[0]
+    if seen is not None:
+        made = patience.at_most(MADE_SHARE * patience.left_s)
+        surer = surer_of_all_parts(sought, goal, seen, made, progress, timing)
+        if surer is not None:
+            sought, seen, proven = surer[0], surer[1], surer[0].outcome
+        with timed(timing, "certainty", progress):
+            if surer is None and others and seen.held < seen.share:
+                known = seen
+                seen = patience.within(STAGES["certainty"], lambda: look(sold, goal, asked, patience, report), known)
+            certain = chosen(sought.problem, goal, seen, patience, report)
     if certain is None:
-        why = "no time was left to count scenarios" if patience.left_out else "no stop that was counted fits by them"
-        text = f"this is the best by central numbers, which alone are held: {why}"
-        note = Note(AS_CENTRAL, "confidence", text)
-        if winner is None:
-            sought, winner = best_settable(sought, goal, deadline)
-        return sought, replace(winner, warnings=[note, *winner.warnings]), None, False
+        return as_central(sold, winner, goal, deadline, patience)
     with timed(timing, "certainty", progress):
         certain, design = as_settable(sought, certain, goal, deadline)
         if asked != ENDS:
-            certain = judged_anew(problem, goal, certain, focus_to_set_m(design), patience)
-        counted = told(problem, goal, certain, first, ends=asked == ENDS)
-    found = certain.central
+            certain = judged_anew(sought.problem, goal, certain, focus_to_set_m(design), deadline)
+        counted = told(sought.problem, goal, certain, sought.outcome.best[0], ends=asked == ENDS)
     if not counted.enough:
         share = "every end" if asked == ENDS else f"{100.0 * certain.asked:g} % of the scenarios"
         none = "nothing in the catalogue" if certain.proven else "nothing that was counted"
         text = f"{none} holds in {share}; this does in {100.0 * min(counted.held, counted.held_in_choice):.0f} %"
-        design = replace(design, warnings=[Note(NOT_CERTAIN, "confidence", text), *design.warnings])
-    others = [one for one in sought.outcome.best if not same_hardware(one, found)]
-    outcome = replace(sought.outcome, best=[found, *others])
-    return replace(sought, outcome=outcome), design, counted, counted.enough and certain.proven
+        design = with_note(design, Note(NOT_CERTAIN, "confidence", text))
+    if surer is not None:
+        share = "at every end" if asked == ENDS else f"in {100.0 * certain.asked:g} % of the scenarios"
+        text = (
+            f"nothing sold that was counted holds {share}; with parts to be made this does in "
+            f"{100.0 * counted.held:.0f} %"
+        )
+        design = with_note(design, Note(MADE_IS_SURER, "catalog.generic", text))
+    next_best = [one for one in sought.outcome.best if not same_hardware(one, certain.central)]
+    headed = replace(sought, outcome=replace(sought.outcome, best=[certain.central, *next_best]))
+    return Recommended(headed, proven, design, counted, counted.enough and certain.proven, surer is not None)
+
+
+def with_note(design: Design, note: Note) -> Design:
+    """A design with a warning before its others."""
+    return replace(design, warnings=[note, *design.warnings])
+
+
+def as_central(
+    sought: Sought, winner: Design | None, goal: Objective, deadline: Deadline, patience: Deadline
+) -> Recommended:
+    """The best by central numbers, where none was counted that fits by them."""
+    why = "no time was left to count scenarios" if patience.left_out else "no stop that was counted fits by them"
+    text = f"this is the best by central numbers, which alone are held: {why}"
+    proven = sought.outcome
+    if winner is None:
+        sought, winner = best_settable(sought, goal, deadline)
+    return Recommended(sought, proven, with_note(winner, Note(AS_CENTRAL, "confidence", text)), None, False)
 
 
 def surer_of_all_parts(
-    sought: Sought, goal: Objective, sold: Confidence | None, deadline: Deadline, progress: Progress | None,
+    sought: Sought, goal: Objective, sold: Looked, deadline: Deadline, progress: Progress | None,
     timing: dict[str, float],
-) -> tuple[Sought, Outcome, Design, Confidence, bool] | None:  # fmt: skip
-    """The same with parts to be made, and what is proven of them by central numbers: where only they are sure enough.
+) -> tuple[Sought, Looked] | None:  # fmt: skip
+    """The same search with parts to be made, and what was counted of them: where only they hold as often as asked.
 
-    None where what is sold holds as often as asked, no other parts do, none were left out, or time is out.
+    None where what is sold holds as often, no other parts do, none were left out, or time is out.
     """
-    if sold is None or sold.enough or not leaves_out_generic(sought):
+    if sold.held >= sold.share or not leaves_out_generic(sought):
         return None
 
-    def found() -> Sought | None:
+    def found() -> tuple[Sought, Looked] | None:
         with timed(timing, "search_generic"):
             every = of_all_parts(sought, goal, deadline, progress)
-            if not every.outcome.complete:
-                raise OutOfTimeError
-            room = has_room(every.problem, goal, sold.asked, deadline)
-            return every if room else None
+        if not every.outcome.complete:
+            raise OutOfTimeError
+        with timed(timing, "certainty", progress):
+            seen = look(every, goal, sold.asked, deadline, progress or unheard, with_room=True)
+        return (every, seen) if seen.held >= seen.share else None
 
-    made = deadline.within(ALL_PARTS, found, None)
-    if made is None:
-        return None
-    every, winner, counted, surely_best = with_confidence(made, None, goal, deadline, progress, timing)
-    if counted is None or not counted.enough:
-        return None
-    asked = "at every end" if sold.asked == ENDS else f"in {100.0 * float(sold.asked):g} % of the scenarios"
-    text = (
-        f"nothing sold that was counted holds {asked}: the best of it does in {100.0 * sold.held:.0f} %; with parts to "
-        f"be made this does in {100.0 * counted.held:.0f} %"
-    )
-    winner = replace(winner, warnings=[Note(MADE_IS_SURER, "catalog.generic", text), *winner.warnings])
-    return every, made.outcome, winner, counted, surely_best
+    return deadline.within(ALL_PARTS, found, None)
 
 
 def as_settable(sought: Sought, certain: Certain, goal: Objective, deadline: Deadline) -> tuple[Certain, Design]:

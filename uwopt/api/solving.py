@@ -222,14 +222,14 @@ def found_result(
             cut, winner = True, design_of(sought, sought.outcome.best[0], goal)
     certain, surely_best, proven_outcome = None, True, sought.outcome  # of central numbers
     if not cut and not central:
-        from uwopt.api.certainty import surer_of_all_parts, with_confidence
+        from uwopt.api.certainty import with_confidence
 
         try:
-            sought, winner, certain, surely_best = with_confidence(sought, winner, goal, deadline, progress, timing)
-            surer = surer_of_all_parts(sought, goal, certain, deadline, progress, timing)
-            if surer is not None:
+            made_sure = with_confidence(sought, winner, goal, deadline, progress, timing)
+            sought, proven_outcome, winner = made_sure.sought, made_sure.proven, made_sure.design
+            certain, surely_best = made_sure.counted, made_sure.is_best
+            if made_sure.of_all_parts:
                 alternative, others = None, []
-                sought, proven_outcome, winner, certain, surely_best = surer
         except KeyboardInterrupt:
             cut = True
     winner = winner or design_of(sought, sought.outcome.best[0], goal)

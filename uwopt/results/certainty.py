@@ -46,6 +46,14 @@ class Decides(Record):
 
 
 @dataclass(frozen=True, config=RECORD)
+class Surest(Record):
+    """Hardware that holds more often than what is recommended, but misses something by central numbers."""
+
+    hardware: list[str] = Field(description="its parts")
+    held: Number = Field(description="share of the scenarios that the choice was made on in which it holds")
+
+
+@dataclass(frozen=True, config=RECORD)
 class CertaintyProof(Record):
     """Where all hardware went, of which none holds as often as asked and is better in half of the scenarios."""
 
@@ -118,5 +126,10 @@ class Confidence(Record):
     )
     would_hold: list[Moved] = Field(
         default_factory=list, description="keys of which less would let it hold as often as asked, each moved alone"
+    )
+    surest: Surest | None = Field(
+        default=None,
+        description="of what was counted, what holds more often where nothing holds as often as asked, though it "
+        "misses a requirement by central numbers, so that there are no settings to tell; null: none does",
     )
     drawn: list[str] = Field(default_factory=list, description="what the scenarios draw, in words")

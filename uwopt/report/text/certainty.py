@@ -35,9 +35,10 @@ def held_text(known: Confidence) -> str:
         share = EVERY_END if known.held >= 1.0 else f"in {percent(known.held)} of the ends of what is uncertain"
         return f"holds {share}"
     between = f"{percent(known.held_low)} to {percent(known.held_high)}"
+    open_ = ", which so many do not refute" if known.enough and known.held < float(known.asked) else ""
     return (
         f"holds in {percent(known.held)} of {formats.count_text(known.scenarios)} scenarios of what is uncertain "
-        f"({between}); {percent(float(known.asked))} asked"
+        f"({between}); {percent(float(known.asked))} asked{open_}"
     )
 
 
@@ -82,6 +83,12 @@ def facts(result: Result, known: Confidence) -> Iterator[tuple[str, str]]:
         told = [f"{lost_text(one.requirement)} ({percent(one.share)})" for one in known.lost_to]
         kept = "; reserves are held in each scenario, too" if keeps_reserves(result) else ""
         yield "else missed first", words.listed(told) + kept
+    if known.surest is not None:
+        parts = words.listed([formats.one_line(part, 60) for part in known.surest.hardware])
+        yield "surest", (
+            f"{parts}, which holds in {percent(known.surest.held)}, but misses what is asked by central numbers: "
+            "there are no settings to tell"
+        )
     if known.central_objective is not None and known.central_held is not None:
         value = words.objective_text(result, known.central_objective)
         parts = words.listed([formats.one_line(part, 60) for part in known.central_hardware])

@@ -17,6 +17,7 @@ from uwopt.catalog.parts.doubts import doubtful, each_with, taken_as
 from uwopt.catalog.records import Part, Port
 
 Array = NDArray[np.float64]
+Places = NDArray[np.int64]
 PRIMES = (2, 3, 5, 7, 11)
 
 
@@ -78,18 +79,18 @@ def drawn_facts(part: Part, seed: int, states: int) -> dict[str, Array]:
     }
 
 
-def drawn_numbers(part: Part, seed: int, states: int) -> dict[str, list[Any]]:
-    """The same as the part's fields hold them."""
+def drawn_numbers(part: Part, seed: int, states: int, places: Places | None = None) -> dict[str, list[Any]]:
+    """The same as the part's fields hold them; `places`: of these states alone."""
     known = dict(doubtful(part))
     return {
-        name: [taken_as(name, known[name], value) for value in values.tolist()]
+        name: [taken_as(name, known[name], value) for value in (values if places is None else values[places]).tolist()]
         for name, values in drawn_facts(part, seed, states).items()
     }
 
 
-def drawn_parts(part: Any, seed: int, states: int) -> list[Any]:
-    """A part as it is in each state; a port with the housing that it is built into."""
-    columns = drawn_numbers(part, seed, states)
+def drawn_parts(part: Any, seed: int, states: int, places: Places | None = None) -> list[Any]:
+    """A part as it is in each state, or in these; a port with the housing that it is built into."""
+    columns = drawn_numbers(part, seed, states, places)
     if isinstance(part, Port) and part.housing is not None:
-        columns["housing"] = drawn_parts(part.housing, seed, states)
-    return each_with(part, columns, states)
+        columns["housing"] = drawn_parts(part.housing, seed, states, places)
+    return each_with(part, columns, states if places is None else len(places))

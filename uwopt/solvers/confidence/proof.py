@@ -6,6 +6,7 @@ what these leave is counted in every scenario, at every stop of its ring. Each c
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -20,6 +21,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.counted import Counted, best_of, names
 from uwopt.solvers.confidence.outcomes import Outcomes, outcomes_where
 from uwopt.solvers.confidence.panels import anchors_of, least_covered, panel_of
+from uwopt.solvers.confidence.polish import compare
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.screen import may_be_better
 from uwopt.solvers.confidence.together import imagers_among
@@ -30,8 +32,10 @@ from uwopt.tolerances import TIE
 
 Progress = Callable[[float, str], None]
 MOST_LISTED = 800  # hardware that a panel leaves: of more the best by its values
+PANEL_S = 2.0  # that its search may last where there is a limit: of what takes longer too much is left to prove
 MOST_VARIANTS = 64  # numbers, mounts and orientations
 A_SCREEN = 160  # hardware that is bounded before what is left of it is counted
+GLANCED, GLANCE_SHARE = 96, 0.3  # hardware of these that is looked at first, and of the time that is left
 A_BATCH = 48  # hardware that is counted before the best known is asked for again
 
 
@@ -89,18 +93,29 @@ class Prover:
         """Search the panel, bound and count what it leaves."""
         covered = least_covered(self.scenarios.count, 0.5 if np.isfinite(ceiling) else self.share)
         panel = panel_of(self.problem, self.scenarios, self.objective, covered)
-        search = Search(
-            panel.problem, self.objective, top=MOST_LISTED, ceiling=below(ceiling), deadline=self.deadline
-        )  # fmt: skip
+        if panel.covered < covered:
+            return None
+        timed = math.isfinite(self.deadline.left_s)
+        patience = self.deadline.at_most(min(PANEL_S, self.deadline.left_s)) if timed else self.deadline
+        search = Search(panel.problem, self.objective, top=MOST_LISTED, ceiling=below(ceiling), deadline=patience)
         outcome = search.run()
-        if not outcome.complete or panel.covered < covered:
+        if not outcome.complete:
             return None
         cut = len(outcome.best) >= MOST_LISTED
         beyond = outcome.best[-1].minimised if cut else ceiling
+        if np.isfinite(ceiling):
+            self._glance_at([among(self.problem, found, panel.problem) for found in outcome.best[:GLANCED]])
+            if cut:  # of more than are listed the bound alone is known, whatever is counted
+                return NoneBetter(self._total, 0, 0, 0, min(self.ceiling, beyond))
         listed = list(self._variants(panel.problem, outcome.best, min(beyond, below(ceiling))))
         excluded = 0 if cut else self._total - len(listed)
         counted, dropped, waits = self._counted(sorted(listed, key=lambda one: one.minimised), ceiling, out)
         return NoneBetter(self._total, excluded, dropped, counted, min(self.ceiling, beyond, waits))
+
+    def _glance_at(self, some: Sequence[Found]) -> None:
+        """Count what seems better in some scenarios: the sooner the best is known, the less has to be counted."""
+        patience = self.deadline.at_most(GLANCE_SHARE * self.deadline.left_s)
+        compare(self.problem, self.objective, self.scenarios, self.share, self.tried, some, patience)
 
     @property
     def _total(self) -> int:

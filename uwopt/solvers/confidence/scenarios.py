@@ -28,6 +28,10 @@ PORTS, BEAMS = 8, 8  # states of the optics of a port and of a beam, whose integ
 BEAM_FACTS = frozenset({"beam_angle_deg"})
 
 
+SAME_FIELD = 0.02  # of the logarithm of a field's tangent: images whose light changes alike with the water
+ROUGH = 2  # of what tells images apart, the first: the waters, and the colours that a sensor sees
+
+
 @dataclass(frozen=True)
 class Scenarios:
     """So many scenarios of one mission, each with a state of water and altitude, of port and of focus, (count,)."""
@@ -54,6 +58,21 @@ class Scenarios:
         waters = Waters.of(mission, scenes) if like is None else like.waters
         responses = {} if like is None else like.responses
         return Scenarios(doubt, seed, count, states, waters, port, focus, responses=responses)
+
+    @property
+    def all_states(self) -> list[WaterState]:
+        """The states between whose ends light is worked out."""
+        return self.states
+
+    @property
+    def rough(self) -> bool:
+        """Whether light changes with the water as in any image of as many colours."""
+        return False
+
+    @property
+    def colours(self) -> set[tuple[str, ...]]:
+        """Of the sensors for which it is known how light changes with the water."""
+        return {key[1] for key in self.responses}
 
     @cached_property
     def nodes(self) -> tuple[Any, ...]:
@@ -120,6 +139,71 @@ class Scenarios:
         """The probability at which a fact of a beam is drawn in each scenario: one of few."""
         state = shuffled(self.seed, f"{part.id} beam", self.count) * BEAMS // self.count
         return np.asarray(probabilities(self.seed, f"{part.id} {name}", BEAMS)[state])
+
+
+@dataclass(frozen=True)
+class SomeScenarios(Scenarios):
+    """Some of the scenarios, to look at much hardware.
+
+    What is dear is rough: light changes with the water as in an image that is known, optics of ports and beams stand at
+    their central numbers.
+
+    `whole` : all of them
+    `places` : which these are
+    """
+
+    whole: Scenarios | None = None
+    places: Array = field(default_factory=lambda: np.empty(0, int))
+
+    @staticmethod
+    def among(whole: Scenarios, places: Array) -> SomeScenarios:
+        """Those at these places."""
+        known = {key[:ROUGH]: response for key, response in whole.responses.items()}
+        return SomeScenarios(
+            whole.doubt, whole.seed, len(places), [whole.states[int(k)] for k in places], whole.waters,
+            whole.port[places], whole.focus[places], responses=known, whole=whole, places=places,
+        )  # fmt: skip
+
+    @property
+    def all(self) -> Scenarios:
+        """The scenarios that these are of."""
+        assert self.whole is not None
+        return self.whole
+
+    @property
+    def all_states(self) -> list[WaterState]:
+        """As of all."""
+        return self.all.states
+
+    @property
+    def rough(self) -> bool:
+        """It does: this is to look at much hardware."""
+        return True
+
+    @cached_property
+    def nodes(self) -> tuple[Any, ...]:
+        """As of all."""
+        return self.all.nodes
+
+    @cached_property
+    def scenes(self) -> list[list[SceneOptics]]:
+        """As in all."""
+        return [self.all.scenes[int(k)] for k in self.places]
+
+    def each(self, part: Part) -> list[Any]:
+        """A camera or a lens in each of these."""
+        if not self.doubt.parts:
+            return [part] * self.count
+        return drawn_parts(part, self.seed, self.all.count, self.places)
+
+    def lights(self, part: Light) -> list[Light]:
+        """A light in each of these."""
+        every, beam = self.all.lights(part), {name: getattr(part, name) for name in BEAM_FACTS}
+        return [replace(every[int(k)], **beam) for k in self.places]
+
+    def ports(self, part: Part) -> list[Any]:
+        """A port, always the same."""
+        return [part] * PORTS
 
 
 def brighter(light: Light, factor: float) -> Light:

@@ -7,6 +7,7 @@ then proven (`proof`), but for the sun's light and for objectives whose settings
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -23,6 +24,7 @@ from uwopt.solvers.confidence.candidates import worse_problem
 from uwopt.solvers.confidence.counted import Counted, names, rank
 from uwopt.solvers.confidence.ends import EndScenarios
 from uwopt.solvers.confidence.outcomes import outcomes, outcomes_of_each
+from uwopt.solvers.confidence.polish import polish
 from uwopt.solvers.confidence.proof import NoneBetter, Prover
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.exact.imagers import IMAGER_RULES, Imagers, imagers_behind, joined
@@ -39,9 +41,15 @@ LESS_WORSE = (0.5, 0.3)  # where nothing fits so
 A_SEARCH = 4  # hardware that each brings up
 OF_CENTRAL = 2  # of the central search
 ENOUGH = 3  # hardware that holds: no further search is made
+POLISH_SHARE, POLISH_S = 0.4, 2.5  # of the time that is left, and seconds at most where there is a limit
 PROOF_SHARE = 0.6  # of the time that is left: the rest is for what is told of the choice, or to count what is known
 FRESH = 1024  # scenarios that the choice has not seen
 FRESH_SEED = 1_000_003
+Report = Callable[[float, str], None]  # takes how much is done, and of what
+
+
+def unheard(done: float, what: str) -> None:
+    """Where nobody waits for it."""
 
 
 @dataclass(frozen=True)
@@ -81,47 +89,77 @@ def scenarios_of(
     return Scenarios.drawn(mission, problem.scenes, mission.doubt, seed=seed, count=count, like=like)
 
 
+@dataclass(frozen=True)
+class Looked:
+    """Hardware that is likely to hold, counted; nothing is compared or proven yet."""
+
+    asked: float | str
+    scenarios: Scenarios
+    tried: list[Counted]
+    complete: bool  # whether there was time for every search
+
+    @property
+    def share(self) -> float:
+        """Of the scenarios, that is asked for."""
+        return 1.0 if self.asked == ENDS else float(self.asked)
+
+    @property
+    def held(self) -> float:
+        """The greatest share in which any holds."""
+        return max((one.held for one in self.tried), default=0.0)
+
+
 def most_certain(
-    sought: Sought, objective: Objective, asked: float | str, deadline: Deadline = NEVER,
-    progress: Callable[[float, str], None] | None = None,
-) -> Certain | None:  # fmt: skip
+    sought: Sought, objective: Objective, asked: float | str, deadline: Deadline = NEVER, report: Report = unheard
+) -> Certain | None:
     """The best hardware that holds in the share of scenarios asked for; else that which holds most often.
 
     None where none is feasible with every number at its central value: then neither are its settings to tell.
     """
+    return chosen(sought.problem, objective, look(sought, objective, asked, deadline, report), deadline, report)
+
+
+def look(
+    sought: Sought, objective: Objective, asked: float | str, deadline: Deadline, report: Report, *,
+    with_room: bool = False,
+) -> Looked:  # fmt: skip
+    """Count hardware that is likely to hold; `with_room`: no more than central optima where nothing fits with room."""
     problem, mission = sought.problem, sought.problem.mission
     check_fixed(problem, objective)
-    scenarios = scenarios_of(problem, asked, mission.seed, mission.doubt.scenarios)
-    share = 1.0 if asked == ENDS else float(asked)
-    tried: list[Counted] = []
-    complete, report = True, progress or (lambda done, what: None)
+    seen = Looked(asked, scenarios_of(problem, asked, mission.seed, mission.doubt.scenarios), [], True)
+    tried, hold = seen.tried, partial(holding, seen.tried, seen.share)
     try:
-        hold = partial(holding, tried, share)
         for some in candidates(
-            sought, objective, scenarios, deadline, done=lambda: hold() >= ENOUGH, hopeful=lambda: hold() > 0
-        ):
-            made = outcomes_of_each(problem, some, objective, scenarios, deadline)
-            tried += [Counted(found, one, one.best(share)) for found, one in zip(some, made, strict=True)]
+            sought, objective, seen.scenarios, deadline, done=lambda: hold() >= ENOUGH, hopeful=lambda: hold() > 0,
+            with_room=with_room,
+        ):  # fmt: skip
+            made = outcomes_of_each(problem, some, objective, seen.scenarios, deadline)
+            tried += [Counted(found, one, one.best(seen.share)) for found, one in zip(some, made, strict=True)]
             report(min(0.5 * len(tried) / A_SEARCH, 0.5), "certainty")
     except OutOfTimeError:
-        complete = False
         if not tried:
             raise
+        return replace(seen, complete=False)
+    return seen
+
+
+def chosen(
+    problem: Problem, objective: Objective, seen: Looked, deadline: Deadline, report: Report
+) -> Certain | None:
+    """The best of what was counted, compared with what is near it, and proven as far as there is time."""
+    scenarios, share, tried = seen.scenarios, seen.share, seen.tried
+    timed = math.isfinite(deadline.left_s)
+    if seen.complete and scenarios.is_drawn:
+        most_s = min(POLISH_SHARE * deadline.left_s, POLISH_S) if timed else deadline.left_s
+        polish(problem, objective, scenarios, share, tried, deadline.at_most(most_s))
     proof = None
-    if complete and can_be_proven(problem, objective):
+    if seen.complete and can_be_proven(problem, objective):
         patience = deadline.at_most(PROOF_SHARE * deadline.left_s)
         proof = Prover(problem, objective, scenarios, share, tried, patience, report).run()
     best, central = first_that_fits(problem, objective, sorted(tried, key=lambda one: rank(one, share)))
     if best is None or central is None:
         return None
-    return Certain(share, scenarios, best, central, tried, complete, proof=proof)
-
-
-def has_room(problem: Problem, objective: Objective, asked: float | str, deadline: Deadline) -> bool:
-    """Whether anything fits where parts and water are worse than in most scenarios; else hardly any holds in most."""
-    scenarios = scenarios_of(problem, asked, problem.mission.seed, problem.mission.doubt.scenarios)
-    worse = worse_problem(problem, scenarios, WORSE[0])
-    return bool(Search(worse, objective, top=1, deadline=deadline, enough=True).run().best)
+    return Certain(share, scenarios, best, central, tried, seen.complete, proof=proof)
 
 
 def check_fixed(problem: Problem, objective: Objective) -> None:
@@ -154,12 +192,13 @@ def holding(tried: Sequence[Counted], share: float) -> int:
 
 def candidates(
     sought: Sought, objective: Objective, scenarios: Scenarios, deadline: Deadline, *, done: Callable[[], bool],
-    hopeful: Callable[[], bool],
+    hopeful: Callable[[], bool], with_room: bool = False,
 ) -> Iterator[list[Found]]:  # fmt: skip
     """Hardware worth counting, some at a time: the best of the central search, then of those with room.
 
     What is proven besides brings up all other hardware that holds; else worse numbers are tried. Where none of these
-    holds, the brightest and worse numbers still; where nothing fits with room, less room is asked for.
+    holds, the brightest and worse numbers still; where nothing fits with room, less room is asked for, unless that is
+    all that is wanted (`with_room`).
     """
     problem, known = sought.problem, set[Any]()
     rungs = WORSE[:1] if can_be_proven(problem, objective) else WORSE
@@ -168,6 +207,8 @@ def candidates(
     known.update(names(problem, found) for found in waiting)
     fits, least = False, np.inf  # of numbers worse than so many nothing fits, so that it does not where they are worse
     for worse in (*WORSE, *LESS_WORSE):
+        if with_room and worse in LESS_WORSE:
+            break
         if done() or (hopeful() and worse not in rungs) or (fits and worse in LESS_WORSE):
             break
         if worse >= least:
@@ -182,6 +223,9 @@ def candidates(
                 yield waiting
                 raise OutOfTimeError
             fits |= bool(searched.best)
+            if with_room and not fits:
+                yield waiting
+                return
             least = least if searched.best else min(least, worse)
             wants_light &= goal is objective
             here = {names(problem, one): one for one in (among(problem, found, changed) for found in searched.best)}

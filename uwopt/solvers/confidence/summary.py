@@ -17,6 +17,7 @@ from uwopt.results.certainty import (
     Confidence,
     FixedSettings,
     LostTo,
+    Surest,
     WorthKnowing,
 )
 from uwopt.solvers.confidence.counted import Counted, rank
@@ -54,6 +55,7 @@ def told(problem: Problem, objective: Objective, certain: Certain, central: Foun
         central_held=first.held, central_p50=reported(objective, first.quantile(0.5)),
         counted=len(certain.tried), complete=certain.complete, fresh=ends or certain.fresh is not None,
         proof=None if certain.proof is None else proof_told(problem, objective, certain.proof),
+        surest=None if ends else surest(problem, certain),
         curve=[] if ends else list(curve(problem, objective, certain)),
         decided_by=[] if ends else decided_by(problem, objective, certain.best, certain.scenarios),
         ask_first=[] if ends else [
@@ -61,6 +63,14 @@ def told(problem: Problem, objective: Objective, certain: Certain, central: Foun
             for one in worth_of_knowing(problem, objective, certain)[:MOST_ASKED]
         ],
     )  # fmt: skip
+
+
+def surest(problem: Problem, certain: Certain) -> Surest | None:
+    """What holds more often than a choice that is not certain enough, though nothing fits by central numbers."""
+    first = min(certain.tried, key=lambda one: rank(one, certain.asked))
+    if certain.enough or first.held <= certain.best.held:
+        return None
+    return Surest(ids(problem, first.found), first.held)
 
 
 def proof_told(problem: Problem, objective: Objective, proof: NoneBetter) -> CertaintyProof:

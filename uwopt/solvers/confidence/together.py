@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.catalog.records import Part
+from uwopt.catalog.records import Camera, Part
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.part_columns import FLASH
 from uwopt.forward.problem import MeantFocus, Parts, Problem
@@ -27,7 +27,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.aims import meant_foci_m
 from uwopt.solvers.confidence.panels import CLOSED, SHORTER, Anchor, may_close
 from uwopt.solvers.confidence.response import LIT, VEILED, WaterResponse, of_deciding_pixels
-from uwopt.solvers.confidence.scenarios import Scenarios
+from uwopt.solvers.confidence.scenarios import SAME_FIELD, Scenarios
 from uwopt.solvers.confidence.waters import may_leave_band, over_band_of
 from uwopt.solvers.exact.candidates import Candidates
 from uwopt.solvers.exact.design_rows import NodeRows
@@ -37,7 +37,6 @@ from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.explain.one_hardware import parts_of
 
 Array = NDArray[Any]
-SAME_FIELD = 0.02  # of the logarithm of a field's tangent
 
 
 @dataclass(frozen=True)
@@ -253,21 +252,29 @@ class Together:
             ]
 
         if missing:
-            made = WaterResponse.of_each(self.scenarios.waters, self.scenarios.states, reference, len(missing))
+            made = WaterResponse.of_each(self.scenarios.waters, self.scenarios.all_states, reference, len(missing))
             known.update(zip(missing, made, strict=True))
         return [(known[key], own) for key, own in of.items()]
 
     def _image_key(self, row: int) -> tuple[Any, ...]:
-        """What tells images apart whose light changes differently with the water: fields more than 2 % apart."""
+        """What tells images apart whose light changes differently with the water."""
         problem, found = self.problem, self.found[self.hardware[row]]
+        camera, port = problem.parts.cameras[self.imagers.camera[row]], problem.parts.ports[self.imagers.port[row]]
+        colours = self.scenarios.nodes, colours_of(camera)
+        if self.scenarios.rough:
+            return colours
+        ends = (*colours, port.geometry, found.lighting.mount, found.count, found.lighting.optics)
         fields_seen = [
             round(float(np.log(tangent[row])) / SAME_FIELD)
             for seen in self.imagers.scenes
             for tangent in (seen.view.tan_along, seen.view.tan_across)
         ]
-        camera, port = problem.parts.cameras[self.imagers.camera[row]], problem.parts.ports[self.imagers.port[row]]
-        ends = (self.scenarios.nodes, port.geometry, found.lighting.mount, found.count, found.lighting.optics)
-        return (*ends, tuple(sorted(camera.qe_curves)), tuple(camera.qe_curves.values()), *fields_seen)
+        return (*ends, tuple(camera.qe_curves.values()), *fields_seen)
+
+
+def colours_of(camera: Camera) -> tuple[str, ...]:
+    """The colours that a camera tells apart."""
+    return tuple(sorted(camera.qe_curves))
 
 
 def imagers_among(problem: Problem, found: Sequence[Found], landscape: bool) -> Imagers:

@@ -1,0 +1,163 @@
+"""Hardware that is better by one part than the best that is known, looked for until there is none.
+
+Each part is replaced in turn, as are number, places and orientation. All that pass the rules without light are looked
+at in some scenarios, those about the median of the best known and those that it finds hard; what seems to hold and to
+be better there is counted in all of them. Searches in worse numbers rank by those; a median may rank otherwise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.deadline import Deadline, OutOfTimeError
+from uwopt.forward.problem import Problem
+from uwopt.objectives.objective import Objective
+from uwopt.solvers.confidence.counted import Counted, best_of, names
+from uwopt.solvers.confidence.outcomes import outcomes_of_each
+from uwopt.solvers.confidence.scenarios import Scenarios, SomeScenarios
+from uwopt.solvers.confidence.together import colours_of
+from uwopt.solvers.exact.imagers import IMAGER_RULES, fitting_pairs, imagers_behind, landscapes
+from uwopt.solvers.exact.lightings import Lighting
+from uwopt.solvers.exact.ranking import Found
+
+Array = NDArray[Any]
+ABOUT_MEDIAN, HARD = 9, 15  # scenarios that are looked at
+SLACK = 0.21  # of the hard ones, in which what is counted may hold less often than the best known
+EASY = 0.6  # of the scenarios, of which none is looked at for being hard
+A_GLANCE, A_COUNT = 32, 8  # hardware that is looked at, or counted, at once
+A_ROUND = 16  # that is counted in a round, the best by what was seen of it
+ROUNDS = 4
+BETTER_REL = 1e-4  # of the objective: what seems no better is not counted
+
+
+def polish(
+    problem: Problem, objective: Objective, scenarios: Scenarios, share: float, tried: list[Counted], deadline: Deadline
+) -> bool:
+    """Count what may be better by one part than the best known; whether there was time until nothing is."""
+    known: set[Any] = set()
+    for _ in range(ROUNDS):
+        best = best_of(tried, share)
+        if best is None:
+            return True
+        near = [one for one in neighbours(problem, best.found) if names(problem, one) not in known]
+        known.update(names(problem, one) for one in near)
+        complete = compare(problem, objective, scenarios, share, tried, near, deadline)
+        if best_of(tried, share) is best or not complete:
+            return complete
+    return False
+
+
+def compare(
+    problem: Problem, objective: Objective, scenarios: Scenarios, share: float, tried: list[Counted],
+    others: Sequence[Found], deadline: Deadline,
+) -> bool:  # fmt: skip
+    """Look at other hardware beside the best known, and count what seems better; whether there was time for all."""
+    best = best_of(tried, share)
+    assert best is not None
+    known = {names(problem, one.found) for one in tried}
+    new = [
+        one for one in others
+        if names(problem, one) not in known and colours_of(problem.parts.cameras[one.camera]) in scenarios.colours
+    ]  # fmt: skip
+    glance, complete = Glance.of(best, share, scenarios), True
+    try:
+        for first in range(0, len(new), A_GLANCE):
+            glance.look_at(problem, objective, new[first : first + A_GLANCE], share, deadline)
+    except OutOfTimeError:
+        complete = False
+    hopeful = glance.promising(A_ROUND)
+    for first in range(0, len(hopeful), A_COUNT):
+        if first and deadline.passed():
+            return False
+        some = hopeful[first : first + A_COUNT]
+        made = outcomes_of_each(problem, some, objective, scenarios)
+        tried += [Counted(found, one, one.best(share)) for found, one in zip(some, made, strict=True)]
+    return complete
+
+
+@dataclass
+class Glance:
+    """What hardware does in some scenarios: those about the median of the best known, and those that it finds hard."""
+
+    best: Counted
+    holds: bool
+    scenarios: SomeScenarios
+    about: Array
+    hard: Array
+    seen: list[tuple[float, Found]] = field(default_factory=list)
+
+    @staticmethod
+    def of(best: Counted, share: float, scenarios: Scenarios) -> Glance:
+        """About the best known, at its stop."""
+        order = np.argsort(best.outcomes.value[best.stop], kind="stable")
+        middle = (len(order) - 1) // 2
+        about = order[max(middle - ABOUT_MEDIAN // 2, 0) : middle + ABOUT_MEDIAN // 2 + 1]
+        hard = order[np.unique(np.linspace(EASY * len(order), len(order) - 1, HARD).astype(int))]
+        places = np.unique(np.concatenate([about, hard]))
+        some = SomeScenarios.among(scenarios, places)
+        return Glance(best, best.held >= share, some, np.isin(places, about), np.isin(places, hard))
+
+    def look_at(
+        self, problem: Problem, objective: Objective, some: Sequence[Found], share: float, deadline: Deadline
+    ) -> None:
+        """Keep of these what seems better than the best known, looked at beside them."""
+        own, *made = outcomes_of_each(problem, [self.best.found, *some], objective, self.scenarios, deadline)
+        base = own.value[own.best(share)]
+        ours = float(np.isfinite(base[self.hard]).mean())
+        for found, one in zip(some, made, strict=True):
+            values = [(float(np.isfinite(value[self.hard]).mean()), value) for value in one.value]
+            if self.holds:
+                steps = [step(value[self.about], base[self.about]) for held, value in values if held >= ours - SLACK]
+                least = min(steps, default=np.inf)
+                self.seen += [(least, found)] if least < -BETTER_REL else []
+            elif (most := max(held for held, _ in values)) > ours:
+                self.seen.append((-most, found))
+
+    def promising(self, count: int) -> list[Found]:
+        """So many of what seems better, the best first."""
+        return [found for _, found in sorted(self.seen, key=lambda one: one[0])[:count]]
+
+
+def step(value: Array, base: Array) -> float:
+    """By which share an objective is more than another in half of some scenarios; inf where it does not hold there."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        steps = (value - base) / np.abs(base)
+    return float(np.median(np.where(np.isnan(steps), np.inf, steps)))
+
+
+def neighbours(problem: Problem, found: Found) -> list[Found]:
+    """The same with another camera, lens, port, light, number or place of lamps, or turned; what passes by rules.
+
+    Of ports that differ in their housing alone no housing that another betters.
+    """
+    made = [*other_lamps(problem, found), *other_views(problem, found)]
+    return list({names(problem, one): one for one in made}.values())
+
+
+def other_views(problem: Problem, found: Found) -> Iterator[Found]:
+    """The same with another imager, by one of its parts or turned."""
+    pairs = fitting_pairs(problem)
+    near = (pairs.camera == found.camera) != (pairs.lens == found.lens)
+    own = np.array([found.camera]), np.array([found.lens])
+    asked = [(*own, ports, found.landscape) for ports in problem.port_groups]
+    asked += [(*own, np.array([found.port]), turned) for turned in landscapes(problem)]
+    asked += [(pairs.camera[near], pairs.lens[near], np.array([found.port]), found.landscape)]
+    for camera, lens, ports, landscape in asked:
+        for block in imagers_behind(problem, camera, lens, ports, landscape, dict.fromkeys(IMAGER_RULES, 0), {}):
+            for row in zip(block.camera.tolist(), block.lens.tolist(), block.port.tolist(), strict=True):
+                yield replace(found, camera=row[0], lens=row[1], port=row[2], landscape=landscape)
+
+
+def other_lamps(problem: Problem, found: Found) -> Iterator[Found]:
+    """The same under other lamps, more or fewer, or elsewhere."""
+    low, high = problem.count_range
+    for light, optics in enumerate(problem.lights.optics_index.tolist()):
+        for count in range(low, high + 1):
+            yield replace(found, light=light, count=count, lighting=replace(found.lighting, optics=optics))
+    for index, mount in enumerate(problem.mounts):
+        yield replace(found, lighting=Lighting(found.lighting.optics, index, mount))
