@@ -136,8 +136,8 @@ def carried_rows() -> list[list[str]]:
 
 #: Measured once, as times are not made again with a page: seconds with all orders, and with single scattering.
 COSTS_S = {
-    "loose": (1.44, 1.20), "cost-bound": (2.02, 1.82), "power-bound": (2.72, 2.50), "infeasible": (1.09, 1.14),
-    "loose, with `resolve_mm`": (1.51, 1.23),
+    "loose": (1.27, 1.04), "cost-bound": (1.26, 1.06), "power-bound": (2.22, 2.00), "infeasible": (0.30, 0.27),
+    "loose, with `resolve_mm`": (1.20, 0.97),
 }  # fmt: skip
 
 
