@@ -112,13 +112,26 @@ def test_held_out_image_means_are_those_of_all_orders(orders: Any) -> None:
         assert np.all(errors <= 0.10), name
 
 
-def test_held_out_corners_have_the_veil_of_all_orders(orders: Any) -> None:
-    # the mark, 15 % in all, is missed where lobes of 10 to 30 deg leave a corner less than a fifth of the mean
+def test_held_out_corners_are_those_of_all_orders(orders: Any) -> None:
+    # the mark, 15 % in all, is missed where lobes of 10 to 30 deg leave a corner less than a twentieth of the mean
     forms = orders("forms")
     corners = [row for row in forms.rows_of("held out") if "corner" in row.place]
-    off = np.array([forms.error(row, forms.effective(row.case), "veil") for row in corners])
-    assert len(off) >= 60 and np.mean(np.abs(off) <= 0.15) >= 0.88
-    assert np.all(np.abs(off[[row.case.lobe_half_deg > 30.0 for row in corners]]) <= 0.17)
+    off = [forms.errors(row, forms.effective) for row in corners]
+    assert len(off) >= 60
+    for name, share in (("signal", 0.96), ("veil", 0.91), ("backscatter", 0.87), ("contrast", 0.87)):
+        errors = np.abs([one[name] for one in off])
+        assert np.mean(errors <= 0.15) >= share, name
+        if name in ("signal", "veil"):
+            assert np.all(errors[[row.case.lobe_half_deg > 30.0 for row in corners]] <= 0.17), name
+
+
+def test_held_out_means_in_thick_water_are_near_those_of_all_orders(orders: Any) -> None:
+    # the marks, 20 % in all from c d = 4 to 8, are missed by the forward veil and under narrow lobes far off
+    forms = orders("forms")
+    off = [forms.errors(row, forms.effective) for row in forms.means("held out", thin=False)]
+    assert len(off) >= 10
+    for name, share in (("signal", 1.0), ("veil", 0.7), ("backscatter", 0.9), ("contrast", 0.8)):
+        assert np.mean(np.abs([one[name] for one in off]) <= 0.20) >= share, name
 
 
 @pytest.mark.parametrize("phase", ["ff 0.0183", "petzold HAOCE 11", "hg 0.9"])
@@ -130,15 +143,11 @@ def test_walks_show_the_detail_that_the_model_says(orders: Any, phase: str) -> N
 
 
 def test_lobes_that_scattering_widens_light_dim_corners(orders: Any) -> None:
-    # tried, not in the model; in it corners as dim as these are within 15 % in two of five
-    forms, lobes = orders("forms"), orders("lobes")
-    beyond = 1.0 - lobes.carried("ff 0.0183")[0]
-    from uwopt.model.scattering import backscatter_ratio
-
-    assert beyond == pytest.approx(backscatter_ratio(orders("model").phase_table("ff 0.0183")), rel=0.02)
+    # under the lamps' own lobes two of three corners as dim as these are further off
+    forms = orders("forms")
     corners = [row for row in forms.rows_of("held out") if "corner" in row.place and row.case.lobe_half_deg < 30.0]
-    off = [abs(forms.error(row, forms.widened(row.case), "signal")) for row in corners]
-    plain = [abs(forms.error(row, forms.effective(row.case), "signal")) for row in corners]
+    off = [abs(forms.error(row, forms.effective(row.case), "signal")) for row in corners]
+    plain = [abs(forms.error(row, forms.attenuations(row.case), "signal")) for row in corners]
     assert np.mean(np.array(off) <= 0.15) >= 0.9 > 0.7 > np.mean(np.array(plain) <= 0.15)
 
 

@@ -20,12 +20,16 @@ BEAMS: dict[str, tuple[str, float]] = {
 }  # fmt: skip
 
 
-def case(sun_lux: float, beam: str, half_angle: float) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Continuous lamps over the port beside a dome; a long lens, so that the image is the axis."""
+def case(sun_lux: float, beam: str, half_angle: float, *, many: bool) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Continuous lamps over the port beside a dome; a long lens, so that the image is the axis.
+
+    many : light of all orders of scattering counts, not of one, as by hand
+    """
     mission = {
         "name": "noon", "physics": "full",
         "scene": {
             "water": WATER, "water_table": "solonenko-mobley", "seafloor": 0.2, "depth_m": DEPTH_M, "sun_lux": sun_lux,
+            "multiple_scattering": many,
         },
         "vehicle": {"altitude_m": ALTITUDE_M, "speed_m_s": 0.0}, "requirements": {"frame_interval_s": 1.0},
     }  # fmt: skip
@@ -80,10 +84,10 @@ def by_hand() -> tuple[dict[str, float], float, float]:
     )
 
 
-def by_uwopt(beam: str, half_angle: float, sun_lux: float = 100_000.0) -> float:
+def by_uwopt(beam: str, half_angle: float, sun_lux: float = 100_000.0, *, many: bool = False) -> float:
     """The same lumens from `evaluate`: image-forming electrons with and without sun."""
-    lamps = common.figures(*case(0.0, beam, half_angle))["electrons_signal"]
-    both = common.figures(*case(sun_lux, beam, half_angle))["electrons_signal"]
+    lamps = common.figures(*case(0.0, beam, half_angle, many=many))["electrons_signal"]
+    both = common.figures(*case(sun_lux, beam, half_angle, many=many))["electrons_signal"]
     return float(LAMPS_LM * (both - lamps) / lamps)
 
 
@@ -92,6 +96,7 @@ def section() -> str:
     hand, floor_lux, in_lux = by_hand()
     told = {name: by_uwopt(*beam) for name, beam in BEAMS.items()}
     off = {name: told[name] / hand[name] - 1 for name in BEAMS}
+    widened = by_uwopt("disc", 45.0, many=True)
     rows = [
         [name, f"{hand[name] / 1e3:.1f}", f"{told[name] / 1e3:.1f}", common.percent(off[name], 2),
          *(f"{told[name] * lux / 1e8:.0f}" for lux in NOONS_LX)]
@@ -112,7 +117,8 @@ def section() -> str:
 Independent of: uwopt's daylight, its loss tables and its image integrals; shared are the tables (D65, K_d, a, b, quantum
 efficiency) and the formula E = D65 · 0.95 · exp(-K_d depth). Floor {DEPTH_M:.0f} m deep, camera {ALTITUDE_M:.0f} m above it, sun at 60°, lamps
 that burn through the exposure: the lumens whose image-forming electrons (IMX250, image of a 200 mm lens; by hand: its axis)
-equal the sun's.
+equal the sun's. Both count light scattered once alone (`multiple_scattering: false`): with all orders, which bring lamp light back
+and move it into the disc's dim middle, {widened / 1e3:.0f} klm of it do.
 
 {common.table(head, rows)}
 

@@ -20,8 +20,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.integrate import quad
-from scipy.interpolate import PchipInterpolator
+from scipy.interpolate import CubicSpline, PchipInterpolator, RectBivariateSpline
 from scipy.optimize import brentq, minimize_scalar
+from scipy.special import eval_legendre
 
 import uwopt
 from uwopt.model.image_mean import FRAME_MAY_MISS, frame_places, reached_by_most
@@ -228,10 +229,10 @@ def legs(case: Case) -> Legs:
         return particles_beyond(math.radians(degrees)), molecules_beyond(math.radians(degrees))
 
     half = beyond(90.0)
-    share = 2.82 - 2.79 * math.radians(case.half_angle)
+    share = 2.78 - 2.90 * math.radians(case.half_angle)
     back = np.maximum(lost(share * half[0], share * half[1]), 0.5 * lost(0.0, 0.0))
     lamp = lost(*beyond(20.2 + 0.86 * case.half_angle))
-    return Legs(c, lamp, lost(*beyond(15.2)), lost(*beyond(72.3)), (back, back))
+    return Legs(c, lamp, lost(*beyond(16.5)), lost(*beyond(72.5)), (back, back))
 
 
 def particles_beyond(psi: float) -> float:
@@ -340,8 +341,63 @@ def measured_lobe(n_w: float) -> Callable[[Array], Array]:
     return lambda theta: in_water(theta) / lumens
 
 
-def intensity(case: Case, cos_beam: Array) -> Array:
-    """Candela per lumen, without a sharp beam's edge."""
+def intensity(case: Case, cos_beam: Array, length: Array | None = None) -> Array:
+    """Candela per lumen, without a sharp beam's edge; all orders counted, what arrives over what K leaves of it.
+
+    length : of the way to where the water sends it back; None: on the floor
+    """
+    beam = lamp_intensity(case, cos_beam)
+    if not case.orders:
+        return beam
+    theta = np.arccos(np.clip(cos_beam, 0.0, 1.0))
+    if length is None:
+        kept, halo = widened_rows(case, (case.altitude - max(at.z for at in case.lamps),))
+        arrived = kept[0] * beam + CubicSpline(THETA, halo[0])(theta)
+    else:
+        kept, halo = widened_rows(case, WAYS_M)
+        along = CubicSpline(WAYS_M, kept)(length)
+        arrived = along * beam + RectBivariateSpline(WAYS_M, THETA, halo).ev(length, theta)
+    return np.where(cos_beam > 0, arrived, 0.0)
+
+
+THETA = np.linspace(0.0, math.pi / 2, 1001)
+WAYS_M = tuple((np.linspace(0.0, 2.5, 41) ** 2).tolist())
+
+
+@cache
+def widened_rows(case: Case, ways: tuple[float, ...]) -> tuple[Array, Array]:
+    """Share of the lamp's own lobe that is left on each way, and the halo by angle: Legendre orders up to 120."""
+    node, polynomials = gauss(0.0, 1.0, 200), [eval_legendre(n, np.cos(THETA)) for n in range(121)]
+    ring = 2 * math.pi * lamp_intensity(case, node[0]) * node[1]
+    lobe = [float(ring @ eval_legendre(n, node[0])) for n in range(121)]
+    c, k = legs(case)[:2]
+    kept, halo = [], []
+    for way in ways:
+        seen = led() * STEPS_NM * np.exp(-(c + k) * way)
+        b = [float((one * seen).sum() / seen.sum()) for one in scattering(case)]
+        gain = np.exp(sum(own * way * share for own, share in zip(b, carried(case.half_angle), strict=True)))
+        series = (2 * np.arange(121) + 1) / (4 * math.pi) * lobe * (gain - gain[-1])
+        kept.append(gain[-1])
+        halo.append(np.maximum(series @ np.array(polynomials), 0.0))
+    return np.array(kept), np.array(halo)
+
+
+@cache
+def carried(half_angle: float) -> list[Array]:
+    """Of particles and of molecules chi_l - 1 + s, l 0 to 120: bins of angle by closed form, the way by Gauss."""
+    edges = np.geomspace(1e-6, math.pi / 2, 500)
+    middle = np.r_[0.0, np.sqrt(edges[1:] * edges[:-1])]
+    ways = list(zip(*gauss(0.0, 1.0, 20), strict=True))
+    found = []
+    for beyond in (particles_beyond, molecules_beyond):
+        mass = -np.diff([1.0, *map(beyond, edges)])
+        chi = [sum(w * eval_legendre(n, np.cos((1.0 - s) * middle)) @ mass for s, w in ways) for n in range(121)]
+        found.append(np.array(chi) - 1.0 + beyond(math.radians(20.2 + 0.86 * half_angle)))
+    return found
+
+
+def lamp_intensity(case: Case, cos_beam: Array) -> Array:
+    """What leaves the lamp."""
     beta = math.radians(case.half_angle)
     cosine = np.maximum(cos_beam, 1e-12)
     if case.beam == "disc":
@@ -554,7 +610,7 @@ def backscatter_at(case: Case, u: Array, v: Array) -> Array:
             sent = np.exp(-k * length[..., None] - c * r[..., None]) @ weights
             phased = sent[..., 0] * particle_phase(turned) + sent[..., 1] * molecule_phase(turned)
             lumens = case.flux_lm / len(case.lamps)
-            total += node_weight * (far - near) * lumens * intensity(case, cos_beam) / length**2 * phased
+            total += node_weight * (far - near) * lumens * intensity(case, cos_beam, length) / length**2 * phased
     return np.asarray(total * rays.off_axis(u, v))
 
 

@@ -11,7 +11,10 @@ import pytest
 
 import uwopt
 from uwopt.catalog.records import Curve
+from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.assembly import system_problem
+from uwopt.forward.effects import orders_bound
+from uwopt.forward.lamp_light import LampField
 from uwopt.forward.lamps import LightOptics
 from uwopt.forward.scene import SceneOptics, scatterers_of, scene_optics
 from uwopt.forward.spectra import Contraction
@@ -71,6 +74,39 @@ def test_single_scattering_is_what_the_scene_or_the_model_asks_for() -> None:
         assert made.lamp_leg_per_m(0) is scene.lamp_attenuation_per_m
         assert made.back_legs_per_m(0)[1] is scene.attenuation_per_m
         assert made.counting(False) is made
+
+
+def test_what_orders_change_is_bounded_at_the_corners_too() -> None:
+    """Lobes of 24 deg in rather clear water: corners live from what it moves there."""
+    mission = load_mission({
+        "name": "m", "scene": {"water": "IB", "seafloor": 0.2, "depth_m": 50}, "practice": "bare",
+        "vehicle": {"altitude_m": 2.0, "speed_m_s": 0},
+        "requirements": {"frame_interval_s": 1.0, "min_snr_db": 1.0, "snr_at": "worst_px"},
+    })  # fmt: skip
+    light = {
+        "flux_lm": 4000, "power_w": 40, "spectrum": "generic-led", "beam": "cosine-power", "beam_half_angle_deg": 12,
+    }  # fmt: skip
+    system = load_system({
+        "camera": {
+            "resolution_x_px": 2448, "resolution_y_px": 2048, "pixel_pitch_um": 3.45, "read_noise_e": 2.4,
+            "quantum_efficiency": 0.5, "gain_dn_per_e": 0.35, "bit_depth": 12,
+        },
+        "lens": {"focal_length_mm": 6, "transmission": 0.85}, "light": light,
+        "port": {"geometry": "dome", "outer_radius_mm": 100, "thickness_mm": 10, "refractive_index": 1.5},
+        "light_mounts": [{"x_m": 0, "y_m": 0.3}], "orientation": "landscape",
+        "settings": {"f_number": 4.0, "exposure_ms": 1.0, "gain": 1.0, "flux_lm": 4000},
+    })  # fmt: skip
+    model = DesignModel(*system_problem(mission, system))
+    problem, view, hardware = model.problem, model.views[0], model.hardware
+    many, once = (
+        LampField(each, 0, port_index=hardware.port, optics=0, mount=hardware.mount, count=1, efficiency=0)
+        for each in (problem, problem.with_effects(problem.effects.without(["multiple_scattering"])))
+    )
+    corner = view.tan_along[:, None], -view.tan_across[:, None]
+    there = [field.at_pixels(view, *corner, veils=False)[0] for field in (many, once)]
+    changed = float(np.max(np.abs(there[0] / there[1] - 1.0)))
+    assert changed > 0.5
+    assert orders_bound(many, once, view, many.light(view, veils="none").signal_e) >= changed
 
 
 @pytest.mark.parametrize("water", ["IB", "II", "III", "1C", "3C", "5C"])

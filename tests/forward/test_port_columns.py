@@ -61,7 +61,7 @@ def test_footprints_behind_many_ports_are_those_behind_each(oblique: bool) -> No
 @pytest.mark.parametrize("oblique", [False, True])
 @pytest.mark.parametrize("beam", [beams.cosine_power_beam(np.deg2rad(60.0)), beams.cone_beam(np.deg2rad(30.0))])
 def test_means_behind_many_ports_are_those_behind_each(beam: beams.Beam, oblique: bool) -> None:
-    where, lit = scene(oblique=oblique), dict(ranges_m=RANGES_M, beam=beam, lamps=LAMPS, table=TABLE)
+    where, lit = scene(oblique=oblique), dict(ranges_m=RANGES_M, lobes=[beam] * len(RANGES_M), lamps=LAMPS, table=TABLE)
     for mine, shape in port_shapes(PORTS, np.arange(COUNT), where):
         mean = field_means(ALONG[mine], ACROSS[mine], shape=shape, **lit)
         for place, row in enumerate(mine):

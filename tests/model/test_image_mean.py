@@ -23,6 +23,7 @@ def test_small_images_under_a_lamp_fall_with_the_square_of_the_distance(beam: be
     """In clear water the middle of an image gets I / d^2 of a lamp straight above it."""
     ranges_m = np.array([1.0, 2.0, 4.0])
     halves = np.array([1e-4, 2e-4])  # tangents: light is even over so little
-    mean = field_means(halves, halves, ranges_m=ranges_m, shape=DOME, lamps=ONE_LAMP, beam=beam, table=CLEAR)
+    lobes = [beam] * len(ranges_m)
+    mean = field_means(halves, halves, ranges_m=ranges_m, shape=DOME, lamps=ONE_LAMP, lobes=lobes, table=CLEAR)
     on_axis = float(beams.intensity_per_sr(1.0, beam))
     assert mean == pytest.approx(np.broadcast_to(on_axis / ranges_m**2, (2, 3)), rel=1e-6)

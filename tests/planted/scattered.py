@@ -8,6 +8,7 @@ SPECTRA = "uwopt/forward/spectra.py"
 FULL = "tests/evaluation/test_full_physics.py"
 TABLES = "tests/forward/test_multiple.py"
 MONTE_CARLO = "tests/test_multiple_scattering.py"
+FLOOR_LOBE = "        beam = problem.floor_lobe(scene_index, lighting.optics, lighting.mount, range_m)\n"
 
 DEFECTS = (
     Defect(
@@ -219,6 +220,87 @@ DEFECTS = (
         new="min(float(one.particles_per_m().min()) for one in self.states)",
         test="tests/solvers/test_confidence_proof.py"
         "::test_detail_in_the_veil_is_each_scenarios_own_and_no_bound_shows_less",
+    ),
+    Defect(
+        name="bounds of light forget that water widens lobes",
+        file="uwopt/solvers/exact/floor_rectangles.py",
+        old=f"{FLOOR_LOBE}        if scene.slope:",
+        new="        beam = problem.beam(scene_index, lighting.optics)\n        if scene.slope:",
+        test="tests/solvers/test_widened_lobes.py"
+        "::test_no_image_gets_more_light_than_its_bounds_where_lobes_are_widened[lobe of 20 deg-leaning out]",
+    ),
+    Defect(
+        name="bounds of light on a tilted floor forget that water widens lobes",
+        file="uwopt/solvers/exact/floor_rectangles.py",
+        old=f"{FLOOR_LOBE}        lamps, port_m",
+        new="        beam = problem.beam(scene_index, lighting.optics)\n        lamps, port_m",
+        test="tests/solvers/test_widened_lobes.py"
+        "::test_no_image_gets_more_light_than_its_bounds_where_lobes_are_widened[lobe of 20 deg-looking ahead]",
+    ),
+    Defect(
+        name="the envelope of a widened beam is that of the lamp's own",
+        file="uwopt/model/beam.py",
+        old="share * falling_envelope(own(beam))[1] + halo if share else halo",
+        new="share * falling_envelope(own(beam))[1] if share else halo",
+        test="tests/model/test_widened.py::test_bounds_of_a_widened_lobe_lie_nowhere_below_it[2.0-0.9-narrow]",
+    ),
+    Defect(
+        name="the water of a panel widens lobes as one of its states does",
+        file="uwopt/solvers/confidence/panels.py",
+        old="return bounding(each, left, most=not back)",
+        new="return each[0]",
+        test="tests/solvers/test_widened_lobes.py"
+        "::test_the_best_of_waters_has_the_brightest_lobe_of_all_and_the_faintest_that_is_sent_back",
+    ),
+    Defect(
+        name="a bound of lobes is one at its knots alone",
+        file="uwopt/model/widened.py",
+        old="about = pick(np.lib.stride_tricks.sliding_window_view(near, 17)[::8], axis=1)",
+        new="about = fine[::8]",
+        test="tests/model/test_widened.py::test_a_bound_of_several_waters_lobes_is_one_at_every_angle[True-narrow]",
+    ),
+    Defect(
+        name="light that water turns back widens the lobe all the same",
+        file="uwopt/model/widened.py",
+        old="forward = angle < 0.5 * np.pi",
+        new="forward = angle < np.pi",
+        test="tests/model/test_widened.py::test_no_light_is_lost_but_what_is_absorbed_and_turned_back[3.0-narrow]",
+    ),
+    Defect(
+        name="light arrives turned by all of its angle, wherever it was turned",
+        file="uwopt/model/widened.py",
+        old="legendre(np.cos((1.0 - s) * angle))",
+        new="legendre(np.cos((1.0 - 0.0 * s) * angle))",
+        test=("tests/model/test_widened.py::test_the_mean_square_angle_grows_by_a_third_of_what_is_turned[2.0]",
+              f"{FULL}::test_mean_electrons_under_smooth_lobes[all orders, flat port, narrow lobes, turbid]"),
+    ),
+    Defect(
+        name="the water sends back the lobe of the lamps",
+        file="uwopt/forward/lamp_light.py",
+        old="beam=self.contraction.back_lobe(self.optics))",
+        new="beam=self.beam)",
+        test=f"{FULL}::test_mean_veils_under_smooth_lobes[all orders, flat port, narrow lobes, turbid]",
+    ),
+    Defect(
+        name="the lobe that is sent back is as wide near the lamp as far from it",
+        file="uwopt/model/veil/ray.py",
+        old="beam, view.distance_m[..., None] * cosh)",
+        new="beam, 1.0)",
+        test=f"{FULL}::test_mean_veils_under_smooth_lobes[all orders, flat port, narrow lobes, turbid]",
+    ),
+    Defect(
+        name="the floor's illuminance is that of the lamps' own lobe",
+        file="uwopt/forward/floor_light.py",
+        old="beam = problem.floor_lobe(scene_index, optics, mount, range_m)\n    weight",
+        new="beam = problem.beam(scene_index, optics)\n    weight",
+        test=f"{FULL}::test_floor_illuminance_over_the_traced_footprint[all orders, flat port, narrow lobes, turbid]",
+    ),
+    Defect(
+        name="what light of all orders changes is judged by the mean alone",
+        file="uwopt/forward/effects.py",
+        old="changed += most_apart(*there) * margin(many)",
+        new="changed += 0.0",
+        test="tests/forward/test_multiple.py::test_what_orders_change_is_bounded_at_the_corners_too",
     ),
     Defect(
         name="nothing is said of lobes narrower than were tested",

@@ -27,7 +27,6 @@ from uwopt.version import __version__
 Source = str | Path | Mapping[str, Any]
 Progress = Callable[[float, str], None]
 NOT_MODELLED = (
-    "where in the image the lamps' light falls that is scattered on its way to the floor",
     "shadows and relief of the floor", "ripples of sunlight",
     "reflections between port and lens", "lens distortion and vignetting beyond cos^4",
 )  # fmt: skip

@@ -175,14 +175,23 @@ def orders_bound(many: LampField, once: LampField, view: Views, signal: Array) -
 
     What the veils of all orders are is bounded apart: two positive numbers differ by no more than the greater.
     """
-    weight = many.contraction.weight(many.spectrum, many.efficiency, many.channel)
-    legs = [field.contraction.lamp_leg_per_m(field.spectrum) for field in (many, once)]
-    apart = np.abs(legs[0] - legs[1])[weight > 0]
-    if not apart.size:  # a black floor
+    if not many.contraction.response(many.spectrum, many.efficiency, many.channel) > 0.0:  # a black floor
         return 0.0
-    longest = max(lamp_ways_m(many, view, float(many.scene.range_m[-1])))
-    changed = float(np.expm1(min(float(apart.max()) * longest, LARGEST_EXPONENT)))
+    changed = most_apart(signal, once.light(view, veils="none").signal_e)
+    if many.scene.at_worst or many.scene.view.requirements.min_uniformity is not None:
+        along, across = pixel_grid(view.tan_along, view.tan_across, n_points=PIXELS)
+        there = [field.at_pixels(view, along, across, veils=False)[0] for field in (many, once)]
+        changed += most_apart(*there) * margin(many)
+    if not changed < MOST_SHARE:
+        return KEPT
     return changed + forward_bound(once, view, signal) + backscatter_bound(once, view, signal) * (1.0 + changed)
+
+
+def most_apart(one: Array, other: Array) -> float:
+    """Largest relative difference of light from another (...,); inf where one alone is dark."""
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        apart = np.where(one == other, 0.0, np.abs(one / other - 1.0))
+    return float(np.max(apart, initial=0.0))
 
 
 def forward_bound(field: LampField, view: Views, signal: Array) -> float:
@@ -234,7 +243,7 @@ def backscatter_bound(field: LampField, view: Views, signal: Array) -> float:
     for index in {0, len(field.scene.range_m) - 1}:
         coarse = mean_backscatter(
             view.tan_along, view.tan_across, lamps=one_side(field.lamps), scatterers=field.scatterers(),
-            order=COARSE_ORDER, **field.common(float(field.scene.range_m[index])),
+            order=COARSE_ORDER, **field.sent_back(float(field.scene.range_m[index])),
         )  # fmt: skip
         share = coarse * view.collecting_m2 / np.maximum(signal[:, index], TINY)
         most = max(most, float(np.max(share)))

@@ -26,8 +26,9 @@ def footprint_light(
     altitude: int,
 ) -> tuple[float, float]:  # fmt: skip
     """Mean and least floor illuminance per lumen over one imager's footprint [1/m^2]."""
-    scene, beam = problem.scenes[scene_index], problem.beam(scene_index, optics)
+    scene = problem.scenes[scene_index]
     range_m = float(scene.range_m[altitude])
+    beam = problem.floor_lobe(scene_index, optics, mount, range_m)
     weight, lamp_leg = luminous_weight(scene, problem.optics[optics]), problem.lamp_leg_per_m(scene_index, optics)
     if problem.paper:
         axis = float(on_axis_gain(beam, np.array([range_m]))[0])
@@ -61,8 +62,8 @@ def most_uniformities(
         return np.ones(len(view.tan_along))
     ends = [
         most_uniformity(
-            view.tan_along, view.tan_across, shape=problem.shape(port_index, scene_index), range_m=float(range_m),
-            lamps=mount.lamps(count), beam=problem.beam(scene_index, optics),
+            view.tan_along, view.tan_across, shape=problem.shape(port_index, scene_index), range_m=range_m,
+            lamps=mount.lamps(count), beam=problem.floor_lobe(scene_index, optics, mount, range_m),
             weight=luminous_weight(scene, problem.optics[optics]),
             attenuation_per_m=problem.lamp_leg_per_m(scene_index, optics), fineness=scene.fineness,
         )

@@ -130,7 +130,7 @@ class LampField:
         self.beam = problem.beam(scene_index, optics)
         self.spectrum = int(self.contraction.spectrum_of[optics])
         self.efficiency, self.channel = efficiency, channel
-        self.lamps = mount.lamps(count)
+        self.lamps, self.mount, self.optics = mount.lamps(count), mount, optics
 
     # ------------------------------------------------------------ means
 
@@ -172,8 +172,16 @@ class LampField:
         return light.with_pixels(self.at_asked_pixels(view, pixels, veils=veils != "none"))
 
     def common(self, range_m: float) -> dict[str, Any]:
-        """What all field functions take."""
-        return dict(shape=self.shape, range_m=range_m, beam=self.beam)
+        """What all functions of light on the floor take."""
+        return dict(shape=self.shape, range_m=range_m, beam=self.lobe(range_m))
+
+    def lobe(self, range_m: float) -> beams.Beam:
+        """The lamps' beam as it falls on the floor."""
+        return self.problem.floor_lobe(self.scene_index, self.optics, self.mount, range_m)
+
+    def sent_back(self, range_m: float) -> dict[str, Any]:
+        """The same of light that the water sends back."""
+        return dict(shape=self.shape, range_m=range_m, beam=self.contraction.back_lobe(self.optics))
 
     def loss_table(self, part: LightPart = "image") -> Any:
         """Water's loss on both legs; see `Contraction.table`."""
@@ -183,7 +191,8 @@ class LampField:
         """Mean over the image of the light that forms it, or of the forward veil, (n, n_altitudes) [1/m^2]."""
         near = field_means(
             view.tan_along, view.tan_across, ranges_m=self.scene.range_m, shape=self.shape, lamps=one_side(self.lamps),
-            beam=self.beam, table=self.loss_table("near" if forward else "image"), fineness=self.fineness.image,
+            lobes=[self.lobe(float(range_m)) for range_m in self.scene.range_m],
+            table=self.loss_table("near" if forward else "image"), fineness=self.fineness.image,
         )  # fmt: skip
         return near + self.mean_wide(view) if forward and self.contraction.multiple else near
 
@@ -244,7 +253,7 @@ class LampField:
             [
                 mean_backscatter(
                     view.tan_along, view.tan_across, lamps=one_side(self.lamps), scatterers=scatterers,
-                    order=COARSE_ORDER, **self.common(float(self.scene.range_m[n])),
+                    order=COARSE_ORDER, **self.sent_back(float(self.scene.range_m[n])),
                 )
                 for n in altitudes
             ],
@@ -258,7 +267,7 @@ class LampField:
             [
                 mean_backscatter(
                     view.tan_along, view.tan_across, lamps=one_side(self.lamps), scatterers=scatterers,
-                    fineness=self.fineness.veil, **self.common(float(range_m)),
+                    fineness=self.fineness.veil, **self.sent_back(float(range_m)),
                 )
                 for range_m in self.scene.range_m
             ],
@@ -270,7 +279,7 @@ class LampField:
         scatterers, end_m = self.contraction.endless_scatterers(self.spectrum, self.efficiency, self.channel)
         return mean_backscatter(
             view.tan_along, view.tan_across, lamps=one_side(self.lamps), scatterers=scatterers, order=order,
-            fineness=self.fineness.veil, **self.common(max(end_m, 2.0 * float(self.scene.range_m[-1]))),
+            fineness=self.fineness.veil, **self.sent_back(max(end_m, 2.0 * float(self.scene.range_m[-1]))),
         )  # fmt: skip
 
     # ------------------------------------------------------------ pixels
@@ -364,16 +373,18 @@ class LampField:
         scatters = veils and self.scene.scatters
         forward = scatters and self.effects.forward_veil
         for range_m in self.scene.range_m if ranges_m is None else ranges_m:
-            common = dict(lamps=self.lamps, **self.common(float(range_m)))
             if forward:
                 signal, over = (response * gain for gain in self.forward_at(along, across, float(range_m)))
             else:
-                signal = response * local_gain(along, across, table=self.loss_table(), **common)
+                signal = response * local_gain(
+                    along, across, table=self.loss_table(), lamps=self.lamps, **self.common(float(range_m))
+                )
                 over = np.zeros_like(signal)
             if scatters and self.effects.backscatter:
                 over = over + backscatter_gain(
-                    along, across, scatterers=self.scatterers(), fineness=self.fineness.veil, **common
-                )
+                    along, across, scatterers=self.scatterers(), fineness=self.fineness.veil, lamps=self.lamps,
+                    **self.sent_back(float(range_m)),
+                )  # fmt: skip
             signals.append(signal * collecting)
             veil_sum.append(over * collecting)
         return np.stack(signals, axis=1), np.stack(veil_sum, axis=1) if self.veiled(veils) else None
@@ -389,7 +400,7 @@ class LampField:
         for range_m in (float(self.scene.range_m[0]), float(self.scene.range_m[-1])):
             signal, over = (gain * response for gain in self.forward_at(along, across, range_m))
             back = backscatter_gain(
-                along, across, scatterers=self.scatterers(), lamps=self.lamps, **self.common(range_m)
+                along, across, scatterers=self.scatterers(), lamps=self.lamps, **self.sent_back(range_m)
             )
             lit = np.maximum(signal, 1e-300)
             with np.errstate(over="ignore"):

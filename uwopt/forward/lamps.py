@@ -162,6 +162,10 @@ class Mount:
             return mounted_lamps(self.explicit)
         return lamp_set(count, baseline_m=self.baseline_m, tilt_rad=float(np.deg2rad(self.tilt_deg)))
 
+    def way_m(self, range_m: float) -> float:
+        """From the foremost lamp to a plane so far before the port, along its axis [m]; never less than a front."""
+        return max(range_m - max([one.z_m for one in self.explicit], default=0.0), LAMP_FRONT_M)
+
 
 def light_counts(mission: Mission) -> tuple[int, int]:
     """Fewest and most lamps; explicit mounts say how many there are. Where none will do, one part stands for none."""

@@ -417,6 +417,10 @@ class Problem:
         """The beam of one light optics in one scene's water."""
         return self.optics[optics].beams[scene_index]
 
+    def floor_lobe(self, scene_index: int, optics: int, mount: Mount, range_m: float) -> Beam:
+        """The beam as it falls on the floor so far along the axis, widened by what scatters on the way."""
+        return self.contractions[scene_index].lobe(optics, mount.way_m(range_m))
+
     def lamp_leg_per_m(self, scene_index: int, optics: int) -> Array:
         """K on the way from lamps of one light optics to the floor of one scene, by wavelength."""
         contraction = self.contractions[scene_index]

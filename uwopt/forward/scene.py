@@ -22,8 +22,10 @@ from uwopt.mission.mission import SceneView
 from uwopt.mission.sections.scene import Scene
 from uwopt.model import fineness as fine
 from uwopt.model import multiple, water
+from uwopt.model.beam import Beam, half_power_angle_rad
 from uwopt.model.scattering import PhaseTable, look_up, molecular_per_sr, share_beyond
-from uwopt.model.spectrum import resample, wavelength_grid_nm
+from uwopt.model.spectrum import resample, trapezoid_weights_nm, wavelength_grid_nm
+from uwopt.model.widened import Turned, ways_m, widened
 
 Array = NDArray[Any]
 LampLeg = Literal["diffuse", "least", "most"]
@@ -154,6 +156,27 @@ class SceneOptics:
         share = float(multiple.back_share(half_power_angle_rad))
         k = self._effective_per_m(lambda one: min(share * one.share_beyond(np.pi / 2), 1.0))
         return np.maximum(k, multiple.LEAST_OF_ABSORPTION * self.absorption_per_m())
+
+    def widened_lobe(self, lobe: Beam, relative_spectrum: Array, *, way_m: float, back: bool = False) -> Beam:
+        """A lamp's lobe after a way through this water, over what K (`lamp_leg_per_m`) leaves of its light.
+
+        back : of backscatter, along all of that way; else of the floor at its end
+
+        One lobe for all colours: of the scattering where the lamp's light gets through there and back. K is the central
+        one: what is in doubt about it remains.
+        """
+        half_power = half_power_angle_rad(lobe)
+        angle = float(multiple.lamp_angle_rad(half_power))
+        ways = ways_m(way_m) if back else np.array([way_m])
+        lost = self.attenuation_per_m + self.lamp_leg_per_m(half_power)
+        left = np.exp(-np.multiply.outer(ways, lost - lost.min()))
+        weight = relative_spectrum * trapezoid_weights_nm(self.wavelength_nm) * left
+        weight /= weight.sum(axis=1, keepdims=True)
+        turned = [
+            Turned(ways * (weight @ one.scattering_per_m), one.share_beyond(angle), one.table)
+            for one in self.scattering
+        ]
+        return widened(lobe, turned, way_m)
 
     def _effective_per_m(self, lost_share: Callable[[Scattering], float]) -> Array:
         left = self.attenuation_per_m

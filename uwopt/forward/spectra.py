@@ -13,7 +13,7 @@ from uwopt.catalog.records import Curve
 from uwopt.forward.lamps import LAMP_FRONT_M, LightOptics, relative_spectrum
 from uwopt.forward.scene import COLOURS, SceneOptics
 from uwopt.model import sensor
-from uwopt.model.beam import half_power_angle_rad
+from uwopt.model.beam import Beam, half_power_angle_rad
 from uwopt.model.fineness import scaled
 from uwopt.model.imaging import scatter_weight, signal_weight
 from uwopt.model.path_table import PathTable, build_path_table
@@ -106,6 +106,27 @@ class Contraction:
     def _lobe_rad(self, item: LightOptics) -> float | None:
         """Half angle of a lamp's lobe, where K depends on it."""
         return half_power_angle_rad(item.beams[self.scene_index]) if self.multiple else None
+
+    def back_lobe(self, optics: int) -> Beam:
+        """The beam of these lamps as the water sends it back, from no way at all to where little is left."""
+        both = self.scene.attenuation_per_m + self.lamp_leg_per_m(int(self.spectrum_of[optics]))
+        return self.lobe(optics, ENDLESS / max(float(both.min()), TINY), back=True)
+
+    def lobe(self, optics: int, way_m: float, *, back: bool = False) -> Beam:
+        """The beam of these lamps after a way through the water, over what K leaves of it.
+
+        back : of backscatter, along all of that way
+        """
+        own, scene = self.optics[optics].beams[self.scene_index], self.scene
+        if not self.multiple:
+            return own
+        name = self.spectrum_names[self.spectrum_of[optics]]
+        key = ("lobe", own, name, way_m, back)
+        if key not in scene.cache:
+            spectrum = relative_spectrum(name, scene.wavelength_nm)
+            scene.cache[key] = scene.widened_lobe(own, spectrum, way_m=way_m, back=back)
+        lobe: Beam = scene.cache[key]
+        return lobe
 
     def lamp_leg_per_m(self, spectrum: int) -> Array:
         """K on the way from these lamps to the floor, by wavelength."""

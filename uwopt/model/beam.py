@@ -3,6 +3,9 @@
 A `Beam` is luminous intensity per lumen of the lamp, I/Phi [1/sr], by the angle from the beam's axis,
 in water. Four shapes: `disc` (even light on a plane across the axis), `cone` (even intensity),
 `cosine-power` (a lobe), `tabulated` (a measured profile). Nothing shines behind the front plane (90 deg).
+
+Light that is scattered on its way from the lamp widens each of them (`model.halo`, `model.widened`): a share keeps the
+shape, and a smooth halo of what was turned comes on top, alike for all ways or by the way.
 """
 
 from __future__ import annotations
@@ -16,13 +19,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from uwopt.errors import RangeError
+from uwopt.model.halo import ROUNDING, Widening, flux
 from uwopt.model.spectrum import FloatArray
 
 N_CELLS = 4096  # of the look-up of a tabulated beam, even in sqrt(1 - cos): 0.02 deg or finer up to 90 deg
 AIR_STEP_RAD = np.deg2rad(0.5)  # a profile in air is sampled at least this densely before it is bent
 GRAZING_AIR_RAD = np.deg2rad(80.0)
 DISC_CONTINUED = 0.8  # an edgeless disc follows its formula down to this share of the edge's cosine
-ROUNDING = 1e-12  # makes a computed maximum a bound
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +38,7 @@ class Beam:
     table_angle_rad: tuple[float, ...] = ()  # tabulated, increasing, up to 90 deg
     table_intensity_per_sr: tuple[float, ...] = ()  # tabulated, I/Phi
     edgeless: bool = False  # the intensity inside, continued smoothly beyond the edge; see `without_edge`
+    widening: Widening | None = None  # by scattering on the way; all else is of the lamp's own beam
 
 
 def disc_beam(half_angle_water_rad: float) -> Beam:
@@ -103,12 +107,12 @@ def tabulated_beam(
         angle, values = np.r_[angle[keep], np.pi / 2], np.r_[values[keep], at_rim]
     if medium == "air":
         angle, values = _air_to_water(angle, values, n_w)
-    flux = _table_flux(_uniform_table(tuple(angle.tolist()), tuple(values.tolist())))
+    held = flux(_uniform_table(tuple(angle.tolist()), tuple(values.tolist())))
     if total_flux_lm is not None:
         _require(total_flux_lm > 0, "total flux of a profile", total_flux_lm, "above 0", unit="lm")
-    if not flux > 0:
+    if not held > 0:
         raise RangeError("a beam profile holds no light between 0 and 90 deg")
-    values = values / (flux if total_flux_lm is None else total_flux_lm)
+    values = values / (held if total_flux_lm is None else total_flux_lm)
     return Beam(
         "tabulated", table_angle_rad=tuple(angle.tolist()), table_intensity_per_sr=tuple(values.tolist())
     )
@@ -122,18 +126,20 @@ def half_angle_in_water_rad(half_angle_air_rad: Any, *, n_w: Any) -> Any:
     return np.arcsin(np.sin(np.minimum(half_angle_air_rad, np.pi / 2)) / n_w)
 
 
-def intensity_per_sr(cos_angle: ArrayLike, beam: Beam) -> FloatArray:
+def intensity_per_sr(cos_angle: ArrayLike, beam: Beam, way_m: ArrayLike = 0.0) -> FloatArray:
     """Luminous intensity per lumen of the lamp.
 
         disc          1 / (pi tan^2(b) cos^3(t))      t <= b
         cone          1 / (2 pi (1 - cos(b)))         t <= b
         cosine-power  (m + 1) / (2 pi) cos^m(t)
         tabulated     look-up
+        widened       share times the beam's own, plus the halo's look-up
 
     Parameters
     ----------
     cos_angle : (...,) [1], cosine of the angle t from the beam's axis, in water
     beam : Beam
+    way_m : (...,) [m], length of the light's way, of which a beam may know that it widens along it
 
     Returns
     -------
@@ -146,6 +152,12 @@ def intensity_per_sr(cos_angle: ArrayLike, beam: Beam) -> FloatArray:
     cell (0.02 deg).
     """
     cos = np.asarray(cos_angle, dtype=float)
+    if beam.widening is not None:
+        share, halo = beam.widening.at(cos, np.asarray(way_m, dtype=float))
+        if beam.widening.part == "halo":
+            return np.asarray(halo)
+        unturned = share * intensity_per_sr(cos, own(beam))
+        return np.asarray(unturned if beam.widening.part == "own" else unturned + halo)
     if beam.kind == "tabulated":
         return _look_up(cos, beam)
     if beam.kind == "cosine-power":
@@ -162,6 +174,10 @@ def intensity_per_sr(cos_angle: ArrayLike, beam: Beam) -> FloatArray:
 
 def peak_intensity_per_sr(beam: Beam) -> float:
     """An upper bound of what `intensity_per_sr` returns over all angles, tight to rounding."""
+    if beam.widening is not None:
+        halo = float(beam.widening.most_per_sr.max()) * (1 + ROUNDING)
+        share = beam.widening.most_share
+        return halo + (share * peak_intensity_per_sr(own(beam)) if share else 0.0)
     if beam.kind == "disc":
         b = _half_angle(beam)
         cos_least = np.cos(b) * (DISC_CONTINUED if beam.edgeless else 1.0)
@@ -175,20 +191,58 @@ def peak_intensity_per_sr(beam: Beam) -> float:
     return float(peak * (1 + ROUNDING))
 
 
+def own(beam: Beam) -> Beam:
+    """The lamp's own beam I, as if nothing had widened share I + halo [1/sr]."""
+    return beam if beam.widening is None else dataclasses.replace(beam, widening=None)
+
+
+def widened_by(beam: Beam, widening: Widening) -> Beam:
+    """The beam I with what scattering makes of it, share I + halo [1/sr]."""
+    return dataclasses.replace(beam, widening=widening)
+
+
+@functools.lru_cache(maxsize=1024)
+def parts(beam: Beam) -> tuple[Beam, ...]:
+    """Beams that add up to one: where one ends sharply its share that is left, and its halo, which goes on beyond.
+
+    For quadratures that treat the edge themselves. The halo counts as a measured profile.
+    """
+    if beam.widening is None or beam.widening.part != "both" or not has_sharp_edge(beam):
+        return (beam,)
+    return widened_by(beam, beam.widening.alone("own")), Beam("tabulated", widening=beam.widening.alone("halo"))
+
+
+@functools.lru_cache(maxsize=1024)
+def flux_per_lm(beam: Beam) -> float:
+    """An upper bound of a beam's flux per lumen of the lamp, tight to rounding where it is the same for all ways.
+
+    Over what the water's K leaves, which widened beams are relative to, more than all may come.
+    """
+    if beam.widening is None:
+        return 1.0
+    return beam.widening.most_share + flux(beam.widening.most_per_sr) * (1 + ROUNDING)
+
+
 def has_sharp_edge(beam: Beam) -> bool:
     """True where the intensity jumps at the edge (a table's end: by over 1 % of the peak).
 
     Quadratures converge slowly across such an edge; `without_edge` gives them the smooth part.
     """
-    if beam.edgeless:
+    if beam.edgeless or _is_halo(beam):
         return False
     if beam.kind == "tabulated":
         return beam.table_intensity_per_sr[-1] > 0.01 * max(beam.table_intensity_per_sr)
     return beam.kind in ("disc", "cone")
 
 
+def _is_halo(beam: Beam) -> bool:
+    return beam.widening is not None and beam.widening.part == "halo"
+
+
 def edge_half_angle_rad(beam: Beam) -> float:
     """The angle from the axis beyond which no light goes [rad], at most 90 deg."""
+    if beam.widening is not None and beam.widening.part != "own":
+        return float(np.pi / 2)
     if beam.kind == "cosine-power" or beam.edgeless:
         return float(np.pi / 2)
     if beam.kind == "tabulated":
@@ -200,13 +254,19 @@ def edge_half_angle_rad(beam: Beam) -> float:
 
 @functools.lru_cache(maxsize=1024)
 def half_power_angle_rad(beam: Beam) -> float:
-    """Greatest angle from the axis with half the peak intensity [rad]; the edge of a disc or cone."""
+    """Greatest angle from the axis with half the peak intensity [rad]; the edge of a disc or cone.
+
+    Of a widened beam that of the lamp's own, the sharpest in it; of a halo alone where it is widest.
+    """
+    if beam.widening is not None and not _is_halo(beam):
+        return half_power_angle_rad(own(beam))
     if beam.kind in ("disc", "cone"):
         return _half_angle(beam)
     if beam.exponent:  # cos^m = 1/2; from 1 - cos, which a needle's cosine has no digits for
         return float(2.0 * np.arcsin(np.sqrt(-0.5 * np.expm1(-np.log(2.0) / beam.exponent))))
     angle = np.linspace(0.0, np.pi / 2, 18001)
-    intensity = intensity_per_sr(np.cos(angle), beam)
+    reach_m = 0.0 if beam.widening is None else beam.widening.reach_m
+    intensity = intensity_per_sr(np.cos(angle), beam, reach_m)
     return float(angle[np.flatnonzero(intensity >= 0.5 * intensity.max())[-1]])
 
 
@@ -215,9 +275,12 @@ def falling_envelope(beam: Beam) -> tuple[FloatArray, FloatArray]:
     """Angles from 0 to 90 deg, and the greatest intensity at that angle or any larger one [rad], [1/sr].
 
     A bound for proofs: it never rises, and lies nowhere below the beam. Between its angles take the
-    value at the smaller one.
+    value at the smaller one. Of a widened beam the sum of its parts' envelopes.
     """
     angle = np.linspace(0.0, np.pi / 2, 18001)
+    if beam.widening is not None:
+        halo, share = beam.widening.envelope(angle), beam.widening.most_share
+        return angle, share * falling_envelope(own(beam))[1] + halo if share else halo
     intensity = intensity_per_sr(np.cos(angle), beam)
     middle = intensity_per_sr(np.cos(angle[:-1] + 0.5 * (angle[1] - angle[0])), beam)
     seen = np.maximum(intensity, np.append(middle, 0.0))
@@ -339,13 +402,6 @@ def _uniform_table(
         values[knot_rad > angle[-1]] = 0.0
     values[-1] = 0.0  # the front plane itself is dark
     return values
-
-
-def _table_flux(table: FloatArray) -> float:
-    """Integral of I over the sphere: 2 pi * integral of I 2 u du; Simpson is exact for I linear in a cell."""
-    u = np.linspace(0.0, 1.0, N_CELLS + 1)
-    middle = (table[1:] + table[:-1]) / 2 * (u[1:] + u[:-1]) / 2
-    return float(4 * np.pi * np.sum(table[1:] * u[1:] + 4 * middle + table[:-1] * u[:-1]) / (6 * N_CELLS))
 
 
 def _air_to_water(angle: FloatArray, values: FloatArray, n_w: float) -> tuple[FloatArray, FloatArray]:

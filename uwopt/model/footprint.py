@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -157,9 +158,7 @@ def footprint_illuminance_per_lm(
         weight=weight, attenuation_per_m=attenuation_per_m, range_m=range_m, slope=shape.slope
     )
     cells_a_side = scaled(FOOTPRINT_CELLS, fineness.places)
-    needed = cells_needed if beams.has_sharp_edge(beam) else orders_needed
     images = np.array([tan_along]), np.array([tan_across])
-    order = int(needed(*images, shape, range_m, lamps, beam, fineness.image)[0])
 
     grid = np.linspace(-1.0, 1.0, cells_a_side + 1)
     u, v = np.meshgrid(grid, grid, indexing="ij")
@@ -167,13 +166,20 @@ def footprint_illuminance_per_lm(
     leg = leg_loss_over(x_m, y_m, lamps=lamps, n_ranges=scaled(LAMP_RANGES, fineness.spectrum), **water)
     common: dict[str, Any] = dict(lamps=lamps, beam=beam, leg=leg, **water)
 
-    def part(u: Array, v: Array, **of_lamps: Any) -> tuple[Array, Array]:
+    def part(u: Array, v: Array, **of_light: Any) -> tuple[Array, Array]:
         along, across = np.meshgrid(tan_along * u, tan_across * v, indexing="ij")
         x_m, y_m, _ = floor_point(along, across, shape=shape, range_m=range_m)
         area = floor_area_ratio(along, across, shape=shape, range_m=range_m)
-        return area, floor_illuminance_per_lm(x_m, y_m, **(common | of_lamps))
+        return area, floor_illuminance_per_lm(x_m, y_m, **(common | of_light))
 
-    mean = footprint_mean(part, order, *images, shape=shape, range_m=range_m, lamps=lamps, beam=beam)
+    def mean_of(one: beams.Beam) -> float:
+        needed = cells_needed if beams.has_sharp_edge(one) else orders_needed
+        order = int(needed(*images, shape, range_m, lamps, one, fineness.image)[0])
+        return footprint_mean(
+            partial(part, beam=one), order, *images, shape=shape, range_m=range_m, lamps=lamps, beam=one
+        )
+
+    mean = sum(map(mean_of, beams.parts(beam)))
 
     def there(u: Array, v: Array) -> Array:
         x_m, y_m, _ = floor_point(tan_along * u, tan_across * v, shape=shape, range_m=range_m)

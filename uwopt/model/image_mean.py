@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
@@ -29,12 +30,18 @@ FRAME_MAY_MISS = int(FRAME_PLACES * (1.0 - FRAME_SHARE))
 
 
 def field_means(
-    tan_along: Array, tan_across: Array, *, shape: PortShape, ranges_m: Array, beam: beams.Beam, **common: Any
-) -> Array:
-    """`field_mean` of n images at each of m ranges, (n, m) [1/m^2]; smooth beams take all of them at once."""
-    if beams.has_sharp_edge(beam):
+    tan_along: Array, tan_across: Array, *, shape: PortShape, ranges_m: Array, lobes: Sequence[beams.Beam],
+    **common: Any,
+) -> Array:  # fmt: skip
+    """`field_mean` of n images at each of m ranges, (n, m) [1/m^2]; one smooth beam takes all of them at once.
+
+    lobes : the beam at each range
+    """
+    beam = lobes[0]
+    if beams.has_sharp_edge(beam) or any(other is not beam for other in lobes):
         each = [
-            field_mean(tan_along, tan_across, shape=shape, range_m=float(r), beam=beam, **common) for r in ranges_m
+            field_mean(tan_along, tan_across, shape=shape, range_m=float(r), beam=lobe, **common)
+            for r, lobe in zip(ranges_m, lobes, strict=True)
         ]
         return np.stack(each, axis=1)
     image, range_m = (part.ravel() for part in np.meshgrid(np.arange(len(tan_along)), ranges_m, indexing="ij"))
@@ -63,6 +70,13 @@ def field_mean(
     Images are symmetric about the axis, so lamps that mirror each other give the same mean.
     When no lamp stands or leans along the motion over a plane square to the axis, half of the image stands for all.
     """
+    if len(parts := beams.parts(beam)) > 1:
+        common: dict[str, Any] = dict(
+            shape=shape, range_m=range_m, lamps=lamps, table=table, order=order, fineness=fineness
+        )
+        return sum(
+            (field_mean(tan_along, tan_across, beam=one, **common) for one in parts), start=np.zeros(len(tan_along))
+        )
     if order:
         orders = np.full(len(tan_along), order)
     elif beams.has_sharp_edge(beam):

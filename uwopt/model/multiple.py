@@ -10,16 +10,17 @@ with s from the phase function, for each purpose its own; S(psi) is the share sc
 lobe's half angle at half power in water. Only c counts for what forms the image.
 
     lamp to floor                  s = S(20.2 deg + 0.86 beta)
-    floor to camera, near its way  s = S(15.2 deg)
-    floor to camera, all           s = S(72.3 deg)
-    backscatter, both legs         s = (2.82 - 2.79 beta / rad) S(90 deg)
+    floor to camera, near its way  s = S(16.5 deg)
+    floor to camera, all           s = S(72.5 deg)
+    backscatter, both legs         s = (2.78 - 2.90 beta / rad) S(90 deg)
     daylight, floor to camera      s = S(59.4 deg)
 
 What the third leg lets through and the second does not comes from elsewhere on the floor: `veil.wide` says from where.
 
+What is turned on the lamps' legs widens their lobes (`widened`), which stand beside these losses.
+
 The constants are fitted to a Monte Carlo of all orders on half of its cases up to c d = 4, and judged on the other
-half: docs/validation.md, section 10. Image means follow it there, and the forward veil at single places; corners that a
-narrow lobe leaves dark stay too dark, for nothing moves the lamps' own light sideways.
+half: docs/validation.md, section 10. Image means follow it there, and corners but the darkest.
 """
 
 from __future__ import annotations
@@ -32,8 +33,8 @@ from numpy.typing import ArrayLike
 from uwopt.model.spectrum import FloatArray
 
 LAMP_DEG, LAMP_BY_LOBE = 20.2, 0.86
-NEAR_DEG, VEIL_DEG = 15.2, 72.3
-BACK, BACK_BY_LOBE = 2.82, 2.79
+NEAR_DEG, VEIL_DEG = 16.5, 72.5
+BACK, BACK_BY_LOBE = 2.78, 2.90
 LEAST_OF_ABSORPTION = 0.5  # K of backscatter over a, no less: wide lobes get some back that was lost beside them
 #: Factor on the share that lamp light loses of what is scattered, where the phase function is not known: that of
 #: Fournier-Forand functions of b_b/b 0.005 to 0.03 and Petzold's over 0.0183's is 0.3 to 1.8 for lobes up to 40 deg.
@@ -58,9 +59,9 @@ def lamp_angle_rad(half_power_angle_rad: ArrayLike) -> Any:
 def back_share(half_power_angle_rad: ArrayLike) -> Any:
     """How much of what is scattered backwards is lost to backscatter on its legs [1].
 
-        2.82 - 2.79 beta / rad
+        2.78 - 2.90 beta / rad
 
-    Below 0 for lobes of 58 deg and more: what went aside comes back by a second turn.
+    Below 0 for lobes of 55 deg and more: what went aside comes back by a second turn.
     """
     return BACK - BACK_BY_LOBE * np.asarray(half_power_angle_rad, dtype=float)
 

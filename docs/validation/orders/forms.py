@@ -12,9 +12,11 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import least_squares
 
+from uwopt.forward.spectra import ENDLESS
+from uwopt.model import beam as beams
 from uwopt.model import multiple, scattering
+from uwopt.model.widened import Turned, ways_m, widened
 
-from . import lobes
 from .cases import TALLIES, Case, Light, read
 from .model import Legs, phase_table, uwopt_light
 
@@ -40,8 +42,8 @@ USED = Constants(
 BY_TALLY = {"signal": ("lamp", "lamp_by_lobe"), "veil": ("near", "veil"), "backscatter": ("back", "back_by_lobe")}
 
 
-def effective(case: Case, constants: Constants = USED) -> Legs:
-    """The attenuations of a case."""
+def attenuations(case: Case, constants: Constants = USED) -> Legs:
+    """The attenuations of a case, with the lamp's own lobe."""
     now, b, lobe = constants, case.c_per_m * case.albedo, case.lobe_half_deg
 
     def leg(lost: float) -> float:
@@ -56,10 +58,14 @@ def effective(case: Case, constants: Constants = USED) -> Legs:
     return Legs(lamp, near, veil, max(back, least), max(back, least))
 
 
-def widened(case: Case) -> Legs:
-    """The same with lobes that scattering widens on the lamps' way (`lobes`): tried, and not in the model."""
-    legs = effective(case)
-    floor, back = (lobes.widened(case, legs.lamp, share * case.altitude_m) for share in (1.0, lobes.BACK_WAY))
+def effective(case: Case, constants: Constants = USED) -> Legs:
+    """The same with the lobe that scattering widens on the lamp's way."""
+    legs, b = attenuations(case, constants), case.c_per_m * case.albedo
+    lobe = beams.cosine_power_beam(np.deg2rad(2 * case.lobe_half_deg))
+    lost, phase = 1.0 - (case.c_per_m - legs.lamp) / b, phase_table(case.phase)
+    reach_m = ENDLESS / (case.c_per_m + legs.lamp)
+    floor = widened(lobe, [Turned(b * case.altitude_m, lost, phase)], case.altitude_m)
+    back = widened(lobe, [Turned(b * ways_m(reach_m), lost, phase)], reach_m)
     return legs._replace(lobes=(floor, back))
 
 
@@ -80,20 +86,22 @@ def means(use: str, *, thin: bool = True) -> list[Light]:
 def fitted() -> Constants:
     """The constants, from `fit` cases up to c d = 4: one tally after the other, each with its own two.
 
-    Of the forward veil single places count beside the means, each a third.
+    Of the veils corners count beside the means, each a third. Those of the lamps' leg are of means under the lamps' own
+    lobes: beside a widened lobe, which stands over what K leaves, K drops out but for longer ways than straight down.
     """
     found = USED
     for tally, names in BY_TALLY.items():
-        rows = rows_of("fit") if tally == "veil" else means("fit")
+        rows = [row for row in rows_of("fit") if row.place != "centre"] if tally != "signal" else means("fit")
+        form = attenuations if tally == "signal" else effective
         share = [1.0 if row.place == "mean" else PLACE_SHARE for row in rows]
 
         def off(
             x: np.ndarray, tally: str = tally, known: Constants = found, rows: list[Light] = rows,
-            share: list[float] = share,
+            share: list[float] = share, form: Callable[[Case, Constants], Legs] = form,
         ) -> np.ndarray:  # fmt: skip
             now = known._replace(**dict(zip(BY_TALLY[tally], map(float, x), strict=True)))
-            errors = np.array([error(row, effective(row.case, now), tally) for row in rows])
-            return np.log(np.maximum(1.0 + errors, LEAST_RATIO)) * share if tally == "veil" else errors
+            errors = np.array([error(row, form(row.case, now), tally) for row in rows])
+            return np.log(np.maximum(1.0 + errors, LEAST_RATIO)) * share if tally != "signal" else errors
 
         start = [getattr(found, name) for name in names]
         best = least_squares(off, start, x_scale=np.abs(start), diff_step=0.02, loss="soft_l1", f_scale=SCALE)

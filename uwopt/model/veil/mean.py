@@ -89,6 +89,13 @@ def log_mean_backscatter(
         shape=shape, range_m=range_m, lamps=lamps, beam=beam, scatterers=scatterers, ray_nodes=None,
         table_nodes=scaled(TABLE_NODES_IN_MEAN, fineness), fineness=fineness,
     )  # fmt: skip
+    if len(parts := beams.parts(beam)) > 1:
+        given: dict[str, Any] = dict(
+            shape=shape, range_m=range_m, lamps=lamps, scatterers=scatterers, order=order, fineness=fineness
+        )
+        return np.asarray(
+            np.logaddexp.reduce([log_mean_backscatter(along, across, beam=one, **given) for one in parts], axis=0)
+        )
     if order:
         return _log_means((order,), along, across, _lit_boxes(along, across, **common), **common)[0]
     first = _first_rungs(along, across, shape, range_m, lamps, beam)

@@ -2,7 +2,7 @@
 
 Single scattering along each pixel's ray, r counted from where the ray enters the water,
 
-    L_b(u) = integral of  sum over lamps of share * I(theta_s) / r_s^2 * beta(psi) * exp(-K r_s - c r)  dr
+    L_b(u) = integral of  sum over lamps of share * I(theta_s, r_s) / r_s^2 * beta(psi) * exp(-K r_s - c r)  dr
 
 with the spectrum contracted as in `imaging`: the weight times the scattering of each component of the
 water (particles, molecules) gives a weight integral and a `PathTable`, and geometry does the rest.
@@ -121,6 +121,13 @@ def _log_gain(
     tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
     scatterers: tuple[Scatterer, ...], ray_nodes: int | None, table_nodes: int, fineness: float,
 ) -> Array:  # fmt: skip
+    if len(parts := beams.parts(beam)) > 1:
+        given: dict[str, Any] = dict(
+            shape=shape, range_m=range_m, lamps=lamps, scatterers=scatterers, ray_nodes=ray_nodes,
+            table_nodes=table_nodes, fineness=fineness,
+        )  # fmt: skip
+        each = [_log_gain(tan_along, tan_across, beam=one, **given) for one in parts]
+        return np.asarray(np.logaddexp.reduce(each, axis=0))
     rays = camera_rays(tan_along, tan_across, shape=shape, range_m=range_m)
     total = np.full(rays.path_m.shape, -np.inf)
     with np.errstate(divide="ignore", under="ignore"):
@@ -209,7 +216,7 @@ def _hyperbolic(y: Array) -> tuple[Array, Array]:
 
 def _intensity(cosh: Array, sinh: Array, view: _View, beam: beams.Beam) -> Array:
     cos_beam = (view.aim_across[..., None] + view.aim_along[..., None] * sinh) / cosh
-    return beams.intensity_per_sr(np.minimum(cos_beam, 1.0), beam)
+    return beams.intensity_per_sr(np.minimum(cos_beam, 1.0), beam, view.distance_m[..., None] * cosh)
 
 
 def _log_losses(cosh: Array, sinh: Array, view: _View, scatterers: tuple[Scatterer, ...]) -> list[Array]:

@@ -145,7 +145,8 @@ def spectrum_way(design: Replay, scene_index: int = 0) -> SpectrumWay:
         photopic=scene.photopic,
     )  # fmt: skip
     lamp_leg = problem.lamp_leg_per_m(scene_index, int(model.lights.optics_index[0]))
-    per_flux = axis_gain_per_m2(scene, lamp_leg, item.beams[scene_index], hw.mount.lamps(hw.count), range_m)
+    lobe = problem.floor_lobe(scene_index, int(model.lights.optics_index[0]), hw.mount, range_m)
+    per_flux = axis_gain_per_m2(scene, lamp_leg, lobe, hw.mount.lamps(hw.count), range_m)
     irradiance = flux * per_flux
     radiance = seafloor.lambertian_radiance(irradiance, reflectance=scene.reflectance)
     passes = float(model.lenses.transmission[0]) * (1.0 if scene.paper else port_transmission(shape))

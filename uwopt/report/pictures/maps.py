@@ -172,7 +172,7 @@ def floor_map(
     def lux(along_m: Array, y_m: Array) -> Array:
         return lumens * floor_illuminance_per_lm(
             along_m / secant, y_m, slope=shape.slope, range_m=range_m, lamps=hw.mount.lamps(hw.count),
-            beam=item.beams[scene_index],
+            beam=problem.floor_lobe(scene_index, int(model.lights.optics_index[0]), hw.mount, range_m),
             weight=luminous_weight(scene, item),
             attenuation_per_m=problem.lamp_leg_per_m(scene_index, int(model.lights.optics_index[0])),
         )  # fmt: skip

@@ -31,6 +31,8 @@ from uwopt.catalog.records import Camera, Lens, Light, exact
 from uwopt.forward.part_columns import FAVOURED
 from uwopt.forward.problem import Parts, Problem
 from uwopt.forward.scene import SceneOptics
+from uwopt.model.beam import Beam, half_power_angle_rad
+from uwopt.model.widened import bounding
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.draws import drawn_facts
 from uwopt.solvers.confidence.scenarios import Scenarios, loss
@@ -170,6 +172,20 @@ class EasiestScene(SceneOptics):
     def lamp_leg_per_m(self, half_power_angle_rad: float) -> Array:
         """The least of all states."""
         return least([one.lamp_leg_per_m(half_power_angle_rad) for one in self.states])
+
+    def widened_lobe(self, lobe: Beam, relative_spectrum: Array, *, way_m: float, back: bool = False) -> Beam:
+        """At every angle the most of all states on the floor, and the least of what the water sends back.
+
+        A lobe stands beside its own K. On a level floor, to which no way is shorter, what K of a state takes beyond the
+        least of all in every colour is taken from its lobe.
+        """
+        each = [one.widened_lobe(lobe, relative_spectrum, way_m=way_m, back=back) for one in self.states]
+        left = [1.0] * len(each)
+        if not back and not self.slope:
+            half_power = half_power_angle_rad(lobe)
+            beyond = [one.lamp_leg_per_m(half_power) - self.lamp_leg_per_m(half_power) for one in self.states]
+            left = [float(np.exp(-one.min() * way_m)) for one in beyond]
+        return bounding(each, left, most=not back)
 
     def near_leg_per_m(self) -> Array:
         """What leaves the least veil beside the image."""

@@ -42,7 +42,8 @@ class FloorLightBound:
         problem: Problem, scene_index: int, lighting: Lighting, altitude: int, widest: Rectangles
     ) -> FloorLightBound:
         """One that another search in this scene has built and that reaches as far as these rectangles, or a new one."""
-        scene, beam = problem.scenes[scene_index], problem.beam(scene_index, lighting.optics)
+        scene = problem.scenes[scene_index]
+        beam = problem.floor_lobe(scene_index, lighting.optics, lighting.mount, float(scene.range_m[altitude]))
         nearest_m = problem.nearest_m(scene_index, altitude)
         place = beam, lighting.mount, altitude, widest.deepest_m, widest.path_share, nearest_m
         built: list[FloorLightBound] = scene.cache.setdefault(("light on rectangles", *place), [])
@@ -67,7 +68,8 @@ class FloorLightBound:
     ) -> FloorLightBound:
         """Sum cells outward from the axis, all four quadrants folded into one."""
         scene = problem.scenes[scene_index]
-        beam, range_m = problem.beam(scene_index, lighting.optics), float(scene.range_m[altitude])
+        range_m = float(scene.range_m[altitude])
+        beam = problem.floor_lobe(scene_index, lighting.optics, lighting.mount, range_m)
         if scene.slope:
             return FloorLightBound.oblique(problem, scene_index, lighting, altitude, widest)
         lamps = one_side(lighting.mount.lamps(2))
@@ -81,7 +83,7 @@ class FloorLightBound:
         least_c = float(scene.attenuation_per_m.min())
         cells *= np.exp(-least_c * (np.sqrt(depth**2 + radius) - depth) * widest.path_share)
         cells /= np.square(1.0 + radius / depth**2)
-        light = np.minimum(summed(cells, along, across), 1.0)  # no more than all the light
+        light = np.minimum(summed(cells, along, across), beams.flux_per_lm(beam))  # no more than all the light
         return FloorLightBound(along, across, light, peak)
 
     @staticmethod
@@ -90,7 +92,8 @@ class FloorLightBound:
     ) -> FloorLightBound:
         """The same on a tilted plane, over which the lamps stand as `levelled` has them, ahead and behind apart."""
         scene = problem.scenes[scene_index]
-        beam, range_m = problem.beam(scene_index, lighting.optics), float(scene.range_m[altitude])
+        range_m = float(scene.range_m[altitude])
+        beam = problem.floor_lobe(scene_index, lighting.optics, lighting.mount, range_m)
         lamps, port_m = levelled(one_side(lighting.mount.lamps(2)), scene.slope, range_m)
         peak = beams.peak_intensity_per_sr(beam) / min(port_m - z for z in lamps.z_m) ** 2
         least_k, least_c = (
@@ -110,7 +113,7 @@ class FloorLightBound:
             cells *= np.exp(-least_c * np.maximum(path_m - problem.nearest_m(scene_index, altitude), 0.0))
             cells *= crowding(ends[0], **plane) / np.square(1.0 + field2)
             most = crowding(np.minimum(sign * along, 0.0), **plane)[:, None]  # were all of the light there
-            light = np.minimum(summed(cells, along, across), most)
+            light = np.minimum(summed(cells, along, across), beams.flux_per_lm(beam) * most)
             halves.append(FloorLightBound(along, across, light, peak))
         return replace(halves[0], behind=halves[1])
 

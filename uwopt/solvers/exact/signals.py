@@ -43,9 +43,10 @@ class SignalTables(FieldTables):
         problem, imagers = self.problem, self.imagers
         view, contraction = imagers.scenes[scene_index].view, problem.contractions[scene_index]
         spectrum, curve = int(contraction.spectrum_of[lighting.optics]), problem.cameras.qe_index[imagers.camera[rows]]
+        range_m = float(problem.scenes[scene_index].range_m[altitude])
         lit: dict[str, Any] = dict(
-            beam=problem.beam(scene_index, lighting.optics), lamps=one_side(lighting.mount.lamps(2)),
-            range_m=float(problem.scenes[scene_index].range_m[altitude]),
+            beam=problem.floor_lobe(scene_index, lighting.optics, lighting.mount, range_m),
+            lamps=one_side(lighting.mount.lamps(2)), range_m=range_m,
             fineness=problem.scenes[scene_index].fineness.image,
         )  # fmt: skip
         gain = np.empty(len(rows))
