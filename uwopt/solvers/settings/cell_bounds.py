@@ -356,6 +356,17 @@ class SceneCells:
         free = self.freely_open(d, time_s)
         return longest_open_s(rows, square, np.where(free, light * time_s / square, 0.0), np.where(free, 0.0, light))
 
+    def brightly_s(self, d: Array, f_number: Array, time_s: Array, u_hi: Array) -> Array:
+        """Times no longer than the most light at the highest level takes, (m,): the same light in less blur; no sun."""
+        rows = self.rows.take(d)
+        exposure, square = self.exposure_s(d, time_s, time_s), np.square(f_number * rows.working_factor)
+        high = window_over(rows, 0.0, 0.0, exposure, exposure)[1] if self.constant_window is None else (
+            self.constant_window[1][d])  # fmt: skip
+        with np.errstate(divide="ignore", invalid="ignore"):
+            _, level = self.steps(d, np.zeros(len(d)), np.minimum(u_hi, self.share[d] / rows.on_share(time_s)))
+            filled = high * (1 - SLACK) * square / (rows.light_lm * level)
+        return np.asarray(np.where(filled >= rows.time_min_s, np.minimum(time_s, filled), time_s))
+
     def lit_share(self, rows: SceneRows, box: Box) -> tuple[Array, Array]:
         """Light-collecting over open time, most and least."""
         free = (rows.kind != CONTINUOUS) & (box.open_hi > box.t_lo)

@@ -9,8 +9,8 @@ itself the exponential of a linear function: so the logarithm of the integral is
 greatest value over a polytope at a vertex.
 
 Lateral colour falls along every ray from the centre, but not along both frequencies at once: there the rays are
-integrals of their own. Where it comes back after a null, every node is: there each factor's tangent is taken where
-it is sharpest in the cell, whose transfer ends nowhere before any other of the cell does.
+integrals of their own. Where it comes back after a null, every node is, out to where no transfer of the cell goes on:
+there the tangent of a factor whose null lies before that is taken where the factor is sharpest in the cell.
 
 Nodes and sums are those of `model.information`, which gives the integral to `RULE_ERROR`; its derivatives are sums
 over the same nodes, for at a null the integrand and what moves with it are 0.
@@ -37,6 +37,8 @@ from uwopt.model.information import (
 )
 from uwopt.model.lateral import SpreadTable, spread_mtf
 from uwopt.model.sharpness import (
+    J1_ZERO,
+    NYQUIST_CYC_PER_PX,
     Sharpness,
     defocus_mtf,
     diffraction_mtf,
@@ -54,6 +56,8 @@ NULL = 1e-9  # of a transfer: below it a tangent says nothing
 DARK_BIT = 1e-12  # of an integral: below it a tangent says nothing
 LATERAL_FROM, LATERAL_STEP = 0.1, 0.02  # of colour's phase: a bell below it; steps of its logarithm
 BENDS = 1e-4  # of a slope in logarithms: the table is piecewise linear
+ENDS = tuple(Ends.__dataclass_fields__)
+BEYOND = 1.1  # a null at so many times where the transfer ends is far enough
 Joined = Literal["all", "rays", "none"]  # which nodes are one integral whose logarithm is concave
 
 
@@ -155,9 +159,9 @@ class Tangents:
 
 @dataclass(frozen=True)
 class NodeTangents:
-    """(C_t SNR MTF)^2 by node (m, n_nodes), each factor at its sharpest, and the slopes of ln MTF.
+    """(C_t SNR MTF)^2 by node (m, n_nodes), each factor at settings of its own, and the slopes of ln MTF.
 
-    Shifts are from the least f-number for the pupil, from the greatest for disc and lens, from the least blur.
+    Shifts of the f-number are from the pupil's, and from that of disc and lens.
     """
 
     weight: Array
@@ -166,9 +170,9 @@ class NodeTangents:
     by_round: Array
     by_blur: Array
 
-    def at(self, on: Array, shift_snr: Array, from_low: Array, from_high: Array, shift_blur: Array) -> Array:
+    def at(self, on: Array, shift_snr: Array, from_pupil: Array, from_round: Array, shift_blur: Array) -> Array:
         """Bit per px on the tangents, (k,), at shifts (k,) of some rows."""
-        rise = shift_snr[:, None] + self.by_pupil[on] * from_low[:, None] + self.by_round[on] * from_high[:, None]
+        rise = shift_snr[:, None] + self.by_pupil[on] * from_pupil[:, None] + self.by_round[on] * from_round[:, None]
         rise += self.by_blur[on] * shift_blur[:, None]  # of each node
         grown = np.log1p(self.signal2[on] * np.exp(2.0 * np.minimum(rise, 300.0)))
         weight = self.weight if len(self.weight) == 1 else self.weight[on]
@@ -257,10 +261,21 @@ class Information:
             lens_pitch_px=sharp.lens_pitch_px("rms", f_number=image.f_number, rows=d),
         ))  # fmt: skip
 
-    def _chunks(self, image: Image) -> list[Chunk]:
+    def _beyond(
+        self, ends: Ends, design: Array, f_number: Array, working: Array, blur_px: Array
+    ) -> tuple[Array, Array, Array]:
+        """Whether nulls of pupil, disc and motion at some settings lie beyond these ends, where tangents are finite."""
+        sharp = self.sharp
+        reach = BEYOND * np.minimum(ends.round_cyc_per_px, np.hypot(ends.motion_cyc_per_px, NYQUIST_CYC_PER_PX))
+        pupil_px = working * sharp.wavelength_nm[design] * 1e-9 / sharp.pixel_pitch_m[design]
+        disc_px = sharp.rms_disc_px[design, 1] / f_number * (np.pi / J1_ZERO)
+        along = BEYOND * np.minimum(ends.round_cyc_per_px, ends.motion_cyc_per_px)
+        return pupil_px * reach < 1.0, disc_px * reach < 1.0, blur_px * along < 1.0
+
+    def _chunks(self, image: Image, ends: Ends) -> list[Chunk]:
         """Images by group and by where their transfers end, few at a time."""
         chunks = []
-        ends, of = self._ends(image), self.group[image.design]
+        of = self.group[image.design]
         key = (of * 4 + ends.hard) * 8 + ends.kind
         for each in np.unique(key):
             every = np.nonzero(key == each)[0]
@@ -273,7 +288,7 @@ class Information:
                     seen = still2 if len(still2) == 1 else still2[self.place[image.design[some]]]
                     chunks.append(Chunk(some, group.joined, whole, seen))
                     continue
-                here = Ends(*(getattr(ends, name)[some] for name in Ends.__dataclass_fields__))
+                here = Ends(*(getattr(ends, name)[some] for name in ENDS))
                 nodes = Nodes.of(kind, here, orders_of(group.orders, hard), both_signs=group.spread is not None)
                 seen = self._still2(nodes, image.design[some], group.spread)
                 chunks.append(Chunk(some, group.joined, nodes, seen))
@@ -323,7 +338,7 @@ class Information:
     def _bits(self, image: Image) -> Array:
         """Bit per pixel of images, (m,)."""
         out = np.zeros(len(image.design))
-        for chunk in self._chunks(image):
+        for chunk in self._chunks(image, self._ends(image)):
             mine = image.take(chunk.rows)
             power = self._power(chunk, *self._seen(chunk.nodes, mine), mine.snr)
             out[chunk.rows] = chunk.nodes.sums(np.log1p(power), "all")[:, 0]
@@ -376,18 +391,25 @@ class Information:
         if surely is not None:
             blur, at_n = np.where(surely, middle, blur), np.where(surely, centre, at_n)
         apart = np.array([group.joined == "none" for group in self.groups])[self.group[design]]
-        blur = np.where(apart, least, blur)
-        at_n = np.where(apart, high, at_n)
-        from_low = shift_n + np.log(centre / low)[:, None]
-        shift_n = shift_n + np.log(centre / at_n)[:, None]
-        shift_t = shift_t + np.log(np.where(blur > 0.0, middle / np.maximum(blur, 1e-300), 1.0))[:, None]
         most = log_snr.max(axis=1, initial=-600.0, where=True if wanted is None else wanted)
         from_snr = np.where(apart, most, centre_log_snr)
-        shift_snr = log_snr - from_snr[:, None]
         snr = np.exp(np.clip(from_snr, -600.0, 300.0))
-        image = Image(design, snr, at_n, np.where(apart, low, at_n) * factor, blur)
+        pupil_n, ends = at_n, self._ends(Image(design, snr, at_n, at_n * factor, blur))
+        if apart.any():
+            sharpest = Image(design, snr, high, low * factor, least)
+            of_sharpest = self._ends(sharpest)
+            ends = Ends(*(np.where(apart, getattr(of_sharpest, name), getattr(ends, name)) for name in ENDS))
+            of_pupil, of_disc, of_blur = self._beyond(of_sharpest, design, at_n, at_n * factor, blur)
+            pupil_n = np.where(apart & ~of_pupil, low, at_n)
+            at_n = np.where(apart & ~of_disc, high, at_n)
+            blur = np.where(apart & ~of_blur, least, blur)
+        from_pupil = shift_n + np.log(centre / pupil_n)[:, None]
+        shift_n = shift_n + np.log(centre / at_n)[:, None]
+        shift_t = shift_t + np.log(np.where(blur > 0.0, middle / np.maximum(blur, 1e-300), 1.0))[:, None]
+        shift_snr = log_snr - from_snr[:, None]
+        image = Image(design, snr, at_n, pupil_n * factor, blur)
         dark = np.zeros(len(design), bool)
-        for chunk in self._chunks(image):
+        for chunk in self._chunks(image, ends):
             mine = image.take(chunk.rows)
             told = chunk.joined == "none"
             by_node = self._node_tangents(chunk, mine) if told else None
@@ -401,7 +423,7 @@ class Information:
                 if joined is not None:
                     out[here, v] = joined.at(on, *shifts)
                 elif by_node is not None:
-                    out[here, v] = by_node.at(on, shifts[0], from_low[here, v], *shifts[1:])
+                    out[here, v] = by_node.at(on, shifts[0], from_pupil[here, v], *shifts[1:])
         if dark.any():
             brightest = np.exp(np.clip(most[dark], -600.0, 300.0))
             sharpest = Image(design[dark], brightest, high[dark], low[dark] * factor[dark], least[dark])

@@ -51,10 +51,11 @@ def typical_bit_per_px(
 def quality_bound(
     scene: SceneCells, information: Information | None, d: Array, box: Box, reach: Reach, weight: dict[str, float],
     *, mixed: bool, by_ratio: bool = False, near: Array | None = None,
-) -> tuple[Array, Array]:  # fmt: skip
-    """Information [bit/m2] at most, and the least of power, SNR and information weighed together.
+) -> tuple[Array, Array, Array]:  # fmt: skip
+    """Information [bit/m2] at most; the least of power, SNR and information weighed together; where that would be.
 
-    Returns (m,), (m,); the second is -inf where only the sum of the separate bounds is known (sunlight).
+    Returns (m,), (m,), (m, 2): ln f-number and ln time. Under the sun, where only the sum of the separate bounds is
+    known, the second is -inf and the third nan.
     `near` : (m, 2) ln f-number and ln time near which the best is thought to be, nan: not known. Tangents are taken
     at the point of the cell nearest to it: what is best from there on is best at once.
     Where information counts `by_ratio`, its logarithm lies below each of its tangents, ln I <= ln I_0 + I / I_0 - 1,
@@ -63,7 +64,8 @@ def quality_bound(
     area = scene.sharp.pixel_area_m2[d] if scene.sharp is not None else np.ones(len(d))
     if scene.sunlit:
         assert information is not None
-        return sunlit_bits(scene, information, d, box, reach, near) / area, np.full(len(d), -np.inf)
+        bits = sunlit_bits(scene, information, d, box, reach, near)
+        return bits / area, np.full(len(d), -np.inf), np.full((len(d), 2), np.nan)
     shift, x, inside, x_centre, centre = vertices(scene, d, box, reach, mixed=mixed, near=near)
     rows = scene.rows.take(d)
     dark_rows = replace(rows, dark_time_s=np.maximum(rows.exposure_s(box.t_lo), 0.0))
@@ -80,17 +82,20 @@ def quality_bound(
     joint = -weight["snr_db"] * DB * at
     if mixed and weight["power"]:
         joint = joint + weight["power"] * power_tangent(scene, d, box, shift, np.exp(centre))
+    every, places = np.arange(len(d)), shift[:, :, :2] + centre[:, None, :2]
     most = np.where(inside, bits, -np.inf).max(axis=1)
     if not by_ratio:
-        joint = joint - weight["information"] * bits
-        return most, np.where(inside, joint, np.inf).min(axis=1)
+        joint = np.where(inside, joint - weight["information"] * bits, np.inf)
+        least = joint.argmin(axis=1)
+        return most, joint[every, least], places[every, least]
     best, here = np.full(len(d), -np.inf), most
     for _ in range(TANGENTS):
         at_tangent = joint - weight["information"] * log_tangent(bits, here[:, None])
         at_tangent = np.where(inside, at_tangent, np.inf)
-        best = np.maximum(best, at_tangent.min(axis=1))
-        here = bits[np.arange(len(d)), at_tangent.argmin(axis=1)]
-    return most, best
+        least = at_tangent.argmin(axis=1)
+        best = np.maximum(best, at_tangent[every, least])
+        here = bits[every, least]
+    return most, best, places[every, least]
 
 
 def sunlit_bits(

@@ -51,6 +51,7 @@ LEAST_SCALE = 0.1  # of the terms' sum: a sum near 0 has no relative gap
 NEAR = 1e-9  # relative, of ties
 #: Directions in ln f-number and ln time in which settings are polished: both alone, and with the same light.
 TOWARDS = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 2.0]])
+INSIDE = 1e-8  # of ln f-number: beside a corner of what light allows, where there is enough or no more than that
 WIDEST, NARROWER, MOST_STEP = 0.3, 0.2, 2.0  # steps: at first, how much shorter at a time, and towards a parabola's top
 POLISHED, LATER = 4, 2  # rounds after which settings are polished no more, and that of designs not known to be wanted
 
@@ -167,6 +168,7 @@ class CellSearch:
             self.information = [Information(r.sharp) for r in rows if r.sharp is not None]
         self._dimensions(own_f_number)
         self.best = np.full(self.n, np.inf)
+        self.hopeful = np.empty((0, 2))  # ln f-number and ln time of the last cells where their tangents are best
         self.near_by = np.full(self.n, WIDEST)  # steps that are tried beside the best settings
         self.scale = np.zeros(self.n)  # what the gap is relative to
         self.closed = np.full(self.n, np.inf)
@@ -357,6 +359,7 @@ class CellSearch:
             if self.weight["information"]:
                 information = np.min([f[0] for f in found], axis=0)
             joint = np.max([f[1] for f in found], axis=0) - self.weight["contrast"] * contrast
+            self.hopeful = found[0][2]
         bound = np.maximum(self._value(power, snr, contrast, information), joint)
         return replace(pool, bound=np.maximum(pool.bound, bound + self.offset[d])), seen
 
@@ -400,6 +403,9 @@ class CellSearch:
         if not self.sunlit[s]:
             lit = scene.within_s(d, sharp)
             time = np.where(lit >= box.t_lo, np.minimum(time, lit), time)
+            if self.information and not self.mixed:
+                time = scene.brightly_s(d, f_number, time, box.u_hi)
+            open_s = time
         else:
             free = scene.freely_open(d, time)
             unfilled = np.minimum(sharp, scene.filled_s(d, f_number, time, box.u_lo, box.u_hi))
@@ -422,11 +428,8 @@ class CellSearch:
         def tried(steps: Array) -> tuple[Array, Array]:
             """Values (k, m) at steps (k, m, 2) from the best settings, and how much of each step the range allows."""
             place = np.clip(start + steps, low, high)
-            some, ends = np.tile(design, len(steps)), place.reshape(-1, 2)
-            pool = Pool(some, ends, ends, np.zeros(len(some)))
-            point = self._points_in(pool, 0, self._box(pool, 0), np.exp(ends[:, 0]), np.zeros(len(some)), np.ones(1))
             share = np.abs(place - start).max(axis=2) / np.abs(steps).max(axis=2)
-            return self._keep(some, [point]).reshape(len(steps), -1), share
+            return self._at_places(np.tile(design, len(steps)), place.reshape(-1, 2)).reshape(len(steps), -1), share
 
         sides = TOWARDS[:, None, :] * width[:, None]
         value, share = tried(np.concatenate([sides, -sides]))
@@ -440,9 +443,35 @@ class CellSearch:
         rose = np.abs(self._near(0, design) - start).max(axis=1)
         self.near_by[design] = np.clip(rose, NARROWER * width, width)
 
+    @property
+    def _two_numbers(self) -> bool:
+        """Whether f-number and time of one scene are all that settings need for information."""
+        return bool(self.information) and self.n_dims == 2 and not any(self.sunlit)
+
+    def _at_places(self, design: Array, place: Array) -> Array:
+        """Values of designs at f-numbers and times, (m,), by their logarithms (m, 2)."""
+        low, high = (side[design] for side in self.range)
+        place = np.clip(place, low, high)
+        pool = Pool(design, place, place, np.zeros(len(design)))
+        point = self._points_in(pool, 0, self._box(pool, 0), np.exp(place[:, 0]), np.zeros(len(design)), np.ones(1))
+        return self._keep(design, [point])
+
+    def _try_places(self, design: Array, place: Array) -> None:
+        """Where the tangents of cells say that most could be: at a corner of what is allowed it is the best itself."""
+        if len(design):
+            sides = [place + np.array([side, 0.0]) for side in (-INSIDE, INSIDE)]
+            self._at_places(np.tile(design, 2), np.concatenate(sides))
+
+    def _again(self, pool: Pool) -> Pool:
+        """Cells bounded by tangents at the best settings that points and polishing have found since."""
+        pool, _ = self._bounded(pool)
+        if len(pool.design):
+            self._try_places(pool.design, self.hopeful)
+        return self._prune(pool)
+
     def _polish_open(self, pool: Pool, turn: int) -> None:
         """Polish the designs with open cells that may be wanted: a few times, where settings are two numbers."""
-        if not self.information or self.n_dims != 2 or any(self.sunlit) or turn > POLISHED:
+        if not self._two_numbers or turn > POLISHED:
             return
         design = np.unique(pool.design)
         best = self.best[design]
@@ -532,8 +561,13 @@ class CellSearch:
         if not halve:
             np.minimum.at(self.closed, pool.design, pool.bound)
             return self._result()
+        if points and self._two_numbers:
+            self._try_places(pool.design, self.hopeful)
         pool, spent, turn = self._prune(pool), len(pool.design), 0
         self._polish_open(pool, turn)
+        if points and self._two_numbers:
+            pool = self._again(pool)
+            spent += len(pool.design)
         budget = max(MOST_CELLS, FEWEST * min(self.n, 50))
         while len(pool.design) and spent < budget:
             if len(pool.design) > BATCH:
@@ -542,11 +576,14 @@ class CellSearch:
             else:
                 active, rest = pool, pool.take(np.empty(0, int))
             children, seen = self._bounded(self._halved(active))
+            hopeful = self.hopeful
             spent += len(active.design) * 2
             open_ = np.nonzero(self._open(children))[0]
             some = [(PATTERNS[(4 * turn + k) % len(PATTERNS)]) for k in range(4)]
             boxes = [(box.take(open_), reach) for box, reach in seen]
             self._try_points(children.take(open_), boxes, some)
+            if self._two_numbers:
+                self._try_places(children.design[open_], hopeful[open_])
             pool = self._prune(Pool.joined([children, rest]))
             turn += 1
             self._polish_open(pool, turn)
