@@ -483,8 +483,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="nodes told apart go as far as the middle of a cell sees",
         file="uwopt/solvers/settings/cell_information.py",
-        old="pupil_n = np.where(apart & ~of_pupil, low, at_n)",
-        new="pupil_n = at_n",
+        old="of_sharpest = self._ends(sharpest)",
+        new="of_sharpest = ends",
         test="tests/solvers/test_cell_information.py::test_transfers_that_end_early_stay_under_their_bound[0.3-pupil-much]",
     ),
     Defect(
