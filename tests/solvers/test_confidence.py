@@ -28,7 +28,6 @@ from uwopt.solvers.confidence.search import (
     at_its_stop,
     imagers_of,
     judged_anew,
-    most_certain,
     rank,
 )
 from uwopt.solvers.confidence.summary import ids, surest, told
@@ -63,6 +62,12 @@ def counted(sought: Sought, doubt: Doubt = KNOWN, *, count: int = 200, seed: int
     problem = sought.problem
     scenarios = Scenarios.drawn(problem.mission, problem.scenes, doubt, seed=seed, count=count)
     return outcomes(problem, sought.outcome.best[0], sought.search.objective, scenarios)
+
+
+def most_certain(sought: Sought, objective: Any, asked: float | str) -> Certain | None:
+    """What is recommended of what is likely to hold."""
+    looked = search_module.look(sought, objective, asked, NEVER, search_module.unheard)
+    return search_module.chosen(sought.problem, objective, looked, NEVER, search_module.unheard)
 
 
 def judged(sought: Sought, asked: float) -> Certain:

@@ -34,7 +34,7 @@ from uwopt.solvers.calibration.summary import Calibrated
 
 SATURATED = 0.95  # of where the camera ends: a mean so high has clipped pixels
 LEAST_NET_DN = 0.5  # above the dark level: half a number
-LEAST_TOLD_DN = 1e-9  # by the model: it has no light there
+LEAST_TOLD_DN = 1.0  # by the model: less light than the camera can tell
 MISSION_FILE = "calibrated.yaml"
 GRID_NM = np.arange(380.0, 781.0)
 Keep = Callable[[Mapping[str, str]], object]  # writes files where they stay

@@ -40,6 +40,7 @@ PAPER_ALTITUDES = 3
 FULL_ALTITUDES = 5
 FAINTEST_SUN_LX = 1e-6  # a billionth of what lamps give; starlight on the sea is a thousand times more
 STEEPEST_SUN_PATH = 0.85  # way of light straight down over that of the sun at 60 deg, with room
+FAINTEST = 1e-9  # of a lamp's brightest colour: fainter ones count for nothing
 FAINT = 1e-12  # 1/m, below which no coefficient counts
 LEAST_SHARE = 1e-3  # of a step: a kink nearer to a point of the grid lies on it
 GRID_SPAN_NM = 400.0  # of `wavelength_grid_nm`
@@ -169,8 +170,9 @@ class SceneOptics:
         angle = float(multiple.lamp_angle_rad(half_power))
         ways = ways_m(way_m) if back else np.array([way_m])
         lost = self.attenuation_per_m + self.lamp_leg_per_m(half_power)
-        left = np.exp(-np.multiply.outer(ways, lost - lost.min()))
-        weight = relative_spectrum * trapezoid_weights_nm(self.wavelength_nm) * left
+        sent = relative_spectrum * trapezoid_weights_nm(self.wavelength_nm)
+        told = sent > FAINTEST * sent.max()  # a colour that the lamp has: of others alone nothing would be left
+        weight = np.where(told, sent, 0.0) * np.exp(-np.multiply.outer(ways, np.maximum(lost - lost[told].min(), 0.0)))
         weight /= weight.sum(axis=1, keepdims=True)
         turned = [
             Turned(ways * (weight @ one.scattering_per_m), one.share_beyond(angle), one.table)

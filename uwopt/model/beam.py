@@ -26,6 +26,7 @@ N_CELLS = 4096  # of the look-up of a tabulated beam, even in sqrt(1 - cos): 0.0
 AIR_STEP_RAD = np.deg2rad(0.5)  # a profile in air is sampled at least this densely before it is bent
 GRAZING_AIR_RAD = np.deg2rad(80.0)
 DISC_CONTINUED = 0.8  # an edgeless disc follows its formula down to this share of the edge's cosine
+NARROWEST_WITH_HALO = 200.0  # exponent of cosine powers, 4.8 deg at half power: of a narrower spot the halo is apart
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,11 +204,12 @@ def widened_by(beam: Beam, widening: Widening) -> Beam:
 
 @functools.lru_cache(maxsize=1024)
 def parts(beam: Beam) -> tuple[Beam, ...]:
-    """Beams that add up to one: where one ends sharply its share that is left, and its halo, which goes on beyond.
+    """Beams that add up to one: its share that is left, and its halo, where one ends sharply or is far narrower.
 
-    For quadratures that treat the edge themselves. The halo counts as a measured profile.
+    For quadratures that treat the edge, or seek the bright part, themselves. The halo counts as a measured profile.
     """
-    if beam.widening is None or beam.widening.part != "both" or not has_sharp_edge(beam):
+    is_apart = has_sharp_edge(beam) or (beam.exponent or 0.0) > NARROWEST_WITH_HALO
+    if beam.widening is None or beam.widening.part != "both" or not is_apart:
         return (beam,)
     return widened_by(beam, beam.widening.alone("own")), Beam("tabulated", widening=beam.widening.alone("halo"))
 

@@ -390,13 +390,13 @@ NUMBERS = tuple(field.name for field in fields(Sharpness) if field.name != "spre
 
 
 def common_shape(sharpness: Sharpness, *others: Numeric) -> tuple[int, ...]:
-    """Common shape of the fields that are numbers, and of others."""
+    """Common shape of the fields that are numbers, and of others: (...,), as they broadcast [sizes]."""
     numbers = [getattr(sharpness, name) for name in NUMBERS]
     return np.broadcast_shapes(*(np.shape(number) for number in (*numbers, *others)))
 
 
 def as_columns(sharpness: Sharpness, shape: tuple[int, ...], into: tuple[int, ...]) -> Sharpness:
-    """All designs of a shape as columns of another."""
+    """All designs of a shape as columns of another, each [unit] its own."""
     columns = {
         name: np.broadcast_to(np.asarray(getattr(sharpness, name), dtype=float), shape).reshape(into)
         for name in NUMBERS
@@ -411,5 +411,5 @@ def _some(table: Sharpness, rows: Array) -> Sharpness:
 
 
 def rows_of(table: Sharpness, rows: Array, *, spread: SpreadTable | SpreadRows | None) -> Sharpness:
-    """Some designs of a table of columns."""
+    """Some designs of a table of columns, by their rows (m,) [numbers]."""
     return Sharpness(**{name: getattr(table, name)[rows] for name in NUMBERS}, spread=spread)

@@ -216,7 +216,7 @@ def test_command_keeps_answers_and_order(
     book: bytes, result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     seen: list[Mission] = []
-    monkeypatch.setattr("uwopt.report.write.page_text", lambda _: "")  # pictures take seconds
+    monkeypatch.setattr("uwopt.report.write.page_text", lambda *_: "")  # pictures take seconds
     monkeypatch.setattr("uwopt.api.quoting.solve", lambda mission, **_: seen.append(mission) or result)
     file = filled(book, tmp_path, ("light", 1, QUOTED))
     (tmp_path / "reef.yaml").write_text(yaml.safe_dump(small(FEW)), "utf-8")

@@ -109,16 +109,6 @@ class Looked:
         return max((one.held for one in self.tried), default=0.0)
 
 
-def most_certain(
-    sought: Sought, objective: Objective, asked: float | str, deadline: Deadline = NEVER, report: Report = unheard
-) -> Certain | None:
-    """The best hardware that holds in the share of scenarios asked for; else that which holds most often.
-
-    None where none is feasible with every number at its central value: then neither are its settings to tell.
-    """
-    return chosen(sought.problem, objective, look(sought, objective, asked, deadline, report), deadline, report)
-
-
 def look(
     sought: Sought, objective: Objective, asked: float | str, deadline: Deadline, report: Report, *,
     with_room: bool = False,
