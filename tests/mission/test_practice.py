@@ -46,7 +46,7 @@ def test_what_a_mission_says_stays() -> None:
     made = mission(requirements={"snr_at": "mean", "lens_stop_down": 0, "refuse": []}, reserve={"snr_db": 1})
     assert (made.requirements.snr_at, made.requirements.lens_stop_down, made.requirements.refuse) == ("mean", 0.0, ())
     assert made.requirements.dof_at == "corner"
-    assert (made.reserve.snr_db, made.reserve.blur) == (1.0, 0.0)
+    assert (made.reserve.snr_db, made.reserve.blur) == (1.0, 0.2)  # one key changes one key
 
 
 def test_a_key_left_empty_is_left_out() -> None:

@@ -188,4 +188,11 @@ DEFECTS: tuple[Defect, ...] = (
         new="if not bool(m.satisfied[0])]",
         test="tests/solvers/test_robustness.py::test_lamps_may_lean_until_the_reserve_is_used_up",
     ),
+    Defect(
+        name="one reserve that is given takes the others away",
+        file="uwopt/mission/practice.py",
+        old="{**RECOMMENDED_RESERVE, **reserve}",
+        new="dict(reserve)",
+        test="tests/mission/test_practice.py::test_what_a_mission_says_stays",
+    ),
 )

@@ -72,4 +72,18 @@ DEFECTS = (
         new="    for key in given[2:]:",
         test="tests/mission/test_clarity_keys.py::test_of_two_readings_the_better_known_is_kept",
     ),
+    Defect(
+        name="the card turns the iris behind a sealed port",
+        file="uwopt/solvers/explain/worse_water.py",
+        old="    if problem.lenses.motorised[hardware.lens]:",
+        new="    if True:",
+        test="tests/solvers/test_worse_water.py::test_behind_a_sealed_port_the_iris_stays_as_it_is",
+    ),
+    Defect(
+        name="a field that focusing near narrows passes for what is asked",
+        file="uwopt/evaluation/breathing.py",
+        old="    if left_m >= wanted_m:",
+        new="    if told_m >= wanted_m:",
+        test="tests/evaluation/test_breathing.py::test_solve_says_what_is_left_of_the_swath_behind_a_dome[0.99-narrowed]",
+    ),
 )

@@ -18,7 +18,8 @@ MISSION: dict[str, Any] = {
     "requirements": {"overlap": 0.6, "max_blur_px": 1.0, "min_snr_db": 26.5},
 }  # fmt: skip
 SETTINGS = {"f_number": 4.0, "exposure_ms": 3.0, "pulse_ms": 1.0, "gain": 4.0, "frame_rate_hz": 2.0}
-SYSTEM = PRICED | {"light": PRICED["light"] | {"flux_lm": 30_000.0}, "light_count": 2, "settings": SETTINGS}
+SEALED = PRICED | {"light": PRICED["light"] | {"flux_lm": 30_000.0}, "light_count": 2, "settings": SETTINGS}
+SYSTEM = SEALED | {"lens": SEALED["lens"] | {"aperture_control": "motorised"}}
 
 
 @pytest.fixture(scope="module")
@@ -36,6 +37,17 @@ def test_unchanged_settings_miss_the_signal_and_new_ones_do_not(worse: list[InWo
         assert [m.requirement for m in item.as_planned.scenes[0].margins if not m.satisfied] == ["min_snr_db"]
         assert item.design is not None
         assert all(m.satisfied for m in item.design.scenes[0].margins)
+
+
+def test_behind_a_sealed_port_the_iris_stays_as_it_is(worse: list[InWorseWater]) -> None:
+    result = evaluate(MISSION, SEALED)
+    made = replay(result.mission, result.best, physics=result.physics, system=result.system)
+    given = [given_settings(made.model, 0, result.best.scenes[0].settings)]
+    found = in_worse_water(made.model.problem, made.model.hardware, given)
+    f_numbers = [[one.design.scenes[0].settings["f_number"] for one in some if one.design] for some in (found, worse)]
+    assert f_numbers[0] == [4.0, 4.0, 4.0] and max(f_numbers[1]) < 4.0
+    for sealed, free in zip(found, worse, strict=True):  # it must go nearer where a motorised lens opens
+        assert sealed.altitude_frac <= free.altitude_frac
 
 
 def test_what_is_told_of_worse_water_is_what_evaluate_says_there(worse: list[InWorseWater]) -> None:

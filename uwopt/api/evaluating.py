@@ -22,6 +22,7 @@ from uwopt.catalog.compatibility import explain_pair
 from uwopt.deadline import Deadline
 from uwopt.errors import MissionError
 from uwopt.evaluation.accuracy import coarsest
+from uwopt.evaluation.breathing import breathing_notes
 from uwopt.evaluation.design import evaluate_design
 from uwopt.evaluation.influences import influences_of
 from uwopt.evaluation.leaning import tilt_notes
@@ -221,18 +222,3 @@ def gain_notes(mission: Mission, design: Design) -> list[Note]:
         for scene in design.scenes
         if cap_db is not None and (gain_db := scene.settings.get("gain_db") or 0.0) > cap_db * (1 + SATISFIED_REL)
     ]  # fmt: skip
-
-
-def breathing_notes(design: Design) -> list[Note]:
-    """A warning where focusing so near changes the field of view, or leaves no image."""
-    notes = []
-    for scene in design.scenes:
-        n, working = scene.figures["f_number"], scene.figures["working_f_number"]
-        if n and working is None:
-            text = f"{scene.name}: the focus lies within the focal length of the lens; there is no image"
-            notes.append(Note("no_image", "lens", text))
-        if n and working and working / n > 1.02:
-            share = 100 * (working / n - 1)
-            text = f"{scene.name}: focused so near, the lens extends by {share:.1f} % and sees that much less"
-            notes.append(Note("breathing", "lens", text))
-    return notes

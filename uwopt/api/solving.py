@@ -32,6 +32,7 @@ from uwopt.api.timing import STAGES, timed
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import Deadline
 from uwopt.errors import MissionError
+from uwopt.evaluation.breathing import breathing_notes
 from uwopt.evaluation.influences import influences_of
 from uwopt.forward.assembly import Generic, load_catalog
 from uwopt.forward.effects import Influence
@@ -260,6 +261,7 @@ def found_result(
             *result.warnings,
             *selection_warnings(sought.selection),
             *winner.warnings,
+            *breathing_notes(winner),
             *taken_instead(sought.problem.mission),
             *colour_notes(sought.problem, hardware),
             *(interruption_warnings(sought) or (cut_warnings() if cut else [])),

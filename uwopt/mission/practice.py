@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Literal
 
-from uwopt.mission.reserves import RECOMMENDED
+from uwopt.mission.reserves import RECOMMENDED, RECOMMENDED_RESERVE
 
 Practice = Literal["recommended", "bare"]
 DEFAULT_PRACTICE: Practice = "recommended"
@@ -51,8 +51,11 @@ def with_practice(data: Mapping[str, Any]) -> dict[str, Any]:
         given = made.get(section)
         if given is None or isinstance(given, Mapping):
             made[section] = {**keys, **{key: value for key, value in (given or {}).items() if value is not None}}
-    if made.get("reserve") is None:
+    reserve = made.get("reserve")
+    if reserve is None:
         made["reserve"] = RECOMMENDED
+    elif isinstance(reserve, Mapping):  # one key changes one key; a highest gain that is left empty stays lifted
+        made["reserve"] = {**RECOMMENDED_RESERVE, **reserve}
     if made.get("confidence") is None:
         made["confidence"] = RECOMMENDED_CONFIDENCE
     return made

@@ -27,7 +27,7 @@ REFUSED_DEPTH = 1.1  # rating over depth: less than 10 % in hand
 
 
 class Reserve(Section):
-    """What designs keep in hand of each requirement; what is left out keeps nothing."""
+    """What designs keep in hand of each requirement; what is left out keeps nothing, or what good practice says."""
 
     snr_db: Annotated[float, Field(ge=0, le=40), NUMBER] = Field(
         default=0.0, description="reserve of the signal-to-noise ratio in decibels, recommended 3"

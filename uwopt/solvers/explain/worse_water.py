@@ -53,7 +53,8 @@ def in_worse_water(
     given : the settings of the planned water
     """
     found: list[InWorseWater] = []
-    for water, mission in worse_missions(problem.mission):
+    for water, murkier in worse_missions(problem.mission):
+        mission = with_its_iris(murkier, problem, hardware, given)
         if deadline.passed():
             break
         one, goal = alone(problem, hardware, mission), goal_of(mission)
@@ -64,6 +65,13 @@ def in_worse_water(
         if design is None:
             break
     return found
+
+
+def with_its_iris(mission: Mission, problem: Problem, hardware: Hardware, given: list[SceneSettings]) -> Mission:
+    """The mission with the f-number held as it is set: behind a sealed port nobody turns the iris of a manual lens."""
+    if problem.lenses.motorised[hardware.lens]:
+        return mission
+    return mission.with_changes(fixed=dict(mission.fixed.given()) | {"f_number": given[0].f_number})
 
 
 def alone(problem: Problem, hardware: Hardware, mission: Mission) -> Problem:
