@@ -142,7 +142,7 @@ DEFECTS = (
         file="uwopt/solvers/settable/rounding.py",
         old="    marks = stops(model.lenses, between=between) if fixed is None else np.array([fixed])",
         new="    marks = stops(model.lenses, between=between)",
-        test=f"{API}::test_what_is_recommended_holds_and_can_be_set",
+        test="tests/solvers/test_rounding.py::test_an_iris_that_is_fixed_is_printed_as_it_stands",
     ),
     Defect(
         name="nine and ninety per cent are one",

@@ -361,3 +361,11 @@ def test_exact_settings_are_left_as_the_search_found_them() -> None:
     problem, best = best_of(case)
     given = exact_settings(design_model(problem, hardware_of(best)), 0, best.settings[0])
     assert given.pulse_s == best.settings[0]["time_s"]
+
+
+def test_an_iris_that_is_fixed_is_printed_as_it_stands() -> None:
+    made = rc.planted("power", (BURNING,), {"max_blur_px": 1.0, "min_snr_db": 10.0})
+    fixed = replace(made, mission=made.mission.with_changes(fixed={"f_number": 2.3}))  # between two marks of the lens
+    problem, best = best_of(fixed)
+    to_set = rounded_design(problem, hardware_of(best), best.settings, fixed.objective).design.scenes[0].settings
+    assert to_set["f_number"] == 2.3
