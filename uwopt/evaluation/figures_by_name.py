@@ -36,6 +36,7 @@ from uwopt.model.imaging import floor_point
 from uwopt.model.port import dome_virtual_image_distance_m
 from uwopt.model.sharpness import Sharpness
 from uwopt.results.design import Note, SceneResult
+from uwopt.tolerances import TIE
 from uwopt.units import S_PER_H, ratio_to_db, split_unit
 
 Array = NDArray[Any]
@@ -112,7 +113,7 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
         "dof_near_m": near,
         "dof_far_m": far,
         "dof_far_is_infinite": math.isinf(far),
-        "dof_m": max(far - near, 0.0),
+        "dof_m": far - near if math.isinf(far) or far - near > TIE * far else 0.0,  # one end twice is no depth
         "focus_distance_m": plain_settings(model, settings, figures)["focus_distance_m"],
         "virtual_image_distance_m": virtual_image_m(model, index),
         "effective_focal_length_mm": effective_focal_mm(model, index),

@@ -33,7 +33,7 @@ def to_confidence(value: Any) -> Any:
     if isinstance(value, str) and value.strip().casefold() in (CENTRAL, ENDS):
         return value.strip().casefold()
     try:
-        share = to_number(value)
+        share = to_number(value.rstrip(" %") if isinstance(value, str) else value)
     except PydanticCustomError:
         raise one_of(str(value), (CENTRAL, ENDS), "or give a share such as 0.9") from None
     if LEAST_CONFIDENCE <= share <= MOST_CONFIDENCE:
