@@ -128,8 +128,11 @@ def test_a_given_system_is_counted_with_its_iris_where_it_stands() -> None:
 
 @pytest.mark.parametrize(
     ("wrong", "mend"),
-    [(90, "for 90 % write 0.9"), ("90 %", "for 90 % write 0.9"), (0.3, "or give central"), ("sure", "or give a share such as 0.9"), (1.0, "ends")],
-)
+    [
+        (90, "for 90 % write 0.9"), ("90 %", "for 90 % write 0.9"), (0.3, "or give central"),
+        ("sure", "or give a share such as 0.9"), (1.0, "ends"),
+    ],
+)  # fmt: skip
 def test_what_is_no_confidence_is_told_in_one_message(wrong: Any, mend: str) -> None:
     with pytest.raises(MissionError, match=mend):
         uwopt.solve(TANK, confidence=wrong)
