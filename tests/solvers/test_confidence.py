@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from most_certain import most_certain
 from one_of_each import CAMERA, LENS, one, with_parts
 from random_cases import Case
 
@@ -62,12 +63,6 @@ def counted(sought: Sought, doubt: Doubt = KNOWN, *, count: int = 200, seed: int
     problem = sought.problem
     scenarios = Scenarios.drawn(problem.mission, problem.scenes, doubt, seed=seed, count=count)
     return outcomes(problem, sought.outcome.best[0], sought.search.objective, scenarios)
-
-
-def most_certain(sought: Sought, objective: Any, asked: float | str) -> Certain | None:
-    """What is recommended of what is likely to hold."""
-    looked = search_module.look(sought, objective, asked, NEVER, search_module.unheard)
-    return search_module.chosen(sought.problem, objective, looked, NEVER, search_module.unheard)
 
 
 def judged(sought: Sought, asked: float) -> Certain:

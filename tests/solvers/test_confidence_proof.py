@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from most_certain import most_certain
 from one_of_each import one, with_parts
 from random_cases import Case, case
 from thorough import drawn
@@ -26,7 +27,7 @@ from uwopt.solvers.confidence.panels import anchors_of, best_scene, least_covere
 from uwopt.solvers.confidence.polish import Glance, polish
 from uwopt.solvers.confidence.scenarios import Scenarios, SomeScenarios
 from uwopt.solvers.confidence.screen import bounds_of
-from uwopt.solvers.confidence.search import Certain, can_be_proven, most_certain
+from uwopt.solvers.confidence.search import Certain, can_be_proven
 from uwopt.solvers.confidence.summary import counted, proof_told, wilson
 from uwopt.solvers.confidence.together import Together
 from uwopt.solvers.exact.imagers import fitting_pairs

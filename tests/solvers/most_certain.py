@@ -1,0 +1,19 @@
+"""What is recommended of the hardware that is likely to hold, without the rest of `solve`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from uwopt.deadline import NEVER, Deadline
+from uwopt.objectives.objective import Objective
+from uwopt.solvers.confidence import search
+from uwopt.solvers.confidence.search import Certain
+from uwopt.solvers.recommend import Sought
+
+
+def most_certain(
+    sought: Sought, objective: Objective, asked: float | str, deadline: Deadline = NEVER, report: Any = search.unheard
+) -> Certain | None:
+    """The best that holds in the share of scenarios asked for; else that which holds most often."""
+    looked = search.look(sought, objective, asked, deadline, report)
+    return search.chosen(sought.problem, objective, looked, deadline, report)
