@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+import yaml
 
 import uwopt
 from uwopt.errors import MissionError
+from uwopt.report.write import system_yaml
 
 CAMERA, LENS, PORT, LIGHT = (
     "daheng-mer2-041-528u3m", "raspberry-pi-16-mm-telephoto-hq-camera", "blue-robotics-3-in-acrylic-end-cap-2026",
@@ -45,6 +47,13 @@ def test_nothing_is_bought_set_or_judged_of_a_lamp(unlit: uwopt.Result) -> None:
     settings = best.scenes[0].settings_to_set
     assert settings is not None and settings["flux_lm"] is None and settings["dim_frac"] is None
     assert not [m.requirement for m in best.scenes[0].margins if "light" in m.requirement]
+
+
+def test_no_lamp_is_warned_of_in_the_system_that_solve_writes(unlit: uwopt.Result) -> None:
+    again = uwopt.evaluate(mission(0), yaml.safe_load(system_yaml(unlit)))
+    assert again.best is not None and again.best.feasible
+    warned = [note.message for note in (*again.warnings, *again.best.warnings)]
+    assert not [text for text in warned if "lamp stands" in text or "lights stand" in text]
 
 
 def test_the_sun_alone_is_what_an_idle_lamp_leaves(unlit: uwopt.Result) -> None:

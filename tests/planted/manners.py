@@ -148,4 +148,11 @@ DEFECTS: tuple[Defect, ...] = (
         new="max(searching_s, 0.0) if self.limited",
         test=f"{DEADLINE}::test_solvers_of_a_front_share_the_time",
     ),
+    Defect(
+        name="a system without lamps has lamps in its view",
+        file="uwopt/evaluation/outside.py",
+        old="*(() if model.unlit else other_places(mission, hardware)),",
+        new="*other_places(mission, hardware),",
+        test="tests/api/test_without_lamps.py::test_no_lamp_is_warned_of_in_the_system_that_solve_writes",
+    ),
 )

@@ -436,8 +436,7 @@ def light_notes(model: DesignModel) -> list[Note]:
     for index, scene in enumerate(model.problem.scenes):
         if scene.paper:
             continue
-        clear_m = model.lamp_clearance_m(index)
-        if clear_m < LAMP_FRONT_M:
+        if not model.unlit and model.lamp_clearance_m(index) < LAMP_FRONT_M:
             text = (
                 f"{scene.name}: a lamp stands in the camera's view, or within {100 * LAMP_FRONT_M:g} cm of it; what "
                 "the water scatters there is not known, nor is what the lamp hides; move it outward"

@@ -58,7 +58,7 @@ def departures(
     return [
         *other_parts(mission, catalog, system),
         *other_numbers(mission, system),
-        *other_places(mission, hardware),
+        *(() if model.unlit else other_places(mission, hardware)),
         *other_focus(model, settings, objective),
         *pulses_beyond_the_exposure(model, settings),
     ]
