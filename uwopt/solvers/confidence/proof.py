@@ -32,7 +32,7 @@ from uwopt.tolerances import TIE
 
 Progress = Callable[[float, str], None]
 MOST_LISTED = 800  # hardware that a panel leaves: of more the best by its values
-PANEL_S = 2.0  # that its search may last where there is a limit: of what takes longer too much is left to prove
+PANEL_S = 5.0  # that its search may last where there is a limit: of what takes longer too much is left to prove
 MOST_VARIANTS = 64  # numbers, mounts and orientations
 A_SCREEN = 160  # hardware that is bounded before what is left of it is counted
 GLANCED, GLANCE_SHARE = 96, 0.3  # hardware of these that is looked at first, and of the time that is left
