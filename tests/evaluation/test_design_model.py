@@ -98,9 +98,9 @@ def test_exposure_is_the_longest_without_blur_at_the_nearest_altitude() -> None:
     assert setting("exposure_ms", requirements={"max_blur_px": 2.0}) == pytest.approx(wanted_ms, rel=1e-12)
 
 
-def test_offset_of_the_sensor_shortens_the_exposure() -> None:
-    # Blur lasts as long as light is collected: exposure + offset; behind a dome a pixel is (d + R) p / f
-    wanted_ms = 1e3 * 2.0 * (1.5 + 0.1) * 5e-6 / 10e-3 / 0.5 - 0.2
+def test_offset_of_the_sensor_shortens_the_exposure(n_water: float) -> None:
+    # Blur lasts as long as light is collected: exposure + offset; behind a dome a pixel is (d + R) p / (f (1 + m))
+    wanted_ms = 1e3 * 2.0 * (1.5 + RADIUS_M) * PIXEL_M / (FOCAL_M * behind_dome(n_water)) / 0.5 - 0.2
     found = setting(
         "exposure_ms", physics="full", requirements={"max_blur_px": 2.0},
         camera={**SYSTEM["camera"], "exposure_offset_us": 200.0},
@@ -289,6 +289,11 @@ def dome_power_per_m(n_water: float) -> float:
     return outer + (1.0 - 1.0 / 1.5) / (RADIUS_M - WALL_M)
 
 
+def behind_dome(n_water: float) -> float:
+    """1 + m = 1 / (1 - f D) of the lens when it is focused through the dome on 2 m of water."""
+    return 1.0 / (1.0 - FOCAL_M * (dome_power_per_m(n_water) + 1.0 / n_water / (2.0 + RADIUS_M)))
+
+
 def test_corner_of_a_dome_image_is_soft_by_its_obliquity(n_water: float) -> None:
     # The image of infinity lies at P / cos of the field angle; the lens is focused on the axis, at 2 m of water
     power = dome_power_per_m(n_water)
@@ -345,29 +350,32 @@ def test_focus_lies_between_centre_and_corner_where_both_must_be_sharp(n_water: 
     assert focus.n_depth[0][0] == pytest.approx(f_number, rel=1e-9)
 
 
-def test_rolling_blurs_across_the_track() -> None:
-    # w t (d + R) over a pixel of (d + R) p / f
+def test_rolling_blurs_across_the_track(n_water: float) -> None:
+    # w t (d + R) over a pixel of (d + R) p / (f (1 + m))
     turning = {"speed_m_s": 0.0, "roll_rate_deg_s": 5.0}
-    wanted = math.radians(5.0) * 1e-3 * FOCAL_M / PIXEL_M
+    wanted = math.radians(5.0) * 1e-3 * FOCAL_M * behind_dome(n_water) / PIXEL_M
     still = {"frame_interval_s": 2.0}
     assert figures_of(port=DOME, vehicle=turning, requirements=still)["blur_px"] == pytest.approx(
         wanted, rel=1e-12
     )
 
 
-def test_rows_read_one_after_another_skew_under_lamps_that_burn_only() -> None:
+def test_rows_read_one_after_another_skew_under_lamps_that_burn_only(n_water: float) -> None:
     rolling = {**SYSTEM["camera"], "shutter": "rolling"}
     burning = figures_of(port=DOME, camera=rolling)["skew_px"]
-    assert burning == pytest.approx(0.5 * 0.1 / ((2.0 + RADIUS_M) * PIXEL_M / FOCAL_M), rel=1e-12)
+    pixel_m = (2.0 + RADIUS_M) * PIXEL_M / (FOCAL_M * behind_dome(n_water))
+    assert burning == pytest.approx(0.5 * 0.1 / pixel_m, rel=1e-12)
     assert figures_of(port=DOME, camera=rolling, light=FLASH)["skew_px"] == 0.0
 
 
 @pytest.mark.parametrize(("sun_lux", "blurring_s"), [(0.0, 0.2e-3), (50_000.0, 1e-3)])
-def test_sun_blurs_over_the_whole_shutter_and_a_pulse_over_itself(sun_lux: float, blurring_s: float) -> None:
+def test_sun_blurs_over_the_whole_shutter_and_a_pulse_over_itself(
+    n_water: float, sun_lux: float, blurring_s: float
+) -> None:
     shallow = [{"name": "one", **SCENE, "depth_m": 5.0, "sun_lux": sun_lux}]
     pulse = {"settings": {**SET["settings"], "pulse_ms": 0.2}}
     figures = figures_of(port=DOME, light=PULSED, scenes=shallow, **pulse)
-    wanted = 0.5 * blurring_s / ((2.0 + RADIUS_M) * PIXEL_M / FOCAL_M)
+    wanted = 0.5 * blurring_s / ((2.0 + RADIUS_M) * PIXEL_M / (FOCAL_M * behind_dome(n_water)))
     assert figures["blur_px"] == pytest.approx(wanted, rel=1e-12)
 
 

@@ -14,6 +14,8 @@ import pytest
 import uwopt
 from uwopt.errors import MissionError
 from uwopt.evaluation.recompute import replay
+from uwopt.forward.scene import scene_optics
+from uwopt.mission.mission import load_mission
 from uwopt.report.card.blocks import stands, work_rows
 from uwopt.report.pictures.curves import rig_measures
 from uwopt.report.pictures.drawing import view_from_behind
@@ -56,55 +58,64 @@ def pair() -> Result:
     return seen(MISSION)
 
 
-def test_figures_of_a_pair_are_those_by_hand(pair: Result) -> None:
-    """From the dome's middle, 2.08 m: footprint 2.08 m across, less 0.4 m; 0.5 px of 4 um behind 8 mm."""
+@pytest.fixture(scope="module")
+def swath_m() -> float:
+    """Footprint 2.08 m across from the dome's middle, 2.08 m away, of which the lens sees 1 / (1 + m) = 1 - f D."""
+    n_water = scene_optics(load_mission(MISSION).views[0], paper=False).n_water
+    outer, inner = (1.0 / 1.5 - 1.0 / n_water) / 0.08, (1.0 - 1.0 / 1.5) / 0.07
+    return 2.08 * (1.0 - 8e-3 * (outer + inner + 1.0 / (n_water * 2.08)))
+
+
+def test_figures_of_a_pair_are_those_by_hand(pair: Result, swath_m: float) -> None:
+    """Both cameras see the footprint less 0.4 m; 0.5 px of 4 um behind 8 mm."""
     assert pair.design is not None
     figures = pair.design.scenes[0].figures
-    assert figures["swath_m"] == pytest.approx(2.08, rel=1e-9)
-    assert figures["common_swath_m"] == pytest.approx(1.68, rel=1e-9)
+    assert figures["swath_m"] == pytest.approx(swath_m, rel=1e-9)
+    assert figures["common_swath_m"] == pytest.approx(swath_m - 0.4, rel=1e-9)
     assert figures["depth_error_mm"] == pytest.approx(0.5 * 0.5e-3 * 2.08**2 / 0.4 * 1e3, rel=1e-9)
 
 
-def test_lines_and_area_of_a_pair_count_what_both_cameras_see(pair: Result) -> None:
+def test_lines_and_area_of_a_pair_count_what_both_cameras_see(pair: Result, swath_m: float) -> None:
     assert pair.design is not None
     figures = pair.design.scenes[0].figures
-    assert figures["line_spacing_m"] == pytest.approx(0.8 * 1.68, rel=1e-9)
-    assert figures["area_m2_h"] == pytest.approx(0.8 * 1.68 * 0.3 * 3600, rel=1e-9)
+    assert figures["line_spacing_m"] == pytest.approx(0.8 * (swath_m - 0.4), rel=1e-9)
+    assert figures["area_m2_h"] == pytest.approx(0.8 * (swath_m - 0.4) * 0.3 * 3600, rel=1e-9)
 
 
-def test_an_area_asks_for_a_strip_that_both_cameras_see() -> None:
-    """0.8 x 1.68 m at 0.3 m/s is 1451.5 m2/h."""
-    for area_m2_h, fits in ((1451.0, True), (1452.0, False)):
+def test_an_area_asks_for_a_strip_that_both_cameras_see(swath_m: float) -> None:
+    seen_m2_h = 0.8 * (swath_m - 0.4) * 0.3 * 3600
+    for area_m2_h, fits in ((0.9997 * seen_m2_h, True), (1.0003 * seen_m2_h, False)):
         design = seen(changed("requirements", min_area_m2_h=area_m2_h)).design
         assert design is not None
         (strip,) = [m for m in design.scenes[0].margins if m.requirement == "min_common_swath_m"]
-        assert strip.satisfied is fits and strip.value == pytest.approx(1.68)
+        assert strip.satisfied is fits and strip.value == pytest.approx(swath_m - 0.4)
 
 
-def test_one_camera_has_no_figures_of_a_pair() -> None:
+def test_one_camera_has_no_figures_of_a_pair(swath_m: float) -> None:
     alone = copy.deepcopy(MISSION)
     del alone["vehicle"]["camera_baseline_m"], alone["requirements"]["max_depth_error_mm"]
     design = seen(alone).design
     assert design is not None
     assert not {"common_swath_m", "depth_error_mm"} & set(design.scenes[0].figures)
-    assert design.scenes[0].figures["line_spacing_m"] == pytest.approx(0.8 * 2.08)
+    assert design.scenes[0].figures["line_spacing_m"] == pytest.approx(0.8 * swath_m)
 
 
-def test_how_a_pair_stands_is_told(pair: Result) -> None:
+def test_how_a_pair_stands_is_told(pair: Result, swath_m: float) -> None:
     assert pair.design is not None
     turned = replace(pair.design.hardware, camera_convergence_deg=8.0)
     assert words.camera_stand(turned).endswith("ports 0.4 m apart across track, each turned 4° inward")
     lines = dict(stands(pair.design).pairs)
     assert lines["camera"].endswith("ports 0.4 m apart across track, side by side, not turned")
     work = dict(work_rows(pair, pair.design))
-    assert work["swath of both cameras"] == ["1.68 m"] and work["error of a distance by stereo"] == ["2.70 mm"]
+    assert work["swath of both cameras"] == [f"{swath_m - 0.4:.3g} m"]
+    assert work["error of a distance by stereo"] == ["2.70 mm"]
 
 
-def test_both_cameras_are_drawn_with_the_ends_of_their_views(pair: Result) -> None:
-    """At +-0.2 m, each seeing 1.04 m to either side from there."""
+def test_both_cameras_are_drawn_with_the_ends_of_their_views(pair: Result, swath_m: float) -> None:
+    """At +-0.2 m, each seeing half its swath to either side from there."""
     assert pair.design is not None
-    rig = rig_measures(replay(pair.mission, pair.design, physics=pair.physics, system=pair.system))
-    assert rig.pair_m == pytest.approx(np.array([(-0.2, -1.24, 0.84), (0.2, -0.84, 1.24)]))
+    rig, half_m = rig_measures(replay(pair.mission, pair.design, physics=pair.physics, system=pair.system)), swath_m / 2
+    assert rig.pair_m == pytest.approx(np.array([(-0.2, -0.2 - half_m, half_m - 0.2), (0.2, 0.2 - half_m, 0.2 + half_m)]))
     assert view_from_behind(rig, title="a", description="b").count('class="view"') == 2
 
 

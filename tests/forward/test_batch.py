@@ -67,7 +67,7 @@ def test_a_batch_gives_what_one_design_at_a_time_gives(batch: Batch) -> None:
         )  # fmt: skip
         one = DesignModel(batch.problem, hardware).figures(0, given.take(np.array([i])), information=True)
         for name in ("electrons_signal", "electrons_forward", "electrons_backscatter", "electrons_sun", "snr",
-                     "snr_pixels", "mean_level", "contrast", "blur_px", "mtf_half_nyquist",
+                     "snr_pixels", "mean_level", "contrast", "blur_px", "overlap", "mtf_half_nyquist",
                      "information_bit_per_m2", "light_power_w", "dof_near_m"):  # fmt: skip
             np.testing.assert_allclose(
                 getattr(many, name)[i], getattr(one, name)[0], rtol=SAME, atol=1e-9, err_msg=f"{name} of {i}"

@@ -240,6 +240,6 @@ def test_a_sun_that_no_camera_could_see_is_no_sun(depth_m: float, seen: bool) ->
     pulsed = system(light={"kind": "pulsed_led"}, settings={"exposure_ms": 50.0, "pulse_ms": 0.5})
     figures = uwopt.evaluate(lit, pulsed).design.scenes[0].figures
     assert (figures["electrons_sun"] is not None) == seen
-    # 0.3 m/s over pixels of (2 + 0.1) * 3.45e-6 / 8e-3 m, for 50 or 0.5 ms
-    pixel_m = 2.1 * 3.45e-6 / 8e-3
+    # 0.3 m/s over pixels of (2 + 0.1) * 3.45e-6 / 8e-3 m, less what the lens moves out, for 50 or 0.5 ms
+    pixel_m = 2.1 * 3.45e-6 / 8e-3 * figures["f_number"] / figures["working_f_number"]
     assert figures["blur_px"] == pytest.approx(0.3 * (50e-3 if seen else 0.5e-3) / pixel_m, rel=1e-6)

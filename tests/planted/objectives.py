@@ -104,8 +104,8 @@ DEFECTS = (
     Defect(
         name="the swath is the side along the motion",
         file="uwopt/objectives/requirements.py",
-        old="worst(rows.view.footprint_across_m, three, highest=False)",
-        new="worst(rows.view.footprint_along_m, three, highest=False)",
+        old="worst(rows.view.covered_across_m, three, highest=False)",
+        new="worst(rows.view.covered_along_m, three, highest=False)",
         test=f"{INSIDE}[min_swath_m]",
     ),
     Defect(
@@ -272,8 +272,8 @@ DEFECTS = (
     Defect(
         name="the best altitude counts: min_swath_m",
         file="uwopt/objectives/requirements.py",
-        old="rows.view.footprint_across_m, three, highest=False",
-        new="rows.view.footprint_across_m, three, highest=True",
+        old="rows.view.covered_across_m, three, highest=False",
+        new="rows.view.covered_across_m, three, highest=True",
         test=f"{WORST}[min_swath_m]",
     ),
     Defect(
@@ -365,8 +365,8 @@ DEFECTS = (
     Defect(
         name="frame rate from the farthest altitude",
         file="uwopt/evaluation/design_model.py",
-        old="rows.view.footprint_along_m).max())",
-        new="rows.view.footprint_along_m).min())",
+        old="scene.vehicle.speed_m_s, view.covered_along_m).max())",
+        new="scene.vehicle.speed_m_s, view.covered_along_m).min())",
         test="tests/evaluation/test_design_model.py::test_frame_rate_keeps_the_overlap_at_the_nearest_altitude",
     ),
     Defect(

@@ -319,8 +319,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="outlines skip the swath",
         file="uwopt/solvers/exact/outline.py",
-        old='passes["min_swath_m"] &= seen.most.footprint_across_m[:, 0] * COARSE_ROUND >= needs.min_swath_m',
-        new='passes["min_swath_m"] &= seen.most.footprint_across_m[:, 0] > 0.0',
+        old='passes["min_swath_m"] &= seen.most.covered_across_m[:, 0] * COARSE_ROUND >= needs.min_swath_m',
+        new='passes["min_swath_m"] &= seen.most.covered_across_m[:, 0] > 0.0',
         test=f"{RULES}test_an_outline_discards_what_is_outside[min_swath_m]",
     ),
     Defect(

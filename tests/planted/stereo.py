@@ -70,14 +70,14 @@ DEFECTS = (
         name="a search forgets what both cameras see",
         file="uwopt/solvers/exact/imager_rules.py",
         old="of_rows(np.minimum, view.common_across_m) * ROUND >=",
-        new="of_rows(np.minimum, view.footprint_across_m) * ROUND >=",
+        new="of_rows(np.minimum, view.covered_across_m) * ROUND >=",
         test=f"{RULES}test_a_rule_discards_what_is_a_millionth_outside[min_common_swath_m]",
     ),
     Defect(
         name="outlines forget the baseline of a pair",
         file=OUTLINE,
-        old="seen.most.footprint_across_m[:, 0] * COARSE_ROUND - pair.baseline_m",
-        new="seen.most.footprint_across_m[:, 0] * COARSE_ROUND",
+        old="seen.most.covered_across_m[:, 0] * COARSE_ROUND - pair.baseline_m",
+        new="seen.most.covered_across_m[:, 0] * COARSE_ROUND",
         test=f"{RULES}test_an_outline_discards_what_is_outside[min_common_swath_m]",
     ),
     Defect(

@@ -326,7 +326,8 @@ def misses_limits(model: DesignModel) -> bool:
         "min_common_swath_m", "max_depth_error_mm",
     )  # fmt: skip
     for index in range(len(model.problem.scenes)):
-        unit = model.settings(index, SceneSettings(gain=1.0))
+        focus = model.searched_dioptre_per_m(index)
+        unit = model.settings(index, SceneSettings(gain=1.0, dioptre_per_m=focus))
         for margin in model.margins(index, unit, model.figures(index, unit)):
             if margin.requirement in names and float(margin.margin[0]) < -1e-9 * abs(float(margin.limit[0])):
                 return True

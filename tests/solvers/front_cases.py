@@ -259,11 +259,8 @@ def judged(
     """Light power and qualities of those settings that miss nothing."""
     scene, light = model.problem.scenes[index], model.lights
     focus, view = place_focus(model.problem.scenes, model.maps, model.views), scene.view
-    rate_hz = float(
-        required_rate_hz(
-            view.requirements, view.vehicle.speed_m_s, model.rows[index].view.footprint_along_m
-        ).max()
-    )
+    seen = model.view_at(index, float(focus.dioptre_per_m[index][0]))
+    rate_hz = float(required_rate_hz(view.requirements, view.vehicle.speed_m_s, seen.covered_along_m).max())
     kind, one = int(light.kind[0]), np.ones(len(f))
     pulse = {CONTINUOUS: np.inf * one, PULSED: time, FLASH: light.flash_duration_s[0] * one}[kind]
     dioptre = float(focus.dioptre_per_m[index][0])

@@ -2,7 +2,8 @@
 
 2000 x 1500 pixels of 4 um (8 by 6 mm, diagonal 10 mm) behind 8 mm and a dome of 80 mm, landscape, 2 m above the
 floor, so 2.08 m from the dome's centre: tangents 0.5 and 0.375, footprint 2.08 m across and 1.56 m along, pixels of
-1.04 mm. At 0.3 m/s and 30 % overlap 0.3 / (1.56 * 0.7) = 0.2747 images/s of 4.5 MB. Without lamp 1800 USD, 0.8 kg,
+1.04 mm. Focused through the dome the lens is sure to see 1 - f D = 1 / (1 + m) of that. At 0.3 m/s and 30 % overlap
+0.3 / (1.56 * 0.7 (1 - f D)) = 0.284 images/s of 4.5 MB. Without lamp 1800 USD, 0.8 kg,
 3 W; the lamp takes 500 USD and 0.5 kg.
 """
 
@@ -20,11 +21,11 @@ from uwopt.catalog.parts.light import Light
 from uwopt.catalog.parts.port import Port
 from uwopt.catalog.records import exact
 from uwopt.forward.problem import Parts
+from uwopt.forward.scene import scene_optics
 from uwopt.mission.mission import load_mission
 from uwopt.objectives.objective import Objective
 
-DISTANCE_M = 2.08
-RATE_HZ = 0.3 / (1.56 * 0.7)
+DISTANCE_M, RADIUS_M, GLASS_M, N_GLASS = 2.08, 0.08, 0.01, 1.5
 
 CAMERA = Camera(
     id="camera", price=exact(1000.0), mass_g=exact(200.0), mounts=("C",), colour="mono", resolution_x_px=2000,
@@ -48,6 +49,20 @@ LAMP = Light(
     spectrum_id="generic-led", output_factor=exact(1.0), flux_lm=exact(30_000.0), power_w=exact(300.0),
     beam="cosine-power", beam_angle_deg=exact(80.0), beam_medium="water",
 )  # fmt: skip
+
+
+def virtual_image_m(n_water: float) -> float:
+    """Where the dome shows a floor at 2 m, from its centre (physics page, section 4)."""
+    power = 1.0 / (n_water * DISTANCE_M) + (1.0 / N_GLASS - 1.0 / n_water) / RADIUS_M
+    return 1.0 / (power + (1.0 - 1.0 / N_GLASS) / (RADIUS_M - GLASS_M))
+
+
+PLAIN_SCENE = {"water": "II", "seafloor": 0.2, "depth_m": 100.0}
+PLAIN_MISSION = {"practice": "bare", "scene": PLAIN_SCENE, "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.3}}
+N_WATER = scene_optics(load_mission(PLAIN_MISSION).views[0], paper=False).n_water
+CLOSER = 1.0 - 8e-3 / virtual_image_m(N_WATER)  # of its field a lens focused there is sure to see
+COVERED_M = DISTANCE_M * CLOSER
+RATE_HZ = 0.3 / (1.56 * CLOSER * 0.7)
 
 
 def changed(part: Any, changes: dict[str, Any]) -> Any:
@@ -74,7 +89,7 @@ def one(
             "altitude_m": 2.0, "speed_m_s": 0.3, "orientation": "landscape", "light_count": 1, **dict(vehicle)
         },
         "scenes": [
-            {"name": f"scene {i}", "water": "II", "seafloor": 0.2, "depth_m": 100.0, **given}
+            {"name": f"scene {i}", **PLAIN_SCENE, **given}
             for i, given in enumerate(scenes)
         ],
     }  # fmt: skip

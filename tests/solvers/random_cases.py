@@ -14,7 +14,9 @@ from thorough import THOROUGH, drawn
 
 from uwopt.catalog.parts.light import Light
 from uwopt.catalog.records import exact
+from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.problem import Parts, Problem
+from uwopt.forward.views import Views
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.account import Outcome
@@ -124,15 +126,20 @@ def limits_that_bind(rng: np.random.Generator, free: Case) -> tuple[dict[str, fl
     if small.chance(rng, 0.25):
         wanted["max_gsd_mm"] = max(float(v.gsd_m.max()) for v in model.views) * 1e3 * room
     if small.chance(rng, 0.25):
-        wanted["min_swath_m"] = min(float(v.footprint_across_m.min()) for v in model.views) / room
+        wanted["min_swath_m"] = min(float(v.covered_across_m.min()) for v in seen_in_focus(model)) / room
     return limits, wanted
+
+
+def seen_in_focus(model: DesignModel) -> list[Views]:
+    """What the images of every scene cover where a search puts the focus."""
+    return [model.view_at(index, model.searched_dioptre_per_m(index)) for index in range(len(model.views))]
 
 
 def pair_that_binds(rng: np.random.Generator, free: Case) -> dict[str, float]:
     """What the pair of one random design that sees something with both cameras sees and measures, or a little less."""
     bench = brute.Bench(free.problem())
     models = [bench.model(hardware) for hardware in brute.buildable(bench.problem)]
-    seen = [(min(float(v.common_across_m.min()) for v in m.views), m) for m in models]
+    seen = [(min(float(v.common_across_m.min()) for v in seen_in_focus(m)), m) for m in models]
     some = [(width_m, model) for width_m, model in seen if width_m > 0.0]
     if not some:
         return {}

@@ -34,11 +34,11 @@ class SceneSearch:
 
     def __init__(self, model: DesignModel, index: int, dioptre_per_m: float, power_limit_w: float):
         self.model, self.index, self.dioptre = model, index, dioptre_per_m
-        self.scene, self.rows = model.problem.scenes[index], model.rows[index]
+        self.scene, self.rows = model.problem.scenes[index], model.rows_at(index, dioptre_per_m)
         self.cam, self.light = model.cameras, model.lights
         needs, speed = self.scene.view.requirements, self.scene.view.vehicle.speed_m_s
         self.needs, self.kind = needs, int(self.light.kind[0])
-        self.rate = float(required_rate_hz(needs, speed, self.rows.view.footprint_along_m).max())
+        self.rate = float(required_rate_hz(needs, speed, self.rows.view.covered_along_m).max())
         self.factor = 1.0
         if not self.scene.paper:
             self.factor = 1.0 / (1.0 - float(self.rows.view.focal_length_m[0]) * dioptre_per_m)

@@ -78,7 +78,7 @@ def outlines_hold(problem: Problem) -> None:
             assert (out.focused.blur_time_s * (1 + slack) >= own.focused.blur_time_s).all()
             assert (out.view.collecting_m2 * (1 + slack) >= own.view.collecting_m2).all()
             assert isinstance(out, OutlineScene)
-            for name in ("footprint_along_m", "footprint_across_m", "area_m2"):
+            for name in ("footprint_along_m", "footprint_across_m", "covered_along_m", "covered_across_m", "area_m2"):
                 low, one, high = (getattr(view, name) for view in (out.view, own.view, out.most))
                 assert (low <= one * (1 + slack)).all() and (one <= high * (1 + slack)).all(), name
             for name in ("pixel_along_m", "pixel_across_m"):

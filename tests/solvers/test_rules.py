@@ -14,7 +14,15 @@ from typing import Any
 import brute_force as brute
 import numpy as np
 import pytest
-from one_of_each import DISTANCE_M, RATE_HZ, one, with_parts
+from one_of_each import (
+    COVERED_M,
+    DISTANCE_M,
+    N_WATER,
+    RATE_HZ,
+    one,
+    virtual_image_m,
+    with_parts,
+)
 from random_cases import Case
 
 from uwopt.catalog.parts.quantity import Curve
@@ -30,7 +38,6 @@ from uwopt.solvers.exact.screen import pair_rules
 from uwopt.solvers.exact.search import Search
 
 NEAR = 1e-6
-RADIUS_M, GLASS_M, N_GLASS = 0.08, 0.01, 1.5
 
 
 @dataclass(frozen=True)
@@ -50,12 +57,6 @@ class Limit:
         value = self.value * (1.0 + up * self.near)
         given = {**self.more, self.place: {**self.more.get(self.place, {}), self.name: value}}
         return one(objective, **given)
-
-
-def virtual_image_m(n_water: float) -> float:
-    """Where the dome shows a floor at 2 m, from its centre (physics page, section 4)."""
-    power = 1.0 / (n_water * DISTANCE_M) + (1.0 / N_GLASS - 1.0 / n_water) / RADIUS_M
-    return 1.0 / (power + (1.0 - 1.0 / N_GLASS) / (RADIUS_M - GLASS_M))
 
 
 @cache
@@ -106,18 +107,17 @@ ALONE = tuple(rule for rule in IMAGER_RULES if rule != OF_SEVERAL)
 @cache
 def imager_limits() -> dict[str, Limit]:
     """What each rule of imagers looks at."""
-    n_water = float(one().problem().scenes[0].n_water)
     return {
         "image_circle": Limit("lens", "image_circle_mm", 10.0 / 1.02, least=True),
         "lens_rating": Limit("lens", "rated_pixel_pitch_um", 4.0 * 1.02, least=False, more=RATED),
         "view": Limit("port", "clear_diameter_mm", 2 * TILT * 50.0, least=True, more={"flat": True}),
         # seen at tangents of 0.375 along the motion, the far edge lies at 1 / (1 - 0.375 tan pitch) of the axis
         "horizon": Limit("vehicle", "pitch_deg", float(np.rad2deg(np.arctan(0.8 / 0.375))), least=False),
-        "focus": Limit("lens", "min_object_distance_m", virtual_image_m(n_water), least=False),
+        "focus": Limit("lens", "min_object_distance_m", virtual_image_m(N_WATER), least=False),
         "max_gsd_mm": Limit("wanted", "max_gsd_mm", 0.5e-3 * DISTANCE_M * 1e3, least=True),
-        "min_swath_m": Limit("wanted", "min_swath_m", DISTANCE_M, least=False),
+        "min_swath_m": Limit("wanted", "min_swath_m", COVERED_M, least=False),
         # 0.5 m less of two cameras half a metre apart; half a pixel of disparity: 0.5 px (p / f) Z^2 / B
-        "min_common_swath_m": Limit("wanted", "min_common_swath_m", DISTANCE_M - 0.5, least=False, more=PAIR),
+        "min_common_swath_m": Limit("wanted", "min_common_swath_m", COVERED_M - 0.5, least=False, more=PAIR),
         "max_depth_error_mm": Limit("wanted", "max_depth_error_mm", 0.5 * 0.5 * DISTANCE_M**2 / 0.5, least=True,
                                     more=PAIR),
         "frame_rate": Limit("camera", "max_frame_rate_hz", RATE_HZ, least=True),
@@ -346,7 +346,7 @@ LED = {
 
 
 def test_a_lamp_that_cannot_keep_up_with_the_images_falls() -> None:
-    """0.2747 pulses a second are asked."""
+    """0.284 pulses a second are asked."""
     for share, found in ((1.0 - NEAR, ["light"]), (1.0 + NEAR, [])):
         light = {**LED, "max_rate_hz": exact(RATE_HZ * share)}
         assert light_rules(one(light=light, wanted=FAST)) == found

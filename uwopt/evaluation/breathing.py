@@ -1,8 +1,6 @@
-"""What a lens that is focused near makes of the field of view: figures take the focal length at infinity.
+"""What is told of a lens that is focused near: how much of its field the figures leave out, or that none is left.
 
-A lens that moves as a whole stands f (1 + m) before the sensor and sees 1 / (1 + m) of its field, m being its
-magnification; one that focuses inside may keep it. Makers seldom tell which, so that it is told and not computed.
-Physics page, section 3.
+What each figure counts is said in `uwopt.forward.breathing`.
 """
 
 from __future__ import annotations
@@ -11,11 +9,11 @@ from uwopt.results.design import Design, Note, SceneResult
 from uwopt.units import format_quantity
 
 LEAST = 0.02  # of the field, from which it is told
-BREATHING, NARROWED, NO_IMAGE = "breathing", "narrowed", "no_image"
+BREATHING, NO_IMAGE = "breathing", "no_image"
 
 
 def breathing_notes(design: Design) -> list[Note]:
-    """A warning where focusing so near narrows the field of view, or leaves no image."""
+    """A note where focusing so near narrows the field of view, or leaves no image."""
     notes = []
     for scene in design.scenes:
         n, working = scene.figures["f_number"], scene.figures["working_f_number"]
@@ -28,16 +26,11 @@ def breathing_notes(design: Design) -> list[Note]:
 
 
 def narrowed(scene: SceneResult, magnification: float) -> Note:
-    """The swath that is left of the one told, and whether it would do."""
-    told_m = float(scene.figures["swath_m"])
-    left_m = told_m / (1.0 + magnification)
-    held = [m.limit for m in scene.margins if m.requirement.startswith("min_swath_m") and m.limit is not None]
-    wanted_m = max(held, default=0.0)
-    text = (
+    """How much wider a lens may see that keeps its field."""
+    swath_m = float(scene.figures["swath_m"])
+    return Note(
+        BREATHING, "lens",
         f"{scene.name}: focused so near, a lens that moves as a whole extends by {100 * magnification:.1f} % and sees "
-        f"that much less: a swath of {format_quantity(left_m, 'm')}, not {format_quantity(told_m, 'm')}"
-    )
-    if left_m >= wanted_m:
-        return Note(BREATHING, "lens", f"{text}; one that focuses inside may keep it: measure it")
-    wanted = f"where {format_quantity(wanted_m, 'm')} are held; ask the maker how it focuses"
-    return Note(NARROWED, "lens", f"{text}, {wanted}")
+        f"that much less: swath ({format_quantity(swath_m, 'm')}), overlap and blur are counted for it, ground sample "
+        "for one that focuses inside and keeps its field; makers seldom tell which it is",
+    )  # fmt: skip

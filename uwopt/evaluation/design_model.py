@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from uwopt.catalog.catalogue import plain_name
 from uwopt.catalog.records import Housing, Light, Port
 from uwopt.evaluation.design_light import DesignLight
+from uwopt.forward.breathing import at_focus
 from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.enclosures import bodies_of, housing_size_mm, mass_in_water_kg, room_needed_m
 from uwopt.forward.figures import (
@@ -40,7 +41,7 @@ from uwopt.forward.scene import Pixels
 from uwopt.forward.sharpness import SharpRows, airy_wavelength_nm, sharpness_of
 from uwopt.forward.spacers import ring_behind_m
 from uwopt.forward.switching import camera_power_w
-from uwopt.forward.views import focus_map, widest_corner
+from uwopt.forward.views import Views, focus_map, widest_corner
 from uwopt.model.lens import airy_diameter_m
 from uwopt.model.port import lens_dioptre_per_m
 from uwopt.objectives.requirements import (
@@ -105,6 +106,24 @@ class DesignModel(DesignLight):
         reached = figures_of(scene, rows, settings).snr_pixels
         return None if reached is None else float(reached[0, scene.nominal])
 
+    def view_at(self, index: int, dioptre_per_m: float) -> Views:
+        """What the image of one scene covers at this focus."""
+        scene, shape = self.problem.scenes[index], self.shapes[index]
+        view: Views = self._once(
+            ("view", index, dioptre_per_m),
+            lambda: at_focus(scene, shape, self.views[index], self.cameras.pixel_pitch_m, np.array(dioptre_per_m)),
+        )
+        return view
+
+    def asked_rate_hz(self, index: int, dioptre_per_m: float) -> float:
+        """The rate that overlap or interval ask for in one scene at this focus, at whichever altitude asks for most."""
+        scene, view = self.problem.scenes[index].view, self.view_at(index, dioptre_per_m)
+        return float(required_rate_hz(scene.requirements, scene.vehicle.speed_m_s, view.covered_along_m).max())
+
+    def rows_at(self, index: int, dioptre_per_m: float) -> DesignRows:
+        """The hardware in one scene, with what it covers at this focus."""
+        return replace(self.rows[index], view=self.view_at(index, dioptre_per_m))
+
     def sharp_rows(self, index: int, dioptre_per_m: float) -> SharpRows:
         """What sharpness depends on at this focus."""
         hw = self.hardware
@@ -113,7 +132,7 @@ class DesignModel(DesignLight):
             lambda: sharpness_of(
                 self.problem,
                 index,
-                self.views[index],
+                self.view_at(index, dioptre_per_m),
                 camera=np.array([hw.camera]),
                 lens=np.array([hw.lens]),
                 port=np.array([hw.port]),
@@ -127,17 +146,14 @@ class DesignModel(DesignLight):
 
     def settings(self, index: int, given: SceneSettings) -> SettingRows:
         """Settings with their defaults: widest aperture that is wanted, longest exposure, gain for the wanted level."""
-        scene, rows = self.problem.scenes[index], self.rows[index]
+        scene = self.problem.scenes[index]
         needs, limits = scene.view.requirements, self.problem.mission.limits
-        speed = scene.view.vehicle.speed_m_s
-        rate = given.rate_hz
-        if rate is None:
-            rate = float(required_rate_hz(needs, speed, rows.view.footprint_along_m).max())
         dioptre = given.dioptre_per_m
         if dioptre is None:
             dioptre = self._default_dioptre_per_m(index)
             if given.focus_distance_m is not None:
                 dioptre = float(lens_dioptre_per_m(given.focus_distance_m, focus_map=self.maps[index]))
+        rate = self.asked_rate_hz(index, dioptre) if given.rate_hz is None else given.rate_hz
         f_number = (
             given.f_number
             or self.problem.f_number
@@ -148,7 +164,7 @@ class DesignModel(DesignLight):
             level = self.problem.mission.fixed.dim_frac or 1.0
         cam, lights = self.cameras, self.lights
         offset, readout = float(cam.exposure_offset_s[0]), float(cam.readout_s[0])
-        blur = float(blur_time_s(scene, self.shapes[index], rows.view)[0])
+        blur = float(blur_time_s(scene, self.shapes[index], self.view_at(index, dioptre))[0])
         cap = min(
             float(cam.max_exposure_s[0]), limits.max_exposure_ms * 1e-3, 1.0 / rate if rate > 0 else math.inf
         )
@@ -196,7 +212,7 @@ class DesignModel(DesignLight):
 
     def figures(self, index: int, settings: SettingRows, *, information: bool = False) -> Figures:
         """Figures of one scene, for one or many settings with a common focus."""
-        scene, rows = self.problem.scenes[index], self.rows[index]
+        scene, rows = self.problem.scenes[index], self.rows_at(index, float(settings.dioptre_per_m[0]))
         if not scene.paper and (information or scene.view.requirements.asks_sharpness):
             sharp = self.sharp_rows(index, float(settings.dioptre_per_m[0]))
             rows = replace(rows, sharp=sharp.take(np.zeros(len(settings.f_number), int)))
@@ -210,7 +226,8 @@ class DesignModel(DesignLight):
         limits, terms = mission.limits, self.totals(figures)
         margins = [
             *scene_margins(
-                scene, self.rows[index], settings, figures, limits, level_tolerance_rel=level_tolerance_rel
+                scene, self.rows_at(index, float(settings.dioptre_per_m[0])), settings, figures, limits,
+                level_tolerance_rel=level_tolerance_rel,
             ),
             *fixed_margins(mission.fixed, settings),
             *self.airy_margins(index, figures),
@@ -368,12 +385,9 @@ class DesignModel(DesignLight):
         """Room for images that is bought beyond the computer's disk, at the rates that are set or asked for."""
 
         def gigabytes() -> float:
-            asked = [
-                required_rate_hz(scene.view.requirements, scene.view.vehicle.speed_m_s, view.footprint_along_m)
-                for scene, view in zip(self.problem.scenes, self.views, strict=True)
-            ]
+            asked = [self.asked_rate_hz(i, self.searched_dioptre_per_m(i)) for i in range(len(self.views))]
             set_ = self.rates_hz or (0.0,) * len(asked)
-            rates = [np.maximum(rate.max(axis=1), own) for rate, own in zip(asked, set_, strict=True)]
+            rates = [np.array([max(rate, own)]) for rate, own in zip(asked, set_, strict=True)]
             return float(self.problem.disks_gb(self.cameras, rates)[0])
 
         made: float = self._once(("disks", self.rates_hz), gigabytes)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.evaluation.design_model import DesignModel
+from uwopt.forward.breathing import extension
 from uwopt.forward.figures import (
     Figures,
     SettingRows,
@@ -76,13 +77,13 @@ def on_scale_m(model: DesignModel, settings: SettingRows) -> float | None:
 
 def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures: Figures) -> dict[str, Any]:
     """Figures at the nominal altitude, by the names that reports use."""
-    scene, view = model.problem.scenes[index], model.views[index]
+    scene, view = model.problem.scenes[index], model.view_at(index, float(settings.dioptre_per_m[0]))
     landscape, at = model.hardware.landscape, scene.nominal
-    along, across = float(view.footprint_along_m[0, 1]), float(view.footprint_across_m[0, 1])
+    along, across = float(view.covered_along_m[0, 1]), float(view.covered_across_m[0, 1])
     snr = float(figures.snr[0, at])
     needs = scene.view.requirements
     speed = scene.view.vehicle.speed_m_s
-    nominal_rate = float(required_rate_hz(needs, speed, view.footprint_along_m[:, 1:2])[0, 0])
+    nominal_rate = float(required_rate_hz(needs, speed, view.covered_along_m[:, 1:2])[0, 0])
     far = float(figures.dof_far_m[0])
     near = float(figures.dof_near_m[0])
     cam = model.cameras
@@ -96,7 +97,7 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
         "blur_px": float(figures.blur_px[0, 1]),
         "skew_px": float(figures.skew_px[0, 1]),
         "swath_m": across,
-        **oblique_figures(model, index),
+        **oblique_figures(model, index, float(settings.dioptre_per_m[0])),
         **pair_figures(scene, view),
         "line_spacing_m": float(view.common_across_m[0, 1]) * (1.0 - needs.sidelap),
         "area_m2_h": float(view.common_across_m[0, 1]) * (1.0 - needs.sidelap) * speed * S_PER_H,
@@ -180,23 +181,25 @@ def with_flags(figures: dict[str, Any]) -> dict[str, Any]:
     return out
 
 
-def oblique_figures(model: DesignModel, index: int) -> dict[str, float]:
+def oblique_figures(model: DesignModel, index: int, dioptre_per_m: float) -> dict[str, float]:
     """Way of the light, pixel and width at the near edge, the middle and the far edge of an oblique view, mid-column.
 
-    The swath of the mission is that of the near edge, its pixel the largest of the frame.
+    The swath of the mission is that of the near edge, its pixel the largest of the frame. Widths are surely covered at
+    this focus.
     """
     scene, view, shape = model.problem.scenes[index], model.views[index], model.shapes[index]
     if not scene.slope:
         return {}
     at: dict[str, Any] = dict(shape=shape, range_m=float(scene.range_m[scene.nominal]))
     along, across = (float(side[0]) for side in (view.tan_along, view.tan_across))
+    closer = 1.0 / float(extension(scene, view, np.array(dioptre_per_m))[0])
     found = {}
     for end, u in (("near", -along), ("centre", 0.0), ("far", along)):
         ray, side = np.array(u), np.array(across)
         pixel = float(model.cameras.pixel_pitch_m[0] / view.focal_length_m[0])
         found[f"range_{end}_m"] = float(floor_point(ray, np.array(0.0), **at)[2])
         found[f"gsd_{end}_mm"] = float(floor_steps(ray, np.array(0.0), **at).longest_m) * pixel * 1e3
-        found[f"swath_{end}_m"] = 2.0 * float(floor_point(ray, side, **at)[1])
+        found[f"swath_{end}_m"] = 2.0 * float(floor_point(closer * ray, closer * side, **at)[1])
     return found
 
 
@@ -216,7 +219,7 @@ def _at_nominal(scene: Any) -> Any:
 def _nominal_view(view: Any) -> Any:
     middle = {
         name: np.repeat(getattr(view, name)[:, 1:2], 3, axis=1)
-        for name in ("footprint_along_m", "footprint_across_m", "gsd_m", "pixel_along_m", "pixel_across_m")
+        for name in ("covered_along_m", "covered_across_m", "gsd_m", "pixel_along_m", "pixel_across_m")
     }
     return replace(view, **middle)
 

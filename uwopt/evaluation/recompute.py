@@ -209,9 +209,9 @@ def given_settings(model: DesignModel, index: int, settings: Mapping[str, float 
 def telling_figures(made: Replay, index: int) -> dict[str, float]:
     """A few of the plain figures: all inputs are in them, and they take a tenth of the time of all."""
     model, settings = made.model, made.settings[index]
-    view, at = model.views[index], model.problem.scenes[index].nominal
+    view, at = model.view_at(index, float(settings.dioptre_per_m[0])), model.problem.scenes[index].nominal
     figures = made.figures(index, information=False)
-    sides_m = (float(view.footprint_across_m[0, 1]), float(view.footprint_along_m[0, 1]))
+    sides_m = (float(view.covered_across_m[0, 1]), float(view.covered_along_m[0, 1]))
     wide_m, high_m = sides_m if model.hardware.landscape else sides_m[::-1]
     return {
         "fov_x_m": wide_m, "fov_y_m": high_m, "gsd_mm": 1e3 * float(view.gsd_m[0, 1]),

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward import effects as influence
+from uwopt.forward.breathing import AT_FOCUS, at_focus
 from uwopt.forward.columns import rows_alike
 from uwopt.forward.designs import Designs
 from uwopt.forward.figures import DesignRows, Figures, SettingRows, figures_of, levers_m
@@ -21,7 +22,7 @@ from uwopt.forward.lamp_light import ImageLight, SunLight, Veils, image_light
 from uwopt.forward.pixels import fewest_pixels
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import Pixels, SceneOptics
-from uwopt.forward.sharpness import SharpRows, Unfocused, unfocused_of
+from uwopt.forward.sharpness import SharpRows, Unfocused, motion_px_per_s, unfocused_of
 from uwopt.forward.sun_light import sun_light
 from uwopt.forward.views import Views, focus_map, table_reach_m, views
 from uwopt.model.effects import Effects
@@ -43,6 +44,7 @@ class Batch:
         self.problem = problem.reaching([table_reach_m(view) for view in self.views])
         self._signals: dict[int, ImageLight] = {}
         self._unfocused: dict[int, Unfocused] = {}
+        self._covered: dict[int, tuple[Array, Views]] = {}  # by scene, at the last focuses
 
     def signal(self, index: int) -> ImageLight:
         """Image-forming light of all designs in one scene, worked out once: bounds and figures both rest on it."""
@@ -84,6 +86,24 @@ class Batch:
                     column = columns.setdefault(f.name, np.empty((len(d), *value.shape[1:])))
                     column[mine] = value
         return Views(**columns)
+
+    def view_at(self, index: int, dioptre_per_m: Array) -> Views:
+        """What the images of one scene cover at these focuses, worked out once for the same ones."""
+        known, made = self._covered.get(index, (None, None))
+        if made is None or known is None or not np.array_equal(known, dioptre_per_m):
+            made = self._view_at(index, dioptre_per_m)
+            self._covered[index] = dioptre_per_m, made
+        return made
+
+    def _view_at(self, index: int, dioptre_per_m: Array) -> Views:
+        view, d, scene = self.views[index], self.designs, self.problem.scenes[index]
+        pitch = self.problem.cameras.pixel_pitch_m[d.camera]
+        columns = {name: np.array(getattr(view, name)) for name in AT_FOCUS}
+        for mine, shape in self.problem.shapes(d.port, index):
+            part = at_focus(scene, shape, view.take(mine), pitch[mine], dioptre_per_m[mine])
+            for name, column in columns.items():
+                column[mine] = getattr(part, name)
+        return replace(view, **columns).with_arrays(by_altitude)
 
     def groups(self, *, by_curve: bool, some: Array | None = None) -> Iterator[tuple[Array, int, int]]:
         """Rows (or some of them) that share port and light optics (and efficiency curve), with both."""
@@ -165,13 +185,18 @@ class Batch:
             if problem.scenes[index].view.requirements.min_mtf_half_nyquist is not None:
                 hardware = hardware.with_colour_left()
             self._unfocused[index] = hardware
-        return self._unfocused[index].focused(dioptre_per_m)
+        moving = motion_px_per_s(
+            self.problem.scenes[index], self.view_at(index, dioptre_per_m),
+            self.problem.ports.outer_radius_m[self.designs.port],
+        )  # fmt: skip
+        return replace(self._unfocused[index].focused(dioptre_per_m), blur_px_per_s=moving)
 
     def figures(
         self, index: int, rows: DesignRows, settings: SettingRows, *, information: bool = False
     ) -> Figures:
         """All figures that requirements need in one scene."""
         scene = self.problem.scenes[index]
+        rows = replace(rows, view=self.view_at(index, settings.dioptre_per_m))
         if not scene.paper and (information or scene.view.requirements.asks_sharpness):
             rows = replace(rows, sharp=self.sharp_rows(index, settings.dioptre_per_m))
         return figures_of(scene, rows, settings, information=information)

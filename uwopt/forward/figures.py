@@ -393,10 +393,10 @@ def overlap(scene: SceneOptics, view: Views, rate_hz: Array) -> Array:
     """Share of each image that the next one sees again, (n, 3); negative where there are gaps."""
     speed = scene.view.vehicle.speed_m_s
     if speed == 0.0:
-        return np.ones_like(view.footprint_along_m)
+        return np.ones_like(view.covered_along_m)
     with np.errstate(divide="ignore"):
         shared = operation.overlap_at_rate(
-            rate_hz[:, None], speed_m_s=speed, footprint_along_m=view.footprint_along_m
+            rate_hz[:, None], speed_m_s=speed, footprint_along_m=view.covered_along_m
         )
     return np.asarray(shared)
 

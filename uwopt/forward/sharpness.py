@@ -316,8 +316,6 @@ def unfocused(
 ) -> Unfocused:  # fmt: skip
     """Everything but the settings, row by row; `spectrum` of each row's light, or one for all."""
     pitch, focal = cameras.pixel_pitch_m, view.focal_length_m
-    lever = altitudes_m(scene)[None, :] + ports.outer_radius_m[:, None]
-    blur = operation.blur_px(1.0, ground_sample_m=view.pixel_along_m, **motion_along(scene, lever))
 
     def dioptres(places: Array) -> Array:
         return np.asfortranarray(field_dioptres_per_m(places, altitudes_m(scene)))
@@ -360,7 +358,7 @@ def unfocused(
             rated_pitch_px=lenses.rated_pitch_m / pitch,
             aberration_px=lenses.aberration_f1_m / pitch,
             aberration_exponent=lenses.aberration_exponent,
-            blur_px_per_s=np.asfortranarray(blur),
+            blur_px_per_s=motion_px_per_s(scene, view, ports.outer_radius_m),
             place_k_along=place_k[0],
             place_k_across=place_k[1],
             corner_k_along=corner_k[0],
@@ -381,6 +379,12 @@ def unfocused(
         rms_per_m=rms,
         at_corner=at_corner,
     )
+
+
+def motion_px_per_s(scene: SceneOptics, view: Views, outer_radius_m: Array) -> Array:
+    """How fast the image moves along the motion, (n, 3) at near, nominal and far altitude."""
+    lever_m = altitudes_m(scene)[None, :] + outer_radius_m[:, None]
+    return np.asfortranarray(operation.blur_px(1.0, ground_sample_m=view.pixel_along_m, **motion_along(scene, lever_m)))
 
 
 def arriving(scene: SceneOptics, contraction: Contraction, spectrum: int, efficiency: int) -> Array:

@@ -39,8 +39,10 @@ class Views(Columns):
     footprint_along_m: Array  # (n, 3) full width at the middle of the image's edges
     footprint_across_m: Array  # at the near edge, where the target's plane is tilted
     area_m2: Array  # (n, 3) of the footprint
+    covered_along_m: Array  # (n, 3) of it, what the image surely covers where the lens is focused; see `at_focus`
+    covered_across_m: Array
     gsd_m: Array  # (n, 3) largest pixel
-    pixel_along_m: Array  # (n, 3) smallest pixel along the motion
+    pixel_along_m: Array  # (n, 3) smallest pixel along the motion, where the lens is focused
     pixel_across_m: Array
     far_m: Array  # (n,) how far from the axis the image reaches at the highest altitude; tilted: from the port
     farthest: Array  # (n,) the far edge's middle over the axis, as distances along it; inf at the horizon
@@ -50,7 +52,7 @@ class Views(Columns):
     axis_image: Array  # (n, 2, 3) where the floor's image lies on the axis; see `image_places`
     corner_image: Array  # the same where a corner's sharpness counts; (n, 4, 3), near and far, of a tilted plane
     rms_image: Array  # the same at the field points that stand for the image's mean
-    common_across_m: Array  # (n, 3) wide, what both cameras of a stereo pair see; the footprint of others
+    common_across_m: Array  # (n, 3) wide, what both cameras of a stereo pair surely see; what others cover
     depth_error_m: Array  # (n, 3) largest over it, of the distance by a stereo pair; 0 of others, inf without a strip
 
 
@@ -114,7 +116,7 @@ def geometry(
     """The columns of `Views` that follow from the field of view and the pixel: footprints, and where images lie."""
     covered = footprints(scene, shape, along, across, pitch, effective, altitudes_m(scene))
     return dict(
-        **covered,
+        **covered, covered_along_m=covered["footprint_along_m"], covered_across_m=covered["footprint_across_m"],
         **seen_by_pair(scene, shape, across, pitch / effective, covered["footprint_across_m"]),
         corner_image=tilted_places(scene, shape, along, across, CORNER_FIELD),
         rms_image=tilted_places(scene, shape, along, across, float(RMS_FIELD)),

@@ -197,7 +197,7 @@ def image_margins(scene: SceneOptics, rows: DesignRows, figures: Figures) -> Ite
         value, where = worst(rows.view.gsd_m * 1e3, three, highest=True)
         yield MarginRows("max_gsd_mm", value, at_all(figures, needs.max_gsd_mm), "<=", "mm", where)
     if needs.min_swath_m is not None:
-        value, where = worst(rows.view.footprint_across_m, three, highest=False)
+        value, where = worst(rows.view.covered_across_m, three, highest=False)
         kept = scene.view.kept("min_swath_m")
         yield MarginRows("min_swath_m", value, at_all(figures, needs.min_swath_m), ">=", "m", where, reserve=kept)
     if needs.min_common_swath_m is not None:

@@ -15,13 +15,14 @@ from numpy.typing import NDArray
 
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.evaluation.recompute import Replay
+from uwopt.forward.breathing import covered, extension
 from uwopt.forward.figures import depth_of_field_m, full_light_lm
 from uwopt.forward.lamp_light import LampField
 from uwopt.forward.lamps import on_axis_gain, relative_spectrum
 from uwopt.forward.motion import motion_across, motion_along, required_rate_hz
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.spectra import efficiency_curve
-from uwopt.forward.views import PAPER_PORT, footprints, pair_of, port_transmission
+from uwopt.forward.views import PAPER_PORT, pair_of, port_transmission
 from uwopt.model import beam as beams
 from uwopt.model import lens, light, operation, seafloor, sensor
 from uwopt.model.imaging import Lamps, floor_point, lamp_light
@@ -244,7 +245,7 @@ def operation_curves(design: Replay, scene_index: int = 0) -> Operation:
     model, settings = design.model, design.settings[scene_index]
     scene, view, shape = (
         model.problem.scenes[scene_index],
-        model.views[scene_index],
+        model.view_at(scene_index, float(settings.dioptre_per_m[0])),
         model.shapes[scene_index],
     )
     needs, vehicle = scene.view.requirements, scene.view.vehicle
@@ -253,9 +254,10 @@ def operation_curves(design: Replay, scene_index: int = 0) -> Operation:
     altitudes = np.array([0.5 * altitude, altitude - spread, altitude, altitude + spread, 2.0 * altitude])
     altitudes = np.unique(altitudes[altitudes > 0])
     speeds = np.linspace(0.0, 2.0 * (vehicle.speed_m_s or 0.5), N_SPEEDS)
-    seen = footprints(
-        scene, shape, view.tan_along, view.tan_across, model.cameras.pixel_pitch_m, view.focal_length_m, altitudes
-    )
+    seen = covered(
+        scene, shape, view.tan_along, view.tan_across, model.cameras.pixel_pitch_m, view.focal_length_m,
+        extension(scene, view, settings.dioptre_per_m), altitudes,
+    )  # fmt: skip
     along, pixel_along, pixel_across = (
         seen[name][0] for name in ("footprint_along_m", "pixel_along_m", "pixel_across_m")
     )
@@ -269,7 +271,7 @@ def operation_curves(design: Replay, scene_index: int = 0) -> Operation:
             blur_px, ground_sample_m=pixel_across[:, None], **motion_across(scene, lever[:, None])
         ),
     )
-    here = required_rate_hz(needs, vehicle.speed_m_s, view.footprint_along_m[:, 1:2])
+    here = required_rate_hz(needs, vehicle.speed_m_s, view.covered_along_m[:, 1:2])
     return Operation(
         speed_m_s=speeds,
         altitude_m=altitudes * np.cos(scene.pitch_rad),
@@ -293,8 +295,9 @@ def rig_measures(design: Replay, scene_index: int = 0) -> RigMeasures:
     """Where everything is: port, lamps with their beams, footprint and the next one."""
     model, settings = design.model, design.settings[scene_index]
     problem, hw = model.problem, model.hardware
-    scene, view = problem.scenes[scene_index], model.views[scene_index]
+    scene, view = problem.scenes[scene_index], model.view_at(scene_index, float(settings.dioptre_per_m[0]))
     shape, vehicle = model.shapes[scene_index], scene.view.vehicle
+    closer = 1.0 / extension(scene, view, settings.dioptre_per_m[:1])
     range_m = float(scene.range_m[scene.nominal])
     beam = problem.beam(scene_index, int(model.lights.optics_index[0]))
     sharp = beams.has_sharp_edge(beam)
@@ -304,7 +307,7 @@ def rig_measures(design: Replay, scene_index: int = 0) -> RigMeasures:
     moves = vehicle.speed_m_s > 0.0 and rate > 0.0
 
     half_along, half_across = (
-        0.5 * float(side[0, 1]) for side in (view.footprint_along_m, view.footprint_across_m)
+        0.5 * float(side[0, 1]) for side in (view.covered_along_m, view.covered_across_m)
     )
     return RigMeasures(
         altitude_m=range_m * math.cos(scene.pitch_rad),
@@ -325,20 +328,23 @@ def rig_measures(design: Replay, scene_index: int = 0) -> RigMeasures:
         overlap=float(model.figures(scene_index, settings).overlap[0, 1]) if moves else None,
         camera_count=vehicle.camera_count,
         pitch_rad=scene.pitch_rad,
-        edges_m=pitched_edges_m(model, scene_index) if scene.pitch_rad else (),
-        pair_m=pair_places_m(model, scene_index),
+        edges_m=pitched_edges_m(model, scene_index, closer) if scene.pitch_rad else (),
+        pair_m=pair_places_m(model, scene_index, closer),
     )
 
 
-def pair_places_m(model: DesignModel, scene_index: int) -> tuple[tuple[float, float, float], ...]:
-    """Of each camera of a stereo pair where it stands and where its view ends, across track [m]; nothing of others."""
+def pair_places_m(model: DesignModel, scene_index: int, closer: Array) -> tuple[tuple[float, float, float], ...]:
+    """Of each camera of a stereo pair where it stands and where its view ends, across track [m]; nothing of others.
+
+    closer : the share of its field that a lens keeps at its focus, (1,)
+    """
     scene, view = model.problem.scenes[scene_index], model.views[scene_index]
     pair = pair_of(scene)
     if pair is None:
         return ()
     shape = PAPER_PORT if scene.paper else model.shapes[scene_index]
     ends = [
-        float(meeting_m(side * view.tan_across, shape=shape, range_m=scene.range_m[scene.nominal],
+        float(meeting_m(side * closer * view.tan_across, shape=shape, range_m=scene.range_m[scene.nominal],
                         turn_rad=pair.turn_rad)[0])
         for side in (-1.0, 1.0)
     ]  # fmt: skip
@@ -346,13 +352,13 @@ def pair_places_m(model: DesignModel, scene_index: int) -> tuple[tuple[float, fl
     return (-half_m, ends[0] - half_m, ends[1] - half_m), (half_m, half_m - ends[1], half_m - ends[0])
 
 
-def pitched_edges_m(model: DesignModel, scene_index: int) -> tuple[tuple[float, float], ...]:
+def pitched_edges_m(model: DesignModel, scene_index: int, closer: Array) -> tuple[tuple[float, float], ...]:
     """Near and far edge of a view that looks ahead: forward of the port, and half of its width [m]."""
     scene, view = model.problem.scenes[scene_index], model.views[scene_index]
     made = []
-    for along in (-view.tan_along, view.tan_along):
+    for along in (-closer * view.tan_along, closer * view.tan_along):
         range_m = float(scene.range_m[scene.nominal])
-        x_m, y_m, _ = floor_point(along, view.tan_across, shape=model.shapes[scene_index], range_m=range_m)
+        x_m, y_m, _ = floor_point(along, closer * view.tan_across, shape=model.shapes[scene_index], range_m=range_m)
         forward = x_m * math.cos(scene.pitch_rad) + (range_m + scene.slope * x_m) * math.sin(scene.pitch_rad)
         made.append((float(forward[0]), float(y_m[0])))
     return tuple(made)

@@ -240,7 +240,8 @@ def sharpness_at(design: Replay, scene_index: int, place: Place) -> Sharpness:
     one = np.array([0])
     needs = scene.view.requirements.model_copy(update={"dof_at": "axis" if place == "centre" else "corner"})
     rows = unfocused(
-        replace(scene, view=replace(scene.view, requirements=needs)), contraction, model.views[scene_index],
+        replace(scene, view=replace(scene.view, requirements=needs)), contraction,
+        model.view_at(scene_index, float(settings.dioptre_per_m[0])),
         cameras=model.cameras, lenses=model.lenses, ports=problem.ports.take(one + hw.port),
         spectrum=int(contraction.spectrum_of[int(model.lights.optics_index[0])]),
         lateral_colour=not scene.paper, image_curvature=not scene.paper,

@@ -17,7 +17,6 @@ from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.designs import Hardware
 from uwopt.forward.figures import SettingRows, figures_of
 from uwopt.forward.focus import place_focus
-from uwopt.forward.motion import required_rate_hz
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
 from uwopt.forward.problem import Problem
 from uwopt.forward.spacers import needed_spacer_m
@@ -102,10 +101,7 @@ class Spread:
     def __init__(self, model: DesignModel):
         self.model = model
         self.focus = place_focus(model.problem.scenes, model.maps, model.views)
-        self.rates = [
-            float(required_rate_hz(s.view.requirements, s.view.vehicle.speed_m_s, v.footprint_along_m).max())
-            for s, v in zip(model.problem.scenes, model.views, strict=True)
-        ]
+        self.rates = [model.asked_rate_hz(index, float(at[0])) for index, at in enumerate(self.focus.dioptre_per_m)]
         ranges: list[tuple[float, float]] = []
         self.places: list[list[int]] = []  # by scene: where its five numbers stand in a point
         own = bool(model.lenses.motorised[0])

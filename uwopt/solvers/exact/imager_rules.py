@@ -100,7 +100,7 @@ def view_rules(
     yield (
         "min_swath_m",
         all_of(
-            of_rows(np.minimum, view.footprint_across_m) * ROUND >= (scene.view.requirements.min_swath_m or 0.0)
+            of_rows(np.minimum, view.covered_across_m) * ROUND >= (scene.view.requirements.min_swath_m or 0.0)
             for scene, view in every
         ),
     )

@@ -21,6 +21,7 @@ from uwopt.catalog.compatibility import (
     rated_pitch_um,
 )
 from uwopt.deadline import NEVER, Deadline
+from uwopt.forward.breathing import at_focus
 from uwopt.forward.columns import Columns
 from uwopt.forward.focus import Focused, common_dioptre, depth_f_number, working_factor
 from uwopt.forward.motion import blur_time_s, required_rate_hz, shutter_skew_px
@@ -276,6 +277,10 @@ def seen_behind(
     else:
         distance_m = meant_m(camera, lens) if callable(meant_m) else np.full(len(camera), meant_m)
         dioptre = np.asarray(lens_dioptre_per_m(distance_m, focus_map=maps[0]))
+    seen = [
+        at_focus(scene, shape, view, cameras.pixel_pitch_m, dioptre)
+        for scene, shape, view in zip(problem.scenes, shapes, seen, strict=True)
+    ]
     return seen, dioptre, needed_spacer_m(problem.lenses, dioptre, rows=lens)
 
 
@@ -317,7 +322,7 @@ def focused_behind(
         closed = problem.lenses.f_number_from(requirements.lens_stop_down)[lens]
         at = focus_map(scene, shape)
         n_depth = np.max([depth_f_number(scene, at, view, one) for one in stands_per_m], axis=0)
-        rate = required_rate_hz(requirements, scene.view.vehicle.speed_m_s, view.footprint_along_m)
+        rate = required_rate_hz(requirements, scene.view.vehicle.speed_m_s, view.covered_along_m)
         focused.append(
             Focused(
                 dioptre_per_m=dioptre_per_m,

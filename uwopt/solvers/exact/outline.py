@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward.breathing import covered_sides
 from uwopt.forward.columns import Columns
 from uwopt.forward.enclosures import bodies_of
 from uwopt.forward.focus import Focused, held_at_corner, place_focus, sharp_ends_m
@@ -58,7 +59,11 @@ from uwopt.solvers.exact.pair_groups import PairGroups
 from uwopt.tolerances import COARSE_ROUND
 
 Array = NDArray[Any]
-WIDE = ("footprint_along_m", "footprint_across_m", "area_m2", "gsd_m", "pixel_along_m", "pixel_across_m")  # (n, 3)
+WIDE = (  # (n, 3)
+    "footprint_along_m", "footprint_across_m", "covered_along_m", "covered_across_m", "area_m2", "gsd_m",
+    "pixel_along_m", "pixel_across_m",
+)  # fmt: skip
+COVERED = ("covered_along_m", "covered_across_m")
 NARROW = ("tan_along", "tan_across", "farthest")
 BRANCHES = 8  # ports, or groups of them, that a group is split into
 
@@ -290,6 +295,8 @@ class Level:
                     gsd_m=self.gsd_m(index, some), pixel_along_m=pixel_along_m, pixel_across_m=pixel_across_m
                 )
             seen |= dict(tan_along=along, tan_across=across)
+            factor = self.lens_focus.factor[index][some.lens, some.group]
+            seen |= dict(zip(COVERED, covered_sides(scene, shape, along, across, factor, seen), strict=True))
             for name, column in columns.items():
                 column[mine] = seen[name]
         return empty_views(n, **columns)
@@ -369,7 +376,7 @@ class Level:
                 len(mine), pixel_along_m=most.pixel_along_m[mine], pixel_across_m=most.pixel_across_m[mine]
             ))  # fmt: skip
         n_depth = self.lens_focus.cover_m[index][rows.lens, rows.group] / circle_of_confusion_m(scene, cameras)
-        rate = required_rate_hz(needs, scene.view.vehicle.speed_m_s, most.footprint_along_m[:, 0])
+        rate = required_rate_hz(needs, scene.view.vehicle.speed_m_s, most.covered_along_m[:, 0])
         nothing = np.zeros(len(rows))
         focused = Focused(
             nothing, self.lens_focus.factor[index][rows.lens, rows.group],
@@ -402,7 +409,7 @@ class Level:
             passes["horizon"] &= seen.view.farthest <= FARTHEST * COARSE_ROUND
             passes["max_gsd_mm"] &= seen.view.gsd_m[:, 2] * 1e3 <= limit(needs.max_gsd_mm) * COARSE_ROUND
             if needs.min_swath_m is not None:
-                passes["min_swath_m"] &= seen.most.footprint_across_m[:, 0] * COARSE_ROUND >= needs.min_swath_m
+                passes["min_swath_m"] &= seen.most.covered_across_m[:, 0] * COARSE_ROUND >= needs.min_swath_m
             self.pair_rules(passes, scene, rows, seen)
             passes["frame_rate"] &= focused.rate_hz <= cameras.max_rate_hz[rows.camera] * COARSE_ROUND
             data = focused.rate_hz * cameras.frame_mb[rows.camera] * count
@@ -436,7 +443,7 @@ class Level:
         if pair is None or pair.turn_rad > 0.0:
             return
         if needs.min_common_swath_m is not None:
-            strip_m = seen.most.footprint_across_m[:, 0] * COARSE_ROUND - pair.baseline_m
+            strip_m = seen.most.covered_across_m[:, 0] * COARSE_ROUND - pair.baseline_m
             passes["min_common_swath_m"] &= strip_m >= needs.min_common_swath_m
         if needs.max_depth_error_mm is None:
             return

@@ -272,7 +272,7 @@ class Evaluator:
         per_hour = [k * view.vehicle.speed_m_s * S_PER_H for k, view in zip(kept, views, strict=True)]
 
         def swath(k: int, r: Any, t: Any, f: Any) -> Array:
-            return np.asarray(r.view.footprint_across_m[:, 1])
+            return np.asarray(r.view.covered_across_m[:, 1])
 
         def common(k: int, r: Any, t: Any, f: Any) -> Array:
             return np.asarray(r.view.common_across_m[:, 1])

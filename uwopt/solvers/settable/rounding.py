@@ -141,12 +141,13 @@ def holds(model: DesignModel, given: Sequence[SceneSettings]) -> bool:
 
 def variants(model: DesignModel, optimum: Sequence[SettingRows]) -> Iterator[tuple[list[float], list[float]]]:
     """Frame rates and focus to try, by scene: in few figures first; the focus ring stands alike in all scenes."""
-    rates = [rates_hz(float(one.rate_hz[0])) for one in optimum]
     distance_m = float(water_distance_m(optimum[0].dioptre_per_m[0], focus_map=model.maps[0]))
     marks_m = focus_distances_m(distance_m) if 0 < distance_m < FAR_M else [FAR_M]
     for number, mark_m in enumerate(marks_m):
         ring = float(lens_dioptre_per_m(mark_m, focus_map=model.maps[0]))
         dioptres = [typed_dioptre_per_m(model, i, ring) for i in range(len(optimum))]
+        asked = [model.asked_rate_hz(index, at) for index, at in enumerate(dioptres)]
+        rates = [rates_hz(max(float(one.rate_hz[0]), least)) for one, least in zip(optimum, asked, strict=True)]
         for finer in (False, True):
             if number == 0 or finer:
                 yield [rate[finer] for rate in rates], dioptres

@@ -99,7 +99,7 @@ class SettableScene:
         self.at_exact = self._figures(exact)
         self.models = [self.model, *(few_pixels(lean, index) for lean in leaner)]
         self.rows = self.model.rows[index]
-        self.means = [means_alone(one.rows[index]) for one in self.models]
+        self.means = [means_alone(one.rows_at(index, dioptre_per_m)) for one in self.models]
 
     # ------------------------------------------------------------ what there is to try
 
@@ -267,7 +267,7 @@ class SettableScene:
         rest, each = np.nonzero(shortfall == 0.0)[0], max(MOST_PIXELS // worst.size, 1)
         for some in np.split(rest, range(each, len(rest), each)):
             few = settings.take(some)
-            seen = [figures_of(scene, model.rows[self.index], few) for model in self.models]
+            seen = [figures_of(scene, model.rows_at(self.index, self.dioptre_per_m), few) for model in self.models]
             shortfall[some] = self._shortfall(few, seen)
 
     def _shortfall(self, settings: SettingRows, by_model: Sequence[Figures], *, without: str = "") -> Array:
