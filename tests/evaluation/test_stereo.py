@@ -115,7 +115,8 @@ def test_both_cameras_are_drawn_with_the_ends_of_their_views(pair: Result, swath
     """At +-0.2 m, each seeing half its swath to either side from there."""
     assert pair.design is not None
     rig, half_m = rig_measures(replay(pair.mission, pair.design, physics=pair.physics, system=pair.system)), swath_m / 2
-    assert rig.pair_m == pytest.approx(np.array([(-0.2, -0.2 - half_m, half_m - 0.2), (0.2, 0.2 - half_m, 0.2 + half_m)]))
+    left, right = (-0.2, -0.2 - half_m, half_m - 0.2), (0.2, 0.2 - half_m, 0.2 + half_m)
+    assert rig.pair_m == pytest.approx(np.array([left, right]))
     assert view_from_behind(rig, title="a", description="b").count('class="view"') == 2
 
 
