@@ -13,6 +13,7 @@ from uwopt.forward.lamp_light import ImageLight, LampField, SunLight, image_ligh
 from uwopt.forward.lamp_views import lamp_clearance_m
 from uwopt.forward.part_columns import Cameras, Lenses, Lights
 from uwopt.forward.problem import Problem
+from uwopt.forward.remembered import RememberedField
 from uwopt.forward.scene import Pixels
 from uwopt.forward.sun_light import sun_light
 from uwopt.forward.views import table_reach_m, views
@@ -143,7 +144,7 @@ class DesignLight:
         light = image_light(
             self.problem, index, self.views[index], np.array([hw.camera]), port_index=hw.port,
             optics=int(self.lights.optics_index[0]), mount=hw.mount, count=hw.count, pixels=pixels, channel=channel,
-            means=not split,
+            means=not split, field_type=RememberedField,
         ).scaled(self.lights.output_factor)  # fmt: skip
         if not split:
             return light
