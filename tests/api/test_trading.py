@@ -181,7 +181,7 @@ def test_reference_is_a_tenth_beyond_the_worst_corner(exact):
 
 
 def test_json_holds_no_nan_and_comes_back(exact):
-    text = exact.to_json()  # refuses NaN by itself
+    text = exact.to_json()
     assert "NaN" not in text
     assert "Infinity" not in text
     back = FrontResult.from_dict(json.loads(text))

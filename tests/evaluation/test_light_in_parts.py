@@ -5,7 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
+import yaml
 
+import uwopt
 from uwopt.api.common import prepared
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.assembly import system_problem
@@ -40,3 +43,20 @@ def test_light_with_pixels_has_the_means_and_pixels_of_light_taken_at_once() -> 
         assert np.array_equal(getattr(in_parts, name), getattr(at_once, name)), name
     assert in_parts.worst_e is not None
     assert in_parts.worst_e.min() < in_parts.signal_e.min()  # pixels and mean differ here
+
+
+@pytest.mark.parametrize(("asked", "figure"), [("worst", "snr_db_p05"), ("worst_px", "snr_db_min")])
+@pytest.mark.parametrize("sun_lux", [None, 3000.0])
+def test_pixels_at_the_nominal_altitude_are_those_that_a_mission_asks_for_at_all(asked, figure, sun_lux) -> None:
+    # who asks for them has them at every altitude of 5 +- 1 m; who does not, at 5 m alone
+    mission = yaml.safe_load((PROBLEMS / "whoi-abe.yaml").read_text(encoding="utf-8"))
+    mission["vehicle"]["altitude_tolerance_m"] = 1.0
+    mission["scene"] |= {} if sun_lux is None else {"sun_lux": sun_lux, "depth_m": 15.0}
+
+    def told(needs: dict[str, str]) -> dict[str, float]:
+        varied = mission | {"requirements": mission["requirements"] | needs}
+        return uwopt.evaluate(varied, PROBLEMS / "whoi-abe.system.yaml").design.scenes[0].figures
+
+    plain, every = told({}), told({"snr_at": asked})
+    assert plain[figure] == pytest.approx(every[figure], rel=1e-12)
+    assert plain[figure] < plain["snr_db"] - 0.5

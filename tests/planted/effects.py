@@ -36,6 +36,21 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/evaluation/test_light_in_parts.py::test_light_with_pixels_has_the_means_and_pixels_of_light_taken_at_once",
     ),
     Defect(
+        name="pixels of a figure at the lowest altitude",
+        file="uwopt/evaluation/design_model.py",
+        old="there = scene.nominal",
+        new="there = 0",
+        test="tests/evaluation/test_light_in_parts.py"
+        "::test_pixels_at_the_nominal_altitude_are_those_that_a_mission_asks_for_at_all",
+    ),
+    Defect(
+        name="a design evaluated has the light that a search left behind",
+        file="uwopt/forward/remembered.py",
+        old='    memory = "light of one image"',
+        new='    memory = "light"',
+        test="tests/evaluation/test_replay.py::test_every_scene_gives_the_same_figures",
+    ),
+    Defect(
         name="polynomials of daylight end before the image does",
         file="uwopt/forward/sun_light.py",
         old="np.floor(STEPS_AN_OCTAVE * np.log2(tangent) + 1.0)",

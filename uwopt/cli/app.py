@@ -62,7 +62,7 @@ class PlainGroup(typer.core.TyperGroup):
             raise
 
 
-GARBAGE_AFTER = 50_000  # objects, so that Python seldom looks for circles, of which a search makes few: 7 % of its time
+GARBAGE_AFTER = 250_000  # objects, so that Python seldom looks for circles, of which a search makes few: 7 % of time
 PREFIX = "Value error, "  # of Pydantic, by which Typer reads words of a choice
 app = typer.Typer(
     name="uwopt",

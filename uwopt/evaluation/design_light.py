@@ -13,6 +13,7 @@ from uwopt.forward.lamp_light import ImageLight, LampField, SunLight, image_ligh
 from uwopt.forward.lamp_views import lamp_clearance_m
 from uwopt.forward.part_columns import Cameras, Lenses, Lights
 from uwopt.forward.problem import Problem
+from uwopt.forward.remembered import LoneField
 from uwopt.forward.scene import Pixels
 from uwopt.forward.sun_light import sun_light
 from uwopt.forward.views import table_reach_m, views
@@ -53,7 +54,10 @@ class DesignLight:
         return known[key]
 
     def light_at_centre(self, index: int) -> ImageLight:
-        """Electrons per lm s of nameplate light in the middle of the image; the veils together as one."""
+        """Electrons per lm s of nameplate light in the middle of the image; the veils together as one.
+
+        At the nominal altitude, which stands for all.
+        """
         light: ImageLight = self._lit(("centre", index), lambda: self._light_at_centre(index))
         return light
 
@@ -63,9 +67,14 @@ class DesignLight:
             problem, index, port_index=hw.port, optics=int(self.lights.optics_index[0]), mount=hw.mount,
             count=hw.count, efficiency=int(self.cameras.qe_index[0]),
         )  # fmt: skip
-        middle = np.zeros((1, 1))
-        signal, veil = field.at_pixels(self.views[index], middle, middle, veils=True)
-        light = ImageLight(signal[:, :, 0], None if veil is None else veil[:, :, 0])
+        middle, ranges_m, at = np.zeros((1, 1)), problem.scenes[index].range_m, problem.scenes[index].nominal
+        signal, veil = field.at_pixels(
+            self.views[index], middle, middle, veils=True, ranges_m=ranges_m[at : at + 1]
+        )
+        shape = (1, len(ranges_m))
+        light = ImageLight(
+            np.broadcast_to(signal[:, :, 0], shape), None if veil is None else np.broadcast_to(veil[:, :, 0], shape)
+        )
         return light.scaled(self.lights.output_factor)
 
     def floor_light(self, index: int) -> tuple[float, float]:
@@ -132,18 +141,22 @@ class DesignLight:
             pixels=pixels,
         )
 
-    def image_light(self, index: int, *, pixels: Pixels | None = None, channel: str | None = None) -> ImageLight:
-        """Electrons per lm s of nameplate light."""
-        key = ("light", index, pixels, channel)
-        light: ImageLight = self._lit(key, lambda: self._image_light(index, pixels, channel))
+    def image_light(
+        self, index: int, *, pixels: Pixels | None = None, channel: str | None = None, altitude: int | None = None
+    ) -> ImageLight:
+        """Electrons per lm s of nameplate light; of pixels at one altitude, which stands for all, or at all."""
+        key = ("light", index, pixels, channel, altitude)
+        light: ImageLight = self._lit(key, lambda: self._image_light(index, pixels, channel, altitude))
         return light
 
-    def _image_light(self, index: int, pixels: Pixels | None, channel: str | None) -> ImageLight:
+    def _image_light(
+        self, index: int, pixels: Pixels | None, channel: str | None, altitude: int | None
+    ) -> ImageLight:
         hw, split = self.hardware, pixels is not None and not self.problem.paper
         light = image_light(
             self.problem, index, self.views[index], np.array([hw.camera]), port_index=hw.port,
             optics=int(self.lights.optics_index[0]), mount=hw.mount, count=hw.count, pixels=pixels, channel=channel,
-            means=not split,
+            means=not split, field_type=LoneField, altitude=altitude,
         ).scaled(self.lights.output_factor)  # fmt: skip
         if not split:
             return light

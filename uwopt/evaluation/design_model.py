@@ -72,7 +72,7 @@ class DesignModel(DesignLight):
         self.spacer_m = self._ring_m() if hardware.spacer_m is None else hardware.spacer_m  # behind each lens
         self.rows = [self._rows(i, pixels=scene.pixels) for i, scene in enumerate(problem.scenes)]
 
-    def _rows(self, index: int, *, pixels: Pixels | None) -> DesignRows:
+    def _rows(self, index: int, *, pixels: Pixels | None, altitude: int | None = None) -> DesignRows:
         scene, view, hw = self.problem.scenes[index], self.views[index], self.hardware
         return DesignRows(
             cameras=self.cameras,
@@ -82,7 +82,7 @@ class DesignModel(DesignLight):
             view=view,
             focus_map=self.maps[index],
             lever_m=levers_m(scene, np.array([self.shapes[index].outer_radius_m])),
-            light=self.image_light(index, pixels=pixels),
+            light=self.image_light(index, pixels=pixels, altitude=altitude),
             sun=self.sun_light(index, pixels=pixels),
             spacer_m=np.array([self.spacer_m]),
         )
@@ -102,7 +102,8 @@ class DesignModel(DesignLight):
             return None
         rows = self.rows[index]
         if scene.pixels != pixels:
-            rows = self._once(("rows", index, pixels), lambda: self._rows(index, pixels=pixels))
+            there = scene.nominal
+            rows = self._once(("rows", index, pixels), lambda: self._rows(index, pixels=pixels, altitude=there))
         reached = figures_of(scene, rows, settings).snr_pixels
         return None if reached is None else float(reached[0, scene.nominal])
 

@@ -90,6 +90,7 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
     mean_level = float(figures.mean_level[0, at])
     blur_limit = float(blur_time_s(_at_nominal(scene), model.shapes[index], _nominal_view(view))[0])
     most, worst = (model.snr_at(pixels, index, settings) for pixels in ("frame", "darkest"))
+    plain, totals = plain_settings(model, settings, figures), model.totals(figures)
     out: dict[str, Any] = {
         "fov_x_m": across if landscape else along,
         "fov_y_m": along if landscape else across,
@@ -105,17 +106,17 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
         "frame_rate_min_hz": nominal_rate,
         "exposure_max_ms": blur_limit * 1e3,
         "exposure_ms": float(settings.exposure_s[0]) * 1e3,
-        "pulse_ms": plain_settings(model, settings, figures)["pulse_ms"],
+        "pulse_ms": plain["pulse_ms"],
         "f_number": float(settings.f_number[0]),
         "working_f_number": float(figures.working_f_number[0]),
         "gain": float(settings.gain[0]),
-        "flux_lm": plain_settings(model, settings, figures)["flux_lm"],
+        "flux_lm": plain["flux_lm"],
         "duty_frac": float(figures.duty_frac[0]),
         "dof_near_m": near,
         "dof_far_m": far,
         "dof_far_is_infinite": math.isinf(far),
         "dof_m": far - near if math.isinf(far) or far - near > TIE * far else 0.0,  # one end twice is no depth
-        "focus_distance_m": plain_settings(model, settings, figures)["focus_distance_m"],
+        "focus_distance_m": plain["focus_distance_m"],
         "virtual_image_distance_m": virtual_image_m(model, index),
         "effective_focal_length_mm": effective_focal_mm(model, index),
         **illuminance(model, index, settings),
@@ -138,13 +139,13 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
         "veil_ratio": veil_ratio(figures, at),
         **sharpness_figures(model, index, settings, figures),
         "airy_diameter_um": airy_um(model, index, float(figures.working_f_number[0])),
-        "power_w": float(model.totals(figures)["power_w"][0]),
+        "power_w": float(totals["power_w"][0]),
         "light_power_w": float(figures.light_power_w[0]),
         "light_peak_power_w": float(figures.light_peak_power_w[0]),
-        "camera_power_w": float(model.totals(figures)["camera_power_w"][0]),
-        "cost": float(model.totals(figures)["cost"][0]),
+        "camera_power_w": float(totals["camera_power_w"][0]),
+        "cost": float(totals["cost"][0]),
         "currency": model.problem.mission.limits.currency,
-        "mass_kg": float(model.totals(figures)["mass_kg"][0]),
+        "mass_kg": float(totals["mass_kg"][0]),
         "data_rate_mb_s": float(model.data_rate_mb_s(figures)[0]),
         **used_up_here(model, index, figures),
         "information_bit_per_m2": at_one(figures.information_bit_per_m2),
@@ -261,13 +262,13 @@ def sharpness_figures(
         (group, table), *_ = rows.groups(field)
         return rows.at(group, table, f_number=f_number, working_f_number=working, blur_s=blur_s, field=field)
 
-    at = seen("place")
+    at, at_corner = seen("place"), seen("corner")
     resolution_m = sharpness.resolution_10_m(
         at, ground_sample_along_m=view.gsd_m[:, 1], ground_sample_across_m=view.gsd_m[:, 1]
     )
     contrast = bars_contrast_at(model.rows[index], settings, figures)[:, scene.nominal]
     bars_m = sharpness.smallest_bars_m(
-        seen("corner"), contrast=contrast, ground_sample_m=view.gsd_m[:, 1],
+        at_corner, contrast=contrast, ground_sample_m=view.gsd_m[:, 1],
         detail=rows.detail_gain_of(np.zeros(1, int), np.ones(1, int)),
     )  # fmt: skip
     spectrum = int(problem.contractions[index].spectrum_of[int(model.lights.optics_index[0])])
@@ -296,7 +297,7 @@ def sharpness_figures(
     return {
         "mtf50_cyc_per_px": float(sharpness.mtf50_cyc_per_px(at)[0]),
         "mtf_half_nyquist": float(sharpness.mtf_half_nyquist(at)[0]),
-        "mtf_half_nyquist_corner": float(sharpness.mtf_half_nyquist(seen("corner"))[0]),
+        "mtf_half_nyquist_corner": float(sharpness.mtf_half_nyquist(at_corner)[0]),
         "resolution_10_mm": float(resolution_m[0]) * 1e3,
         "resolve_mm": float(bars_m[0]) * 1e3,
         "lateral_colour_px": colour if problem.effects.lateral_colour else None,

@@ -136,17 +136,18 @@ class LampField:
 
     def light(
         self, view: Views, *, pixels: Pixels | None = None, veils: Veils, means: bool = True,
-        known: ImageLight | None = None,
+        known: ImageLight | None = None, altitude: int | None = None,
     ) -> ImageLight:  # fmt: skip
         """All light of these imagers; `known` holds what has been worked out already.
 
-        Without `means` only the pixels count, and the darkest stands for the mean.
+        Without `means` only the pixels count, and the darkest stands for the mean; with an `altitude` those there,
+        which stand for all.
         """
         if not means:
             assert pixels is not None
             if veils == "likely":
                 return self.at_likely_veiled(view, pixels)
-            return self.at_asked_pixels(view, pixels, veils=veils != "none")
+            return self.at_asked_pixels(view, pixels, veils=veils != "none", altitude=altitude)
         columns = view.collecting_m2[:, None]
         response = self.contraction.response(self.spectrum, self.efficiency, self.channel)
         if self.problem.paper:
@@ -284,21 +285,33 @@ class LampField:
 
     # ------------------------------------------------------------ pixels
 
-    def at_asked_pixels(self, view: Views, pixels: Pixels, *, veils: bool) -> ImageLight:
-        """Signal and veil at the pixels that may decide whether an SNR holds; the darkest stands for the mean."""
-        signal, veil_there = self.asked_pixels(view, pixels, veils=veils)
+    def at_asked_pixels(
+        self, view: Views, pixels: Pixels, *, veils: bool, altitude: int | None = None
+    ) -> ImageLight:
+        """Signal and veil at the pixels that may decide whether an SNR holds; the darkest stands for the mean.
+
+        altitude : the only one that counts, which stands for all; all unless given
+        """
+        ranges_m = self.scene.range_m if altitude is None else self.scene.range_m[altitude : altitude + 1]
+        signal, veil_there = self.asked_pixels(view, pixels, veils=veils, ranges_m=ranges_m)
+        shape = (len(signal), len(self.scene.range_m), signal.shape[2])
+        signal = np.broadcast_to(signal, shape)
+        veil_there = None if veil_there is None else np.broadcast_to(veil_there, shape)
         may_miss = FRAME_MAY_MISS if pixels == "frame" and signal.shape[2] > 1 else 0
         return ImageLight(signal.min(axis=2), worst_e=signal, worst_veil_e=veil_there, may_miss=may_miss)
 
-    def asked_pixels(self, view: Views, pixels: Pixels, *, veils: bool) -> tuple[Array, Array | None]:
-        """Signal and veil there, (n, n_altitudes, n_pixels).
+    def asked_pixels(
+        self, view: Views, pixels: Pixels, *, veils: bool, ranges_m: Array
+    ) -> tuple[Array, Array | None]:
+        """Signal and veil there at some altitudes, (n, n_altitudes, n_pixels).
 
         Where no veil and no sun change their order, the pixels that may miss an SNR are the darkest: one is left; where
         there are veils alone, those that may decide.
         """
         if pixels == "darkest":
-            return self.at_worst_pixels(view, veils=veils)
-        signal, veil_there = self.at_pixels(view, *frame_places(view.tan_along, view.tan_across), veils=veils)
+            return self.at_worst_pixels(view, veils=veils, ranges_m=ranges_m)
+        places = frame_places(view.tan_along, view.tan_across)
+        signal, veil_there = self.at_pixels(view, *places, veils=veils, ranges_m=ranges_m)
         if self.sunlit:  # which are worst depends on lamps and sun together
             return signal, veil_there
         if veil_there is None:
@@ -348,13 +361,13 @@ class LampField:
         """Whether the sun's light comes on top of the lamps'."""
         return self.scene.sunlit and self.effects.sunlight
 
-    def at_worst_pixels(self, view: Views, *, veils: bool) -> tuple[Array, Array | None]:
+    def at_worst_pixels(self, view: Views, *, veils: bool, ranges_m: Array) -> tuple[Array, Array | None]:
         """Signal and veil at every pixel of a grid that some setting could make the worst."""
         along, across = pixel_grid(
             view.tan_along, view.tan_across, half=along_symmetric(self.lamps, self.shape),
             n_points=self.problem.pixels_a_side(self.scene_index),
         )  # fmt: skip
-        signal, veil_there = self.at_pixels(view, along, across, veils=veils)
+        signal, veil_there = self.at_pixels(view, along, across, veils=veils, ranges_m=ranges_m)
         if self.sunlit:  # which is worst depends on lamps and sun together
             return signal, veil_there
         keep = worst_candidates(signal, veil_there)
@@ -445,13 +458,14 @@ def with_colours(
 def image_light(
     problem: Problem, scene_index: int, view: Views, camera: Array, *, port_index: int, optics: int, mount: Mount,
     count: int = 2, channel: str | None = None, pixels: Pixels | None = None, veils: Veils = "all", means: bool = True,
-    known: ImageLight | None = None, field_type: type[LampField] = LampField,
+    known: ImageLight | None = None, field_type: type[LampField] = LampField, altitude: int | None = None,
 ) -> ImageLight:  # fmt: skip
     """Electrons per lm s of light behind the lamps' windows, by altitude: the constants of the imaging chain.
 
     All rows of `view` share the port; `camera` says whose sensor each is. `channel` picks one colour.
-    `pixels`: also at the pixels that an SNR is asked of; without `means` there alone. `veils` says which
-    are worked out, beside what is `known`. `field_type` may remember what it has worked out.
+    `pixels`: also at the pixels that an SNR is asked of; without `means` there alone, and then perhaps at one
+    `altitude` that stands for all. `veils` says which are worked out, beside what is `known`. `field_type` may
+    remember what it has worked out.
     """
     efficiency = problem.cameras.qe_index[camera]
     parts = []
@@ -462,7 +476,9 @@ def image_light(
             efficiency=int(curve),
         )  # fmt: skip
         given, seen = None if known is None else known.take(mine), view.take(mine)
-        light = field(channel=channel).light(seen, pixels=pixels, veils=veils, means=means, known=given)
+        light = field(channel=channel).light(
+            seen, pixels=pixels, veils=veils, means=means, known=given, altitude=altitude
+        )
         if means and channel is None and problem.scenes[scene_index].channels:
             light = with_colours(light, field, seen, veils=veils, known=given)
         parts.append((mine, light))

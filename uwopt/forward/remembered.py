@@ -49,11 +49,13 @@ def once_an_image(known: dict[ImageKey, Any], view: Views, make: Callable[[Views
 class RememberedField(LampField):
     """One lighting seen by imagers, each image of which is integrated once; see `LampField`."""
 
+    memory = "light"
+
     def once(self, what: Any, view: Views, make: Callable[[Views], Array]) -> Array:
         """Rows of images from the scene's memory, or made."""
         water = (*self.contraction.key(self.spectrum, self.efficiency, self.channel), self.contraction.reach_m)
         model = (self.effects, self.fineness, self.problem.lowest_m(self.scene_index))
-        key = ("light", what, self.beam, self.shape, water, model)
+        key = (self.memory, what, self.beam, self.shape, water, model)
         return once_an_image(self.scene.cache.setdefault(key, {}), view, make)
 
     def mean_gain(self, view: Views, *, forward: bool) -> Array:
@@ -105,19 +107,32 @@ class RememberedField(LampField):
         both = both * view.collecting_m2[:, None, None, None]
         return both[:, :, 0], both[:, :, 1]
 
-    def asked_pixels(self, view: Views, pixels: Pixels, *, veils: bool) -> tuple[Array, Array | None]:
+    def asked_pixels(
+        self, view: Views, pixels: Pixels, *, veils: bool, ranges_m: Array
+    ) -> tuple[Array, Array | None]:
         """As `LampField`; of the darkest pixels those are kept that others are asked for too, so none is remembered."""
         make = super().asked_pixels
         if pixels == "darkest":
-            return make(view, pixels, veils=veils)
+            return make(view, pixels, veils=veils, ranges_m=ranges_m)
 
         def per_area(new: Views) -> Array:
-            signal, veil_there = make(new, pixels, veils=veils)
+            signal, veil_there = make(new, pixels, veils=veils, ranges_m=ranges_m)
             both = signal[:, :, None] if veil_there is None else np.stack([signal, veil_there], axis=2)
             return both / new.collecting_m2[:, None, None, None]
 
-        both = self.once(("pixels", self.lamps, veils), view, per_area) * view.collecting_m2[:, None, None, None]
+        key = "pixels", self.lamps, veils, tuple(ranges_m.tolist())
+        both = self.once(key, view, per_area) * view.collecting_m2[:, None, None, None]
         return both[:, :, 0], both[:, :, 1] if self.veiled(veils) else None
+
+
+class LoneField(RememberedField):
+    """The same of images that are integrated one at a time.
+
+    What stands beside an image in an integral moves its figures by some 1e-7; a design that is evaluated has the
+    same ones whatever was searched before.
+    """
+
+    memory = "light of one image"
 
 
 class RememberedSunField(SunField):

@@ -15,7 +15,7 @@ beyond a null "0" means below 1e-15, so that derivatives stay finite there.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -233,13 +233,18 @@ def mtf(
 
 
 def mtf_along(frequency_cyc_per_px: Numeric, *, sharpness: Sharpness, falling: bool = False) -> Numeric:
-    """Transfer of detail that alternates along the motion, 0..1; arguments broadcast. See `mtf` [sym]."""
-    return mtf(frequency_cyc_per_px, across_cyc_per_px=0.0, sharpness=sharpness, falling=falling)
+    """Transfer of detail that alternates along the motion, 0..1; arguments broadcast. See `mtf_axes` [sym]."""
+    value = round_mtf(frequency_cyc_per_px, sharpness=sharpness) * sinc_mtf(frequency_cyc_per_px)
+    value = value * sinc_mtf(frequency_cyc_per_px, width_px=sharpness.motion_blur_px)
+    if sharpness.spread is None:
+        return value
+    return value * spread_mtf(sharpness.lateral_k_along * frequency_cyc_per_px, table=sharpness.spread, falling=falling)
 
 
 def mtf_across(frequency_cyc_per_px: Numeric, *, sharpness: Sharpness, falling: bool = False) -> Numeric:
-    """Transfer of detail that alternates across the motion, 0..1; arguments broadcast. See `mtf` [sym]."""
-    return mtf(0.0, across_cyc_per_px=frequency_cyc_per_px, sharpness=sharpness, falling=falling)
+    """Transfer of detail that alternates across the motion, 0..1: as along, without motion. See `mtf_axes` [sym]."""
+    still = replace(sharpness, motion_blur_px=0.0, lateral_k_along=sharpness.lateral_k_across)
+    return mtf_along(frequency_cyc_per_px, sharpness=still, falling=falling)
 
 
 def mtf_axes(
@@ -290,16 +295,26 @@ def frequencies_at_cyc_per_px(
     """
     shape = common_shape(sharpness, level)
     flat, level, still, nulls = _falling_ranges(level, sharpness, shape, detail)
+    n, both = len(level), _along_then_across(flat)
 
-    def root(transfer: Any, end: Array) -> Array:
-        def left(nu: Array, some: Array) -> Array:
-            seen = transfer(nu, sharpness=_some(flat, some), falling=True)
-            return np.asarray(seen if detail is None else seen * detail(nu, some))
+    def left(nu: Array, some: Array) -> Array:
+        seen = mtf_along(nu, sharpness=_some(both, some), falling=True)
+        return np.asarray(seen if detail is None else seen * detail(nu, some % n))
 
-        found = falling_roots(left, level=level, start=still, end=end, at_end=np.zeros(len(end)))
-        return found.reshape(shape)[()]
+    found = falling_roots(
+        left, level=np.tile(level, 2), start=np.tile(still, 2), end=np.concatenate(nulls), at_end=np.zeros(2 * n)
+    )
+    along, across = found.reshape(2, *shape)
+    return along[()], across[()]
 
-    return root(mtf_along, nulls[0]), root(mtf_across, nulls[1])
+
+def _along_then_across(flat: Sharpness) -> Sharpness:
+    """Columns (2 n,) whose transfer along is that of n designs along, then across [numbers]."""
+    twice = _some(flat, np.tile(np.arange(len(flat.motion_blur_px)), 2))
+    motion = np.concatenate([flat.motion_blur_px, np.zeros_like(flat.motion_blur_px)])
+    return replace(
+        twice, motion_blur_px=motion, lateral_k_along=np.concatenate([flat.lateral_k_along, flat.lateral_k_across])
+    )
 
 
 def highest_frequency_cyc_per_px(level: Numeric, *, sharpness: Sharpness, detail: GainOfSome | None = None) -> Array:
