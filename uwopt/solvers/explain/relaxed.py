@@ -38,6 +38,7 @@ from uwopt.solvers.recommend import Sought, same_scenes, seek
 from uwopt.solvers.warm.tables import asking, imagers_of, of_block
 
 Array = NDArray[Any]
+CHEAPEST = Objective.of("cost")
 ANY = Objective.of("power")  # where any design that fits will do: by no other objective takes a search less
 
 #: Rules of imagers that may pass what they fail once a requirement is dropped or weakened. Of requirements that are
@@ -154,6 +155,17 @@ class Relaxer:
             problem, goal, top=1, deadline=deadline, ceiling=ceiling, enough=enough,
             imagers=self.imagers(problem, freed, one_housing=enough),
         )  # fmt: skip
+        return Sought(self.selection, problem, search, search.run())
+
+    def cheapest(
+        self, mission: Mission, freed: Collection[str], *, deadline: Deadline = NEVER, ceiling: float = math.inf
+    ) -> Sought:
+        """A search for what fits at the least prices, as these count against the mission's limit of cost."""
+        problem = self.asking(mission).at_limit_prices()
+        imagers: Imagers | None = None
+        if set(freed) <= MAY_PASS.keys() and not self.are_too_many:
+            imagers = self.imagers(problem, freed, one_housing=mission.limits.mass_kg is None)
+        search = Search(problem, CHEAPEST, top=1, deadline=deadline, ceiling=ceiling, imagers=imagers)
         return Sought(self.selection, problem, search, search.run())
 
     def any_design(self, mission: Mission, deadline: Deadline, depth_m: float | None = None) -> Sought | None:

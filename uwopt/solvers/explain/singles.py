@@ -17,7 +17,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.results.design import Design
 from uwopt.solvers.explain.least_change import Change, least_change, rounded_away
 from uwopt.solvers.explain.reached import deepest, judged_by, miss, rated_depth, reached_value
-from uwopt.solvers.explain.relaxed import ANY, OF_LIGHT
+from uwopt.solvers.explain.relaxed import ANY, CHEAPEST, OF_LIGHT
 from uwopt.solvers.explain.trials import BRIGHT, Trials
 from uwopt.solvers.explain.weakened import RELAXABLE, with_central_prices, with_limit, without
 from uwopt.solvers.recommend import Sought
@@ -164,7 +164,7 @@ class Singles:
         """The least change of a requirement that helps, or that of the design at hand."""
         _, key, best = RELAXABLE[one.name]
         trials, found, by_depth, turn = self.trials, one.found, key == "depth_rating_m", self.trials.turn()
-        by_figure = best is not None and not one.at_central_prices and self._is_what_counts(one.name)
+        by_figure = best is not None and self._is_what_counts(one.name)
         if by_depth and not trials.interrupted:
             found = deepest(
                 found, one.mission, trials.catalog, ANY, generic=trials.generic, deadline=trials.deadline
@@ -192,13 +192,23 @@ class Singles:
 
     def _best_without(self, one: Without, goal: Objective, turn: Deadline) -> Sought:
         """The design whose figure is best without its limit; the first that was found where there is no time."""
-        first = judged_by(one.mission, one.found, goal).objective_value
-        ceiling = math.inf if first is None else goal.minimised(first)
-        better = self.trials.relaxer.seek(one.mission, goal, {one.name}, deadline=turn, ceiling=ceiling)
+        if goal == CHEAPEST:
+            better = self._cheapest(one, turn)
+        else:
+            first = judged_by(one.mission, one.found, goal).objective_value
+            ceiling = math.inf if first is None else goal.minimised(first)
+            better = self.trials.relaxer.seek(one.mission, goal, {one.name}, deadline=turn, ceiling=ceiling)
         self.trials.interrupted |= better.outcome.interrupted
         if not better.outcome.complete:
             self.trials.deadline.left_out.append(f"whether less than that change of {one.name} would do")
         return better if better.outcome.best else one.found
+
+    def _cheapest(self, one: Without, turn: Deadline) -> Sought:
+        """A search for the design with which the least limit of cost can be kept, by the prices that count there."""
+        first = reached_value(judged_by(self.trials.mission, one.found, CHEAPEST), "cost")
+        free = self.trials.without([one.name])
+        ceiling = math.inf if first is None else first
+        return self.trials.relaxer.cheapest(free, {one.name}, deadline=turn, ceiling=ceiling)
 
     def _least_change(self, one: Without, needed: float, turn: Deadline) -> Change:
         """The limit nearest to what is asked with which something fits."""
