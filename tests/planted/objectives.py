@@ -632,8 +632,8 @@ DEFECTS = (
     Defect(
         name="nobody asks whether central prices would fit",
         file="uwopt/solvers/explain/singles.py",
-        old='if name == "cost" and trials.mission.limits.cost_basis == "high":',
-        new="if False:",
+        old='return name == "cost" and self.trials.mission.limits.cost_basis == "high"',
+        new="return False",
         test="tests/solvers/test_least_change.py::test_a_limit_of_cost_that_only_high_prices_break_is_told[3000.0-True]",
     ),
     Defect(
