@@ -1,12 +1,12 @@
 """Ask of missions that nothing meets why, and try what is told: docs/explained.md.
 
-    python docs/make_explained.py [--write] [--only NAME ...] [--every N] [--jobs N] [--rows FILE] [--untried]
+    python docs/make_explained.py [--write] [--only NAME ...] [--sample N] [--jobs N] [--rows FILE] [--untried]
 
 Every mission in problems/ and problems/jobs/ is made impossible by each of its requirements in turn: the requirement
 grows stricter by the steps of a ladder until nothing fits. Of each the program is asked why, as `uwopt explain` asks,
 and whatever change it tells is tried by a search of its own: something fits with it, and nothing does where the change
-is smaller by a few hundredths of itself. Takes an hour on two cores; what is known by then is told when it is
-interrupted.
+is smaller by a few hundredths of itself. All of them take two hours on a core; `--sample` draws some, always in the
+same order, and what is known by then is told when it is interrupted.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from dataclasses import asdict, dataclass, field
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
+from random import Random
 from statistics import median
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -49,18 +50,20 @@ STEPS_DB = (10.0, 25.0, 60.0)
 SHORT = 0.05  # of a told change: that much less must not do; the search for the least knows it to 0.02
 NO_LADDER = ("mean_level", "lens_stop_down")  # stricter in no one direction; a count of stops
 WITHIN_S = 10.0
+SEED = 16  # of the order in which they are asked
 
 HEAD = """\
 # Why nothing fits, asked of missions made impossible
 
 Every mission in `problems/` and `problems/jobs/` is made impossible by each of its requirements in turn, by a step of
-2, 10 or 100 times (10, 25 or 60 dB) until nothing fits. `python docs/make_explained.py --write` makes this page.
+2, 10 or 100 times (10, 25 or 60 dB) until nothing fits. `python docs/make_explained.py --write` makes this page,
+`--sample N` with some of them drawn.
 
 *answered* counts what the mission asks for: whether it alone, left out, would let something through is known. *keys* is
 the same of height, water, speed and time. A told change is tried by a search of its own: *does* is how many of those
 tried let something fit; *least* is how many of those that are told as the least do not do when they are 5 % smaller.
-Seconds are of the processor, in a process that has started, and end nothing but the program's own patience: it stops
-after 8 s and says what is open.
+Seconds are of the processor, in a process that has started, with no time given: the program's own patience ends it after
+9 s, or 5 s after the search that finds nothing, and it says what is open.
 
 """
 
@@ -263,7 +266,7 @@ def page(rows: list[Row], every: int) -> str:
     """The whole page; `every`: how many there would be."""
     wrong = [f"- `{row.mission}` by {row.name} {row.limit:g}: {one}" for row in rows for one in row.wrong]
     after = ["", "## What does not hold", "", *wrong] if wrong else []
-    return "\n".join([HEAD + f"Asked of {len(rows)} of {every}. " + summary(rows), *table(rows), *after, ""])
+    return "\n".join([HEAD + f"Asked of {len(rows)} of {every}{', drawn with the seed ' + str(SEED) if len(rows) < every else ''}. " + summary(rows), *table(rows), *after, ""])
 
 
 def made(asked: list[tuple[str, str]], jobs: int, *, tried: bool) -> Iterator[Row]:
@@ -285,7 +288,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--write", action="store_true")
     parser.add_argument("--only", nargs="*", choices=mission_names(), help="missions, as problems/NAME.yaml")
-    parser.add_argument("--every", type=int, default=1, help="only every so manieth")
+    parser.add_argument("--sample", type=int, help="only so many, drawn")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--rows", type=Path, help="a file of rows, to which is added what it does not have yet")
     parser.add_argument("--untried", action="store_true", help="tell without trying what is told")
@@ -297,7 +300,8 @@ def main() -> None:
         if requirement not in NO_LADDER
     ]
     every = len(asked)
-    asked = [one for one in asked[:: given.every] if not given.only or one[0] in given.only]
+    Random(SEED).shuffle(asked)
+    asked = [one for one in asked if not given.only or one[0] in given.only][: given.sample]
     known = {}
     if given.rows and given.rows.exists():
         lines = given.rows.read_text(encoding="utf-8").splitlines()

@@ -632,8 +632,8 @@ DEFECTS = (
     Defect(
         name="nobody asks whether central prices would fit",
         file="uwopt/solvers/explain/singles.py",
-        old='if name == "cost" and trials.mission.limits.cost_basis == "high":',
-        new="if False:",
+        old='return name == "cost" and self.trials.mission.limits.cost_basis == "high"',
+        new="return False",
         test="tests/solvers/test_least_change.py::test_a_limit_of_cost_that_only_high_prices_break_is_told[3000.0-True]",
     ),
     Defect(
@@ -645,9 +645,10 @@ DEFECTS = (
     ),
     Defect(
         name="the high end of the cheapest is the least of the high ends",
-        file="uwopt/solvers/explain/singles.py",
-        old="by_figure = best is not None and not one.at_central_prices",
-        new="by_figure = best is not None",
-        test="tests/solvers/test_least_change.py::test_the_least_limit_of_cost_is_proven_for_high_prices",
+        file="uwopt/solvers/explain/relaxed.py",
+        old="problem = self.asking(mission).at_limit_prices()",
+        new="problem = self.asking(mission)",
+        test="tests/solvers/test_least_change.py"
+        "::test_the_least_budget_is_that_of_the_parts_whose_high_prices_are_least",
     ),
 )

@@ -757,8 +757,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="of housings the dearest stands for all",
         file="uwopt/solvers/explain/relaxed.py",
-        old="order = np.lexsort((worth, block.lens, block.camera))",
-        new="order = np.lexsort((-worth, block.lens, block.camera))",
+        old="order = np.lexsort((worth, *alike))",
+        new="order = np.lexsort((-worth, *alike))",
         test=f"{RELAXED}::test_a_pair_stands_in_the_one_housing_that_a_limit_prefers",
     ),
     Defect(
@@ -781,6 +781,13 @@ DEFECTS: tuple[Defect, ...] = (
         old='plain = {"vehicle": None, "requirements": None}',
         new='plain = {"vehicle": None}',
         test=f"{RELAXED}::test_imagers_that_a_dropped_requirement_frees_are_those_of_a_mission_without_it[14-0]",
+    ),
+    Defect(
+        name="what a few imagers do not do nothing does",
+        file="uwopt/solvers/explain/relaxed.py",
+        old="return found if found.outcome.best or found.outcome.interrupted else None",
+        new="return found",
+        test=f"{RELAXED}::test_a_first_design_is_found_where_a_whole_search_finds_one",
     ),
     Defect(
         name="an interruption loses what would help",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -316,3 +317,26 @@ def test_the_least_limit_of_cost_is_proven_for_high_prices(parts, catalog):
     wanted = base.with_changes(limits={"cost": 3000.0}, catalog=choice)
     why = explained(wanted, catalog)
     assert {r.name: r.needed for r in why.relaxations}["cost"] == pytest.approx(3340.0, rel=0.01)  # steps of 3 digits
+
+
+HIGH_USD = {"zz-cam": 500, "zz-other": 2000, "zz-lens": 300, "zz-wide": 300, "zz-port": 200, "zz-deep": 900}
+
+
+def test_the_least_budget_is_that_of_the_parts_whose_high_prices_are_least(parts, catalog):
+    """Tried part by part: the camera that costs least at central prices, 450 USD, counts with 2000 against a budget."""
+    base = mission(parts, min_swath_m=1.5)
+    choice = base.to_dict()["catalog"] | {"cameras": ["zz-cam", "zz-other"], "lenses": ["zz-lens", "zz-wide"]}
+    budget = {}
+    for names in product(choice["cameras"], choice["lenses"], ["zz-port", "zz-deep"]):
+        camera, lens, port = names
+        alone = choice | {"cameras": [camera], "lenses": [lens], "ports": [port]}
+        if fits(base.with_changes(catalog=alone), catalog):
+            budget[names] = 700 + sum(HIGH_USD[name] for name in names)  # one lamp of 700 USD
+    assert set(budget) == set(product(["zz-cam", "zz-other"], ["zz-wide"], ["zz-port", "zz-deep"]))  # 12 mm: 1.42 m
+    least = min(budget.values())
+
+    def within(cost: float) -> Mission:
+        return base.with_changes(catalog=choice, limits={"cost": cost})
+
+    assert told(within(1000.0), catalog)["cost"] == pytest.approx(least, rel=0.005)  # three digits
+    assert fits(within(least), catalog) and not fits(within(least - 1.0), catalog)

@@ -15,6 +15,7 @@ from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.imagers import Imagers, enumerate_imagers, fitting_pairs, imagers_behind
+from uwopt.solvers.explain import relaxed as relaxed_searches
 from uwopt.solvers.explain.relaxed import MAY_PASS, OF_IMAGERS, Relaxer, in_best_housing
 from uwopt.solvers.explain.weakened import RELAXABLE, asked_value, without
 from uwopt.solvers.recommend import Sought
@@ -75,9 +76,13 @@ def test_imagers_that_a_dropped_requirement_frees_are_those_of_a_mission_without
 
 
 
+@pytest.mark.parametrize("few", [1, 500])
 @pytest.mark.parametrize(("seed", "number"), [(14, 0), (3, 1)])
-def test_a_first_design_is_found_where_a_whole_search_finds_one(seed: int, number: int) -> None:
-    """With limits of power so low that nothing fits, or little else does."""
+def test_a_first_design_is_found_where_a_whole_search_finds_one(
+    seed: int, number: int, few: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With limits of power so low that nothing fits, or little else does, and whatever is tried before all."""
+    monkeypatch.setattr(relaxed_searches, "FEW_IMAGERS", few)
     made = case(seed, **KINDS[number])
     hard = made.mission.with_changes(limits=made.mission.to_dict()["limits"] | {"power_w": 1e-3})
     search = Case(made.parts, hard, ANY).searcher(top=1)

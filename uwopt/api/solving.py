@@ -57,8 +57,8 @@ from uwopt.solvers.settable.rounding import given_of
 from uwopt.tolerances import PROVEN_GAP_REL
 from uwopt.units import format_quantity
 
-EXPLAIN_S = 8.0  # of the processor, for a mission that nothing meets and what would help, where no time is given
-SLOW_EXPLAIN_S = 10.0  # for what would help, where the search alone took a quarter of that: in less hardly any is found
+EXPLAIN_S = 9.3  # of the processor, for a mission that nothing meets and what would help, where no time is given
+LEAST_EXPLAIN_S = 5.0  # for what would help, however long the search took: in less hardly any is found
 DOUBTS_S = 6.0  # of the processor, for how firm a proven answer is, likewise
 SEARCH_SHARE = 0.9  # of the time that is given: the rest is for settings that can be set
 SOLVERS = ("exact", "casadi", "nlopt", "bonmin")
@@ -402,8 +402,7 @@ def infeasible_result(
     generic: Generic = "allow" if with_generic else "never"
     why, notes = None, interruption_warnings(used)
     if used.outcome.complete and explain:
-        left_s = EXPLAIN_S - (time.process_time() - since_s)
-        left_s = left_s if left_s > 0.75 * EXPLAIN_S else SLOW_EXPLAIN_S
+        left_s = max(EXPLAIN_S - (time.process_time() - since_s), LEAST_EXPLAIN_S)
         patience = deadline if math.isfinite(deadline.end_s) else Deadline.after(left_s, time.process_time)
         trials = Trials(mission, catalog, goal, generic, patience, progress, used)
         with timed(timing, "explanation"):

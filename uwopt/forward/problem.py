@@ -193,6 +193,17 @@ class Problem:
         changed.mission, changed.known_models = mission, {}
         return changed
 
+    def at_limit_prices(self) -> Problem:
+        """The same tables with every price as it counts against the limit of cost."""
+        changed = copy(self)
+        for kind in ("cameras", "lenses", "ports", "lights"):
+            rows = getattr(self, kind)
+            setattr(changed, kind, replace(rows, price=rows.limit_price))
+        changed.disk_prices = self.disk_prices | {"price": self.disk_prices["limit_price"]}
+        changed.spacers = self.spacers | {"price": self.spacers["limit_price"]}
+        changed.known_models = {}
+        return changed
+
     def in_scenes(self, scenes: list[SceneOptics]) -> Problem:
         """The same parts in other water or over another floor; heights and indices of refraction must be the same."""
         changed = copy(self)

@@ -11,7 +11,7 @@ from uwopt.results.basis import Excluded, Relaxed, WhyNothing
 from uwopt.results.design import Design
 from uwopt.results.result import Certificate
 from uwopt.solvers.explain.contradiction import Contradiction, contradiction
-from uwopt.solvers.explain.moves import Mover
+from uwopt.solvers.explain.moves import SHARE, Mover
 from uwopt.solvers.explain.nearest_fit import nearest_fit
 from uwopt.solvers.explain.relaxed import ANY, MAY_PASS
 from uwopt.solvers.explain.singles import Relaxation, Singles
@@ -31,9 +31,13 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
     ]
     by_size = any(item.rule.startswith("housing") and item.count for item in certificate.discarded)
     singles, mover = Singles(trials), Mover(trials.relaxer, trials.deadline)
+    singles.try_few()
+    mover.interrupted |= trials.interrupted
+    mover.try_few()
+    trials.interrupted |= mover.interrupted
     singles.drop_light()
     if not trials.interrupted:
-        mover.try_all()
+        mover.try_all(singles.share(SHARE))
         trials.interrupted |= mover.interrupted
     singles.drop_rest()
     fit = nearest_fit(trials.relaxer) if by_size and not trials.interrupted else None

@@ -24,6 +24,7 @@ ALTITUDES = (0.4, 0.65, 1.5)  # of the altitude that is asked; what is near and 
 FARTHEST_CLARITY = (40.0, 8.0)  # times as clear: the first that is no more than water can be
 FARTHEST_TIME = 10.0  # times as long between images, or as short a duty
 SHARE = 0.6  # of the time, for trying all keys far from where they stand
+FEW_SHARE, FEW_TURN = 0.4, 0.3  # of the time left, for all among a few imagers, and of that for each
 TURN = 0.7  # of the time left: what one key may take of it
 #: Jerlov types from the clearest on, by their attenuation at 530 nm.
 CLEAREST_FIRST = ("I", "IA", "IB", "II", "1C", "III", "3C", "5C", "7C", "9C")
@@ -67,13 +68,38 @@ class Mover:
 
     def all(self) -> list[Moved]:
         """The keys that help when moved alone, each as little as is known to do."""
+        self.try_few()
         self.try_all()
         return self.nearest(self.deadline)
 
-    def try_all(self) -> None:
-        """Move each key far, as long as there is time."""
-        phase = self.deadline.at_most(SHARE * self.deadline.left_s)
+    def try_few(self) -> None:
+        """Move each key far and look among a few imagers, as `Singles.try_few`."""
+        phase = self.deadline.at_most(FEW_SHARE * self.deadline.left_s)
         for one in self.tries():
+            for value in one.values:
+                if phase.passed() or self.interrupted:
+                    return
+                found = self._among_few(one.key, value, phase.at_most(FEW_TURN * phase.left_s))
+                if found is not None and found.outcome.best:
+                    self.far.append(Far(one, value, found))
+                    break
+
+    def _among_few(self, key: Varied, value: Value, turn: Deadline) -> Sought | None:
+        """A design among a few imagers with a key at another value; None where there is none, or no such mission."""
+        try:
+            found = self.relaxer.few_designs(self._at(key, value), turn)
+        except UwoptError:
+            return None
+        self.interrupted |= found is not None and found.outcome.interrupted
+        return found
+
+    def try_all(self, share: float = SHARE) -> None:
+        """Move each key far, as long as there is time: a share of what is left."""
+        phase = self.deadline.at_most(share * self.deadline.left_s)
+        found = {far.tried.key.name for far in self.far}
+        for one in self.tries():
+            if one.key.name in found:
+                continue
             try:
                 known = not self.interrupted and not phase.passed() and self._is_known(one, phase)
             except OutOfTimeError:
@@ -146,7 +172,7 @@ class Mover:
         """Try a key far away; whether it is known then if that helps."""
         known = True
         for value in one.values:
-            found = self._search(one.key, value, phase.at_most(TURN * phase.left_s))
+            found = self._search(one.key, value, phase.at_most(TURN * phase.left_s), few_first=False)
             if found is not None and found.outcome.best:
                 self.far.append(Far(one, value, found))
                 return True
@@ -189,16 +215,16 @@ class Mover:
     def _at(self, key: Varied, value: Value) -> Mission:
         return self.base.with_values({key: value})
 
-    def _search(self, key: Varied, value: Value, turn: Deadline) -> Sought | None:
+    def _search(self, key: Varied, value: Value, turn: Deadline, *, few_first: bool = True) -> Sought | None:
         """A search for any design with a key at another value; None where the mission does not allow it."""
         try:
-            return self._seek(self._at(key, value), turn)
+            return self._seek(self._at(key, value), turn, few_first=few_first)
         except UwoptError:
             return None
 
-    def _seek(self, mission: Mission, turn: Deadline) -> Sought:
+    def _seek(self, mission: Mission, turn: Deadline, *, few_first: bool = True) -> Sought:
         """A search for any design; raises OutOfTimeError where its imagers alone take too long."""
-        found = self.relaxer.any_design(mission, turn)
+        found = self.relaxer.any_design(mission, turn, few_first=few_first)
         if found is None:
             raise OutOfTimeError
         if found.outcome.interrupted:

@@ -38,6 +38,9 @@ from uwopt.solvers.recommend import Sought, same_scenes, seek
 from uwopt.solvers.warm.tables import asking, imagers_of, of_block
 
 Array = NDArray[Any]
+FEW_PAIRS = 5000  # of camera and lens behind ports, likewise, of which most break some rule
+FEW_IMAGERS = 500  # that are tried before all: where something fits at all, it is mostly among them
+CHEAPEST = Objective.of("cost")
 ANY = Objective.of("power")  # where any design that fits will do: by no other objective takes a search less
 
 #: Rules of imagers that may pass what they fail once a requirement is dropped or weakened. Of requirements that are
@@ -141,14 +144,19 @@ class Relaxer:
 
     def seek(
         self, mission: Mission, goal: Objective, freed: Collection[str], *, deadline: Deadline = NEVER,
-        enough: bool = False, ceiling: float = math.inf,
+        enough: bool = False, ceiling: float = math.inf, few_first: bool = True,
     ) -> Sought:  # fmt: skip
-        """Search for a mission that differs in these requirements, which ask for less. `enough` as in `Search`."""
+        """Search for a mission that differs in these requirements, which ask for less. `enough` as in `Search`.
+
+        `few_first`: where one design is enough, look for it among a few imagers before all.
+        """
         if not set(freed) <= MAY_PASS.keys() or self.are_too_many:
             return seek(
                 mission, self.catalog, goal, generic=self.generic, top=1, deadline=deadline, like=self.problem,
                 enough=enough, ceiling=ceiling,
             )  # fmt: skip
+        if enough and few_first and (soon := self.among_few(mission, goal, freed, deadline)) is not None:
+            return soon
         problem = self.asking(mission)
         search = Search(
             problem, goal, top=1, deadline=deadline, ceiling=ceiling, enough=enough,
@@ -156,17 +164,80 @@ class Relaxer:
         )  # fmt: skip
         return Sought(self.selection, problem, search, search.run())
 
-    def any_design(self, mission: Mission, deadline: Deadline, depth_m: float | None = None) -> Sought | None:
+    def among_few(
+        self, mission: Mission, goal: Objective, freed: Collection[str], deadline: Deadline = NEVER, *,
+        enough: bool = True, ceiling: float = math.inf, number: int | None = None,
+    ) -> Sought | None:  # fmt: skip
+        """A design that fits, of a few imagers from all over the catalogue; None where that is of no use, or none does.
+
+        None proves nothing. `mission` differs in these requirements, which ask for less.
+        """
+        if not set(freed) <= MAY_PASS.keys() or self.are_too_many or deadline.passed():
+            return None
+        known, problem = self.known_in_best_housing, self.asking(mission)
+        if known is not None and OF_LIGHT.issuperset(freed):
+            share = len(known) // (number or FEW_IMAGERS)
+            if share < 2:
+                return None
+            imagers = known.take(np.arange(0, len(known), share))
+        else:
+            freed_pairs = self._freed_pairs(freed)
+            share = sum(map(len, freed_pairs.values())) // (number or FEW_IMAGERS)
+            if share < 2:
+                return None
+            few = {place: rows[::share] for place, rows in freed_pairs.items()}
+            imagers = self._imagers_of(problem, few, one_housing=True)
+        return found_among(self.selection, problem, goal, imagers, deadline, enough=enough, ceiling=ceiling)
+
+    def cheapest(
+        self, mission: Mission, freed: Collection[str], *, deadline: Deadline = NEVER, ceiling: float = math.inf
+    ) -> Sought:
+        """A search for what fits at the least prices, as these count against the mission's limit of cost."""
+        problem = self.asking(mission).at_limit_prices()
+        imagers: Imagers | None = None
+        if set(freed) <= MAY_PASS.keys() and not self.are_too_many:
+            imagers = self.imagers(problem, freed, one_housing=mission.limits.mass_kg is None)
+        search = Search(problem, CHEAPEST, top=1, deadline=deadline, ceiling=ceiling, imagers=imagers)
+        return Sought(self.selection, problem, search, search.run())
+
+    def any_design(
+        self, mission: Mission, deadline: Deadline, depth_m: float | None = None, *, few_first: bool = True
+    ) -> Sought | None:
         """A search for any design of a mission that may be in other scenes; None where imagers alone take too long."""
         selection = selected(mission, self.catalog, generic=self.generic, depth_m=depth_m)
         problem = build_problem(mission, selection, scenes=same_scenes(self.problem, mission))
+        pairs = fitting_pairs(problem)
+        few = not are_too_many(problem, pairs)
+        if few and few_first and (soon := self._soon(selection, problem, pairs, deadline)) is not None:
+            return soon
         try:
-            few = not are_too_many(problem, fitting_pairs(problem))
             imagers = enumerate_imagers(problem, deadline=deadline) if few else None
         except OutOfTimeError:
             return None
         search = Search(problem, ANY, top=1, deadline=deadline, enough=True, imagers=imagers)
         return Sought(selection, problem, search, search.run())
+
+    def few_designs(self, mission: Mission, deadline: Deadline) -> Sought | None:
+        """As `any_design`, of a few imagers from all over the catalogue; None where none of them fits."""
+        selection = selected(mission, self.catalog, generic=self.generic)
+        problem = build_problem(mission, selection, scenes=same_scenes(self.problem, mission))
+        pairs = fitting_pairs(problem)
+        return None if are_too_many(problem, pairs) else self._soon(selection, problem, pairs, deadline)
+
+    def _soon(
+        self, selection: Selection, problem: Problem, pairs: FittingPairs, deadline: Deadline
+    ) -> Sought | None:
+        """A design of a few pairs of camera and lens behind all ports."""
+        places = [(int(ports[0]), landscape) for ports in problem.port_groups for landscape in landscapes(problem)]
+        share = len(pairs.camera) * len(places) // FEW_PAIRS
+        if share < 2 or deadline.passed():
+            return None
+        some = {
+            place: (pairs.camera[start % share :: share], pairs.lens[start % share :: share])
+            for start, place in enumerate(places)
+        }
+        imagers = imagers_of(problem, some, lambda block: in_best_housing(problem, block))
+        return found_among(selection, problem, ANY, imagers, deadline)
 
     def asking(self, mission: Mission) -> Problem:
         """The tables for a mission that asks for less of the same parts in the same scenes."""
@@ -191,12 +262,16 @@ class Relaxer:
 
         `one_housing`: where one limit at most tells housings apart, the best of them alone.
         """
-        known = self.known_imagers
+        known = self.known_in_best_housing if one_housing else self.known_imagers
         if known is not None and OF_LIGHT.issuperset(freed):
             return known
+        return self._imagers_of(problem, self._freed_pairs(freed), one_housing=one_housing)
+
+    def _imagers_of(self, problem: Problem, rows: dict[tuple[int, bool], Array], *, one_housing: bool) -> Imagers:
+        """Those of some pairs behind like ports that keep all rules that are left."""
         assert self.broken is not None
         pairs = self.broken.pairs
-        some = {place: (pairs.camera[rows], pairs.lens[rows]) for place, rows in self._freed_pairs(freed).items()}
+        some = {place: (pairs.camera[own], pairs.lens[own]) for place, own in rows.items()}
         return imagers_of(problem, some, lambda block: in_best_housing(problem, block) if one_housing else block)
 
     @cached_property
@@ -204,10 +279,42 @@ class Relaxer:
         """All that break no rule, as a search that looked at every imager and found nothing knows them."""
         return None if self.like is None else self.like.outcome.imagers
 
+    @cached_property
+    def known_in_best_housing(self) -> Imagers | None:
+        """Those of them that suffice to know whether something fits."""
+        known = self.known_imagers
+        if known is None:
+            return None
+        optics = np.empty(len(self.problem.parts.ports), int)
+        for number, ports in enumerate(self.problem.port_groups):
+            optics[ports] = number
+        alike = known.lens, known.camera, optics[known.port], known.landscape
+        rows = best_housings(self.problem, known.port, *alike)
+        return known if rows is None else known.take(rows)
+
+
+def found_among(
+    selection: Selection, problem: Problem, goal: Objective, imagers: Imagers, deadline: Deadline, *,
+    enough: bool = True, ceiling: float = math.inf,
+) -> Sought | None:  # fmt: skip
+    """A search of some imagers alone; None where none of them fits."""
+    search = Search(
+        problem, goal, top=1, deadline=deadline, enough=enough, imagers=imagers, ceiling=ceiling
+    )
+    found = Sought(selection, problem, search, search.run())
+    return found if found.outcome.best or found.outcome.interrupted else None
+
 
 def in_best_housing(problem: Problem, block: PortBlock) -> PortBlock:
-    """Each pair in the one housing that a limit of cost or of mass leaves most room; in all where both count.
+    """Each pair of those behind like ports in the one housing of `best_housings`."""
+    rows = best_housings(problem, block.port, block.lens, block.camera)
+    return block if rows is None else of_block(block, rows)
 
+
+def best_housings(problem: Problem, port: Array, *alike: Array) -> Array | None:
+    """Rows of imagers in the one housing that a limit of cost or of mass leaves most room; None where both count.
+
+    alike : columns of what imagers are that differ in their housing alone
     Whether something fits is then as it was: housings that hold a pair differ in nothing else.
     """
     limits, ports = problem.mission.limits, problem.ports
@@ -217,10 +324,10 @@ def in_best_housing(problem: Problem, block: PortBlock) -> PortBlock:
         if most is not None
     ]
     if len(counted) > 1:
-        return block
-    worth = (counted or [ports.price])[0][block.port]
-    order = np.lexsort((worth, block.lens, block.camera))
-    pair = np.stack([block.camera, block.lens])[:, order]
+        return None
+    worth = (counted or [ports.price])[0][port]
+    order = np.lexsort((worth, *alike))
+    one = np.stack(alike)[:, order]
     first = np.ones(len(order), bool)
-    first[1:] = (pair[:, 1:] != pair[:, :-1]).any(axis=0)
-    return of_block(block, np.sort(order[first]))
+    first[1:] = (one[:, 1:] != one[:, :-1]).any(axis=0)
+    return np.asarray(np.sort(order[first]))

@@ -6,7 +6,7 @@ Several that no imager's rule knows are first dropped at once: where nothing fit
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -17,12 +17,16 @@ from uwopt.objectives.objective import Objective
 from uwopt.results.design import Design
 from uwopt.solvers.explain.least_change import Change, least_change, rounded_away
 from uwopt.solvers.explain.reached import deepest, judged_by, miss, rated_depth, reached_value
-from uwopt.solvers.explain.relaxed import ANY, OF_LIGHT
+from uwopt.solvers.explain.relaxed import ANY, CHEAPEST, FEW_IMAGERS, OF_LIGHT
 from uwopt.solvers.explain.trials import BRIGHT, Trials
 from uwopt.solvers.explain.weakened import RELAXABLE, with_central_prices, with_limit, without
 from uwopt.solvers.recommend import Sought
 
-LIGHT_SHARE, REST_SHARE = 0.3, 0.5  # of the time left, for what each loses when dropped
+LIGHT_SHARE, REST_SHARE = 0.5, 0.5  # of the time left, for what each loses when dropped
+FEW_SHARE, FEW_TURN = 0.3, 0.3  # of the time left, for all among a few imagers, and of that for each
+MORE = 8  # times as many, where nothing helps among a few
+SOON = 0.3  # of the time for the best figure: for the best of a few imagers
+HELPED = 0.4  # of their shares is what the others get where something is known to help
 LONG_TURN = 0.5  # of the time left, for the question whether all would fit at central prices
 ROUNDS = 3  # of the time that is left, as long as nothing helps
 MOST_TIMES = 30.0  # what is asked of an image: beyond, it is another image that would be of no use
@@ -66,21 +70,64 @@ class Singles:
     trials: Trials
     helpful: list[Without] = field(default_factory=list)
     left: dict[str, float] = field(default_factory=dict)
+    suspects: Sequence[str] = ()  # without all of which something fits
+
+    def try_few(self) -> None:
+        """Drop each and look among a few imagers, then among more: what helps is mostly found so, and soon.
+
+        The SNR comes last, as the brightest are looked for then, which takes longest.
+        """
+        trials = self.trials
+        for number in (FEW_IMAGERS, MORE * FEW_IMAGERS):
+            phase = trials.deadline.at_most(FEW_SHARE * trials.deadline.left_s)
+            for name in sorted(trials.limits, key=lambda name: name == "min_snr"):
+                if trials.interrupted or phase.passed():
+                    break
+                trials.say(0.0, f"why nothing fits: without {name}")
+                self._try_among(name, number, phase.at_most(FEW_TURN * phase.left_s))
+            if self.helpful:
+                break
+
+    def _try_among(self, name: str, number: int, turn: Deadline) -> None:
+        """Drop one and look among so many imagers."""
+        trials = self.trials
+        relaxed = None if self._asks_central_first(name) else without(trials.mission, *RELAXABLE[name][:2])
+        if relaxed is None:
+            return
+        found = trials.relaxer.among_few(relaxed, goal_without(name), {name}, turn, number=number)
+        if found is not None and found.outcome.best:
+            self.helpful.append(Without(name, trials.limits[name], relaxed, found))
+        trials.interrupted |= found is not None and found.outcome.interrupted
+
+    def share(self, share: float) -> float:
+        """Of the time left, for what else may help: less where something does, of which the least is to be found."""
+        return share * (HELPED if self.helpful else 1.0)
+
+    def _asks_central_first(self, name: str) -> bool:
+        """Whether a limit is of cost at high prices, which central ones might keep."""
+        return name == "cost" and self.trials.mission.limits.cost_basis == "high"
+
+    def _open(self, limits: Mapping[str, float]) -> dict[str, float]:
+        """Those of which it is not known that they help."""
+        known = {one.name for one in self.helpful}
+        return {name: limit for name, limit in limits.items() if name not in known}
 
     def drop_light(self) -> None:
         """Drop every requirement that no imager's rule knows."""
         trials = self.trials
-        self.left = {name: trials.limits[name] for name in trials.limits if name in OF_LIGHT}
+        self.left = self._open({name: trials.limits[name] for name in trials.limits if name in OF_LIGHT})
         for name in self._useless([name for name in self.left if name != "min_snr"]):
             del self.left[name]
-        self._drop_each(trials.deadline.at_most(LIGHT_SHARE * trials.deadline.left_s))
+        suspects = self.suspects
+        self.left = {name: self.left[name] for name in sorted(self.left, key=lambda name: name not in suspects)}
+        self._drop_each(trials.deadline.at_most(self.share(LIGHT_SHARE) * trials.deadline.left_s))
 
     def drop_rest(self) -> None:
         """Drop the others, those that take least first."""
         trials, light = self.trials, self.left
         others = trials.by_effort()
-        self.left = {name: others[name] for name in others if name not in OF_LIGHT}
-        self._drop_each(trials.deadline.at_most(REST_SHARE * trials.deadline.left_s))
+        self.left = self._open({name: others[name] for name in others if name not in OF_LIGHT})
+        self._drop_each(trials.deadline.at_most(self.share(REST_SHARE) * trials.deadline.left_s))
         self.left = {**light, **self.left}
 
     def drop_others(self) -> None:
@@ -103,6 +150,7 @@ class Singles:
             return []
         if not fits:
             return [*names]
+        self.suspects = names
         middle = len(names) // 2
         return [*self._useless(names[:middle]), *self._useless(names[middle:])]
 
@@ -129,9 +177,10 @@ class Singles:
             return True
         turn = phase.at_most(trials.turn().left_s)
         seek_one = partial(
-            trials.relaxer.seek, goal=BRIGHT if name == "min_snr" else ANY, freed={name}, enough=True
-        )
-        if name == "cost" and trials.mission.limits.cost_basis == "high":
+            trials.relaxer.seek, goal=goal_without(name), freed={name}, enough=True,
+            few_first=self._asks_central_first(name),
+        )  # fmt: skip
+        if self._asks_central_first(name):
             central = with_central_prices(trials.mission)
             found = seek_one(central, deadline=trials.deadline.at_most(LONG_TURN * trials.deadline.left_s))
             if found.outcome.best:
@@ -164,7 +213,7 @@ class Singles:
         """The least change of a requirement that helps, or that of the design at hand."""
         _, key, best = RELAXABLE[one.name]
         trials, found, by_depth, turn = self.trials, one.found, key == "depth_rating_m", self.trials.turn()
-        by_figure = best is not None and not one.at_central_prices and self._is_what_counts(one.name)
+        by_figure = best is not None and self._is_what_counts(one.name)
         if by_depth and not trials.interrupted:
             found = deepest(
                 found, one.mission, trials.catalog, ANY, generic=trials.generic, deadline=trials.deadline
@@ -192,13 +241,28 @@ class Singles:
 
     def _best_without(self, one: Without, goal: Objective, turn: Deadline) -> Sought:
         """The design whose figure is best without its limit; the first that was found where there is no time."""
-        first = judged_by(one.mission, one.found, goal).objective_value
-        ceiling = math.inf if first is None else goal.minimised(first)
-        better = self.trials.relaxer.seek(one.mission, goal, {one.name}, deadline=turn, ceiling=ceiling)
+        known, relaxer = one.found, self.trials.relaxer
+        if goal == CHEAPEST:
+            better = self._cheapest(one, turn)
+        else:
+            first = judged_by(one.mission, known, goal).objective_value
+            ceiling = math.inf if first is None else goal.minimised(first)
+            soon = turn.at_most(SOON * turn.left_s)
+            few = relaxer.among_few(one.mission, goal, {one.name}, soon, enough=False, ceiling=ceiling)
+            if few is not None and few.outcome.best:
+                known, ceiling = few, few.outcome.best[0].minimised
+            better = relaxer.seek(one.mission, goal, {one.name}, deadline=turn, ceiling=ceiling)
         self.trials.interrupted |= better.outcome.interrupted
         if not better.outcome.complete:
             self.trials.deadline.left_out.append(f"whether less than that change of {one.name} would do")
-        return better if better.outcome.best else one.found
+        return better if better.outcome.best else known
+
+    def _cheapest(self, one: Without, turn: Deadline) -> Sought:
+        """A search for the design with which the least limit of cost can be kept, by the prices that count there."""
+        first = reached_value(judged_by(self.trials.mission, one.found, CHEAPEST), "cost")
+        free = self.trials.without([one.name])
+        ceiling = math.inf if first is None else first
+        return self.trials.relaxer.cheapest(free, {one.name}, deadline=turn, ceiling=ceiling)
 
     def _least_change(self, one: Without, needed: float, turn: Deadline) -> Change:
         """The limit nearest to what is asked with which something fits."""
@@ -214,3 +278,8 @@ class Singles:
             one.limit, needed, one.found, search=search, deadline=turn, name=one.name,
             relaxed=partial(with_limit, self.trials.mission, section, key, one.limit),
         )  # fmt: skip
+
+
+def goal_without(name: str) -> Objective:
+    """By what designs are looked for without a requirement."""
+    return BRIGHT if name == "min_snr" else ANY
