@@ -85,7 +85,7 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="binding margins are not marked",
         file="uwopt/report/text/tables.py",
-        old='return "binding" if margin.binding else "met"',
+        old='return "binding" if margin.binding or (exact is not None and exact.binding) else "met"',
         new='return "met"',
         test="tests/report/test_tables.py::test_margins_show_value_limit_margin_and_what_is_at_its_limit",
     ),
