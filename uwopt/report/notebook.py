@@ -165,7 +165,8 @@ def figure(result: AnyResult, name: str, *, scene: int = 0, point: str | None = 
     )
     picture = next((one for one in plot_makers()[name](made, scene) if one.id == name), None)
     if picture is None:
-        raise RangeError(f"physics {result.physics.name} knows no field, so there is no figure {name!r}")
+        why = f"physics {result.physics.name} knows no field, or no lamp shines"
+        raise RangeError(f"there is no figure {name!r}: {why}")
     return go.Figure(picture.content).update_layout(title=picture.title, template="plotly_white", margin_t=64)
 
 

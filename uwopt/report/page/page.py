@@ -34,7 +34,8 @@ from uwopt.results.result import Certificate, Result
 
 TITLES = {"solve": "Recommendation", "evaluate": "Evaluation of a given system", "pareto": "Trade-off"}
 GROUPS = {
-    "picture": "What the camera would see", "drawing": "Drawing to scale", "light": "Light, from lamp to sensor",
+    "picture": "What the camera would see", "drawing": "Drawing to scale",
+    "light": "Light, from its source to the sensor",
     "sharp": "Depth of field", "operation": "Frame rate and exposure", "image": "Light and noise over the image",
 }  # fmt: skip
 HISTORY = {
