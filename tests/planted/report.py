@@ -4,7 +4,30 @@ from __future__ import annotations
 
 from planted.defect import Defect
 
+SUNLIT = "tests/report/test_sunlit_pictures.py::"
+
 DEFECTS: tuple[Defect, ...] = (
+    Defect(
+        name="a lamp is drawn where there is none", file="uwopt/report/pictures/curves.py",
+        old="places = () if model.unlit else tuple(", new="places = tuple(",
+        test=f"{SUNLIT}test_no_lamp_is_drawn_or_told_of_where_there_is_none",
+    ),
+    Defect(
+        name="illuminance by lamps that are not there", file="uwopt/report/pictures/maps.py",
+        old="if problem.paper or model.unlit:", new="if problem.paper:",
+        test=f"{SUNLIT}test_no_lamp_is_drawn_or_told_of_where_there_is_none",
+    ),
+    Defect(
+        name="the sun's spectrum counts the light of the pulse", file="uwopt/report/pictures/curves.py",
+        old="seconds = at_peak_s = float(open_s(model.rows[scene_index], settings)[0])",
+        new="seconds = at_peak_s = float(figures.light_time_s[0]) * 0.9",
+        test=f"{SUNLIT}test_spectrum_of_the_sun_adds_up_to_the_electrons_in_the_middle",
+    ),
+    Defect(
+        name="saturated cells have a signal to noise", file="uwopt/report/pictures/maps.py",
+        old="np.where(self.saturated, np.nan, ratio_to_db(self.snr))", new="np.asarray(ratio_to_db(self.snr))",
+        test=f"{SUNLIT}test_saturated_cells_have_no_signal_to_noise",
+    ),
     Defect(
         name="a slow rate is told in thousandths of a hertz",
         file="uwopt/units.py",
@@ -85,7 +108,7 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="binding margins are not marked",
         file="uwopt/report/text/tables.py",
-        old='return "binding" if margin.binding else "met"',
+        old='return "binding" if margin.binding or (exact is not None and exact.binding) else "met"',
         new='return "met"',
         test="tests/report/test_tables.py::test_margins_show_value_limit_margin_and_what_is_at_its_limit",
     ),

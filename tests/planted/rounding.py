@@ -7,7 +7,40 @@ from planted.defect import Defect
 SCENE, RING = "uwopt/solvers/settable/scene.py", "uwopt/solvers/settable/steps.py"
 TESTS = "tests/solvers/test_rounding.py::"
 
+SHOWN = "tests/results/test_as_set.py::"
+
 DEFECTS: tuple[Defect, ...] = (
+    Defect(
+        name="figures shown are the exact optimum's", file="uwopt/results/design.py",
+        old="figures=one.figures_as_set or one.figures,", new="figures=one.figures,",
+        test=f"{SHOWN}test_as_set_is_what_evaluate_says_of_the_settings_typed_in",
+    ),
+    Defect(
+        name="margins shown are the exact optimum's", file="uwopt/results/design.py",
+        old="margins=one.margins_as_set or one.margins,", new="margins=one.margins,",
+        test=f"{SHOWN}test_as_set_is_what_evaluate_says_of_the_settings_typed_in",
+    ),
+    Defect(
+        name="an old file's settings are shown with the optimum's figures as if set", file="uwopt/results/design.py",
+        old="check.totals is None or first.figures_as_set is None:", new="False:",
+        test=f"{SHOWN}test_file_of_before_is_read_and_shows_the_optimum",
+    ),
+    Defect(
+        name="the mark of the focus is disowned", file="uwopt/evaluation/outside.py",
+        old="if stands_at_mark(model, own):", new="if False:",
+        test=f"{SHOWN}test_evaluate_does_not_disown_what_solve_wrote",
+    ),
+    Defect(
+        name="a step of the gain is disowned", file="uwopt/api/evaluating.py",
+        old="if not on_a_step(scene.settings", new="if on_a_step(scene.settings",
+        test=f"{SHOWN}test_evaluate_does_not_disown_what_solve_wrote",
+    ),
+    Defect(
+        name="sharpness that is not asked for is told without the window's colours",
+        file="uwopt/evaluation/influences.py",
+        old="settings, information=True)", new="settings, information=False)",
+        test=f"{SHOWN}test_as_set_is_what_evaluate_says_of_the_settings_typed_in",
+    ),
     Defect(
         name="a result whose optimum cannot be set is headed optimal", file="uwopt/api/solving.py",
         old="exact=winner.is_settable and not wide and", new="exact=not wide and",

@@ -98,6 +98,15 @@ def test_settings_card_prints_on_one_sheet(show: Callable[..., Any], tank: Any) 
     assert sheets == 1
 
 
+def test_settings_card_shows_every_cell_on_a_telephone(show: Callable[..., Any], tank: Any) -> None:
+    page = show(card_html(tank, card_of(tank, "tank")))
+    page.set_viewport_size({"width": 400, "height": 800})
+    right = page.evaluate(
+        "Math.max(...[...document.querySelectorAll('main td, main th')].map(one => one.getBoundingClientRect().right))"
+    )
+    assert 0 < right <= 400
+
+
 def wait_drawn(page: Any, place: str, number: int) -> None:
     """Wait until so many plots of a place are drawn, and see that each holds marks."""
     drawn = page.locator(f"{place} .plot[data-drawn=true]")

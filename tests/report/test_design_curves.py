@@ -47,7 +47,7 @@ def test_flux_of_the_lamps_adds_up_to_their_lumens(case):
     if lights.flash_duration_s[0] > 0 and lights.kind[0] == 2:
         tau, whole = lights.flash_decay_s[0], lights.flash_duration_s[0]
         flux /= whole if np.isinf(tau) else tau * (1.0 - np.exp(-whole / tau))
-    lumens = 683.002 * np.trapezoid(way.flux_w_nm * scene.photopic, way.wavelength_nm)
+    lumens = 683.002 * np.trapezoid(way.source * scene.photopic, way.wavelength_nm)
     assert lumens == pytest.approx(flux, rel=1e-12)
 
 

@@ -72,6 +72,6 @@ def test_narrow_beams_leave_dark_places_without_a_warning(replayed):
     spot = {**system["light"], "beam_half_angle_deg": 3}
     design, _ = replayed(tank[0], {**system, "light": spot})
     image, floor = image_map(design), floor_map(design)
-    assert image.snr_db.min() == -np.inf
+    assert np.nanmin(image.snr_db) == -np.inf  # where it is not saturated
     assert floor.least_lx == 0.0
     assert np.isfinite(image.mean_level).all()

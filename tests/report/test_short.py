@@ -65,7 +65,7 @@ def test_page_has_its_five_sections_in_their_order(doubtful: Result) -> None:
 def test_first_line_tells_how_far_the_answer_may_be_believed(doubtful: Result) -> None:
     verdict, _, rest = text_of(doubtful).partition(" Goal: ")
     assert verdict == "Reef [red]survey[/red]: best of the catalogue under these assumptions, proven"
-    assert rest.startswith("least power, 40.50 W as set.")
+    assert rest.startswith("least power, 40.50 W as set (40.00 W before rounding).")
 
 
 def test_parts_are_bought_at_what_is_left_to_pay_as_a_range(doubtful: Result) -> None:

@@ -21,6 +21,7 @@ from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.records import exact
 from uwopt.deadline import Deadline
 from uwopt.evaluation.design_model import DesignModel, design_model
+from uwopt.evaluation.focus_marks import focus_distances_m
 from uwopt.forward.figures import SettingRows
 from uwopt.forward.problem import Parts
 from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL
@@ -30,7 +31,7 @@ from uwopt.results.design import SettableCheck
 from uwopt.solvers.recommend import SETTINGS_TO_SET, Sought, best_settable, hardware_of
 from uwopt.solvers.settable.rounding import exact_settings, rounded_design
 from uwopt.solvers.settable.scene import few_pixels
-from uwopt.solvers.settable.steps import focus_distances_m, rates_hz, stops, time_steps
+from uwopt.solvers.settable.steps import rates_hz, stops, time_steps
 
 # Lamps that burn, pulse, flash; by steps or freely; one scene or two; full, auto, paper; every kind of requirement.
 HOLDING = (4, 5, 12, 14, 23, 40, 46, 54, 62)

@@ -129,7 +129,7 @@ def test_each_row_is_what_solve_says(done: uwopt.SweepSummary):
         assert [row[kind] for kind in ("camera", "lens", "port", "light")] == best.hardware.ids
         assert row["light_count"] == best.hardware.light_count
         assert row["set_exposure_ms"] == best.scenes[0].settings_to_set["exposure_ms"]
-        assert row["snr_db"] == best.scenes[0].figures["snr_db"]
+        assert row["snr_db"] == best.scenes[0].figures_as_set["snr_db"]  # what is set is what is told
         assert row["gap_rel"] == 0.0
 
 

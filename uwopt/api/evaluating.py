@@ -41,6 +41,9 @@ from uwopt.results.design import Design, Margin, Note
 from uwopt.results.result import Result
 from uwopt.tolerances import SATISFIED_REL
 
+GAIN_STEP_DB = 0.1  # in which most cameras are set
+STEP_DIGITS = 1e-4  # of a step: as nearly as a gain typed as a ratio tells
+
 
 @own_float_rules
 def evaluate(
@@ -81,7 +84,7 @@ def evaluate(
         problem, hardware = system_problem(wanted, built)
     given = [scene_settings(problem, hardware, built, scene.name) for scene in problem.scenes]
     with timed(timing, "effects"):
-        influences = influences_of(problem, hardware, given, goal)
+        influences = influences_of(problem, hardware, given)
     if auto:
         problem = problem.with_effects(effects_kept(influences))
 
@@ -202,15 +205,24 @@ def unwanted_kind(problem: Problem, mission: Mission) -> list[str]:
 
 
 def inexact_level_notes(design: Design) -> list[Note]:
-    """That a mean level is met as well as a gain in steps can, where `solve` meets it exactly."""
+    """That a mean level is met only as well as a gain in steps can, where nobody needs steps: `solve` meets it exactly.
+
+    A gain on its steps is what `solve` has set too, so nothing is said of it.
+    """
     text = f"the mean level is met to {100 * LEVEL_TOLERANCE_REL:g} %, a step of the gain; solve meets it exactly"
     return [
         Note("outside_search", "settings.gain", f"{scene.name}: {text}")
         for scene in design.scenes
+        if not on_a_step(scene.settings.get("gain_db") or 0.0)
         for level in scene.margins
         if level.requirement == "mean_level" and level.satisfied
         if (level.margin or 0.0) < -SATISFIED_REL * (level.limit or 0.0)
     ]
+
+
+def on_a_step(gain_db: float) -> bool:
+    """Whether a gain is one of those that cameras are set to, in steps from 0 dB."""
+    return abs(gain_db / GAIN_STEP_DB - round(gain_db / GAIN_STEP_DB)) < STEP_DIGITS
 
 
 def gain_notes(mission: Mission, design: Design) -> list[Note]:

@@ -80,10 +80,9 @@ def with_risks(result: Result) -> Result:
 
 def risks_of(result: Result) -> list[Risk]:
     """What may go wrong, most serious first; nothing where there is no system."""
-    design = result.best
-    if design is None:
+    if result.best is None:
         return []
-    found = [item for rule in RULES for item in rule(result, design)]
+    found = [item for rule in RULES for item in rule(result, result.best.as_set)]
     return [risk for _, risk in sorted(found, key=lambda item: -item[0])]
 
 

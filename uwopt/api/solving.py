@@ -185,7 +185,7 @@ def gain_warnings(mission: Mission, sought: Sought, winner: Design) -> list[Note
     cap_db = mission.reserve.max_gain_db
     if cap_db is None or sought.problem.mission.reserve.max_gain_db is not None:
         return []
-    gain_db = max((scene.settings.get("gain_db") or 0.0) for scene in winner.scenes)
+    gain_db = max((scene.settings.get("gain_db") or 0.0) for scene in winner.as_set.scenes)
     text = f"{beyond_cap(gain_db, cap_db)}, below which nothing fits: light is out of reach"
     return [Note("gain_cap", "reserve.max_gain_db", text)]
 
@@ -242,7 +242,7 @@ def found_result(
     proven = sought.outcome.complete
     hardware = hardware_of(best)
     given = given_of(sought.problem, hardware, best.settings)
-    influences = influences_of(sought.problem, hardware, given, goal)
+    influences = influences_of(sought.problem, hardware, given)
     proof = certificate(sought.selection, sought.problem, proven_outcome, goal)
     wide = proven and (proof.gap_rel or 0.0) > PROVEN_GAP_REL
     second_best = any(warning["code"] == BETTER_UNSETTABLE for warning in winner.warnings)
@@ -261,7 +261,7 @@ def found_result(
             *result.warnings,
             *selection_warnings(sought.selection),
             *winner.warnings,
-            *breathing_notes(winner),
+            *breathing_notes(winner.as_set),
             *taken_instead(sought.problem.mission),
             *colour_notes(sought.problem, hardware),
             *(interruption_warnings(sought) or (cut_warnings() if cut else [])),

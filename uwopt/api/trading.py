@@ -336,7 +336,7 @@ class ParetoCall:
         """How much each effect matters to one design."""
         hardware = hardware_of(found)
         given = given_of(sought.problem, hardware, found.settings)
-        influences = influences_of(sought.problem, hardware, given, self.builtin)
+        influences = influences_of(sought.problem, hardware, given)
         return [item.used() for item in proven_in_full(influences)]
 
     def warned(self, sought: FrontSearched) -> list[Note]:

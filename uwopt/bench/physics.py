@@ -113,8 +113,7 @@ def worker(subject: Subject, method: str) -> Any:
         from uwopt.evaluation.influences import influences_of
 
         problem = subject.problem("full")
-        goal = goal_of(subject.mission)
-        kept = effects_kept(influences_of(problem, subject.hardware, list(subject.given), goal))
+        kept = effects_kept(influences_of(problem, subject.hardware, list(subject.given)))
         return subject.evaluated(problem.with_effects(kept))
 
     return by_auto

@@ -10,13 +10,13 @@ from uwopt.forward.batch import Batch
 from uwopt.forward.designs import Designs, Hardware, SceneSettings
 from uwopt.forward.problem import Problem
 from uwopt.model.effects import Effects
-from uwopt.objectives.objective import Objective
 
 
-def influences_of(
-    problem: Problem, hardware: Hardware, given: list[SceneSettings], goal: Objective
-) -> list[influence.Influence]:
-    """How much each effect matters to one design, and what physics `auto` would leave out."""
+def influences_of(problem: Problem, hardware: Hardware, given: list[SceneSettings]) -> list[influence.Influence]:
+    """How much each effect matters to one design, and what physics `auto` would leave out.
+
+    What makes its image soft is kept where it is there: the result tells sharpness whether it is asked for or not.
+    """
     if problem.paper:
         return []
     plain = DesignModel(problem.with_effects(Effects.none()), hardware)
@@ -27,5 +27,4 @@ def influences_of(
         one + hardware.light, one + hardware.count, hardware.mount,
     )  # fmt: skip
     batch = Batch(problem, designs)
-    information = bool(goal.weight("information"))
-    return batch.influences(problem.mission.tolerance, settings, information=information)
+    return batch.influences(problem.mission.tolerance, settings, information=True)

@@ -15,6 +15,7 @@ import numpy as np
 from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import Choice, select
 from uwopt.evaluation.design_model import DesignModel, design_model
+from uwopt.evaluation.focus_marks import stands_at_mark
 from uwopt.forward.assembly import bare_cable_m
 from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.figures import SettingRows
@@ -158,13 +159,18 @@ def places(lamps: Lamps) -> dict[tuple[float, ...], float]:
 def other_focus(
     model: DesignModel, settings: Sequence[SettingRows], objective: Objective
 ) -> Iterator[Departure]:
-    """A focus that lets in more light, or is sharper, than where `solve` puts it: at what must be sharp."""
+    """A focus that lets in more light, or is sharper, than where `solve` puts it: at what must be sharp.
+
+    The mark to which `solve` has that focus set is no other.
+    """
     for index, (scene, rows) in enumerate(zip(model.problem.scenes, settings, strict=True)):
         own, searched = float(rows.dioptre_per_m[0]), model.searched_dioptre_per_m(index)
         focal = float(model.views[index].focal_length_m[0])
         brighter = focal * (searched - own) > MORE_LIGHT_REL * (1.0 - focal * searched)
         sharpness = scene.view.requirements.asks_sharpness or objective.weight("information") > 0
         moved = not np.isclose(own, searched, rtol=MORE_LIGHT_REL, atol=0.0)
+        if stands_at_mark(model, own):  # as solve itself would have it set
+            continue
         if (brighter and not scene.paper) or (sharpness and moved):
             text = (
                 f"{scene.name}: the focus lies elsewhere than solve puts it, in the middle of what must be sharp; "

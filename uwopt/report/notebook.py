@@ -68,7 +68,7 @@ def html(result: AnyResult) -> str:
         parts.append(
             table("Bill of materials", ("", "part", "each", "to pay", "price"), bill_cells(result.best))
         )
-        for scene in result.best.scenes:
+        for scene in result.best.as_set.scenes:
             title = "Margins" if len(result.best.scenes) == 1 else f"Margins, {scene.name}"
             heads = ("requirement", "value", "limit", "margin", "")
             parts.append(table(title, heads, margin_cells(result.best, scene.margins)))
@@ -165,7 +165,8 @@ def figure(result: AnyResult, name: str, *, scene: int = 0, point: str | None = 
     )
     picture = next((one for one in plot_makers()[name](made, scene) if one.id == name), None)
     if picture is None:
-        raise RangeError(f"physics {result.physics.name} knows no field, so there is no figure {name!r}")
+        why = f"physics {result.physics.name} knows no field, or no lamp shines"
+        raise RangeError(f"there is no figure {name!r}: {why}")
     return go.Figure(picture.content).update_layout(title=picture.title, template="plotly_white", margin_t=64)
 
 
@@ -173,13 +174,13 @@ def design_of(result: AnyResult, point: str | None) -> Design:
     """The design that is drawn; a RangeError names the points of a front."""
     if isinstance(result, Result):
         assert result.best is not None  # or it would have no figure
-        return result.best
+        return result.best.as_set
     if point is None:
-        return result.points[0].design
+        return result.points[0].design.as_set
     known = [one.id for one in result.points] + [pick.name for pick in result.picks]
     if point not in known:
         raise RangeError(f"there is no point {point!r}; there are {', '.join(known[:12])} ...")
-    return result.point(point).design
+    return result.point(point).design.as_set
 
 
 def front_plot(front: FrontResult) -> dict[str, Any]:

@@ -17,9 +17,9 @@ class SideBySide:
 
     @property
     def design(self) -> Design:
-        """The system's parts, settings, figures and margins."""
+        """The system's parts, settings, figures and margins; of the recommended one as it would be set."""
         assert self.result.best is not None
-        return self.result.best
+        return self.result.best.as_set
 
     @property
     def recommended(self) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any
 
 from pydantic import Field
@@ -186,6 +186,7 @@ class SettableCheck(Record):
     objective_value: Number | None = Field(description="what the objective becomes")
     missed: list[str] = Field(description="requirements that the nearest settings miss")
     power_w: Number | None = Field(default=None, description="mean power with these settings [W]")
+    totals: Totals | None = Field(default=None, description="cost, power and mass with these settings")
 
 
 @dataclass(frozen=True, config=RECORD)
@@ -221,8 +222,10 @@ class SceneResult(Record):
     name: str = Field(description="the scene's in the mission")
     settings: dict[str, Number | None] = Field(description="the exact optimum, or as given")
     settings_to_set: dict[str, Number | None] | None = Field(description="rounded to what a person can set")
-    figures: dict[str, Any] = Field(description="numbers by name, flags of what is infinite")
-    margins: list[Margin] = Field(description="one a requirement that applies")
+    figures: dict[str, Any] = Field(description="numbers by name, flags of what is infinite; at `settings`")
+    margins: list[Margin] = Field(description="one a requirement that applies; at `settings`")
+    figures_as_set: dict[str, Any] | None = Field(default=None, description="figures at `settings_to_set`")
+    margins_as_set: list[Margin] | None = Field(default=None, description="margins at `settings_to_set`")
 
 
 @dataclass(frozen=True, config=RECORD)
@@ -242,6 +245,24 @@ class Design(Record):
     def is_settable(self) -> bool:
         """Whether no settings to set were looked for, or some were found with which every requirement holds."""
         return self.rounded is None or self.rounded.feasible
+
+    @property
+    def as_set(self) -> Design:
+        """This design at the settings that a person sets: its settings, figures, margins, totals and objective.
+
+        The design itself where none are to set, or where its file is of before their figures were kept.
+        """
+        check, first = self.rounded, self.scenes[0]
+        if check is None or not check.feasible or check.totals is None or first.figures_as_set is None:
+            return self
+        scenes = [
+            replace(
+                one, settings=one.settings_to_set or one.settings, figures=one.figures_as_set or one.figures,
+                margins=one.margins_as_set or one.margins,
+            )
+            for one in self.scenes
+        ]  # fmt: skip
+        return replace(self, objective_value=check.objective_value, totals=check.totals, scenes=scenes)
 
     @property
     def power_as_set_w(self) -> float | None:

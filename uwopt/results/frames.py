@@ -26,8 +26,8 @@ def frame_of(tables: Mapping[str, Callable[[], Rows]], name: str) -> pd.DataFram
 
 
 def margin_rows(design: Design | None) -> Rows:
-    """One row a requirement and scene."""
-    scenes = [] if design is None else design.scenes
+    """One row a requirement and scene, at the settings to set where there are any."""
+    scenes = [] if design is None else design.as_set.scenes
     return [{"scene": scene.name, **asdict(margin)} for scene in scenes for margin in scene.margins]
 
 
@@ -51,8 +51,8 @@ def settings_rows(design: Design | None) -> Rows:
 
 
 def figure_rows(design: Design | None) -> Rows:
-    """One row a figure, one column a scene."""
-    scenes = [] if design is None else design.scenes
+    """One row a figure, one column a scene, at the settings to set where there are any."""
+    scenes = [] if design is None else design.as_set.scenes
     names = list(dict.fromkeys(name for scene in scenes for name in scene.figures))
     return [{"figure": name, **{scene.name: scene.figures.get(name) for scene in scenes}} for name in names]
 

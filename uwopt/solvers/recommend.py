@@ -205,7 +205,8 @@ def with_rounded(
 ) -> Design:
     """Add the settings a person can set, and how the design does with them; a warning where there are none.
 
-    Without an objective they are those nearest to the design's own. Raises OutOfTimeError past the deadline.
+    What is ordered and warned of is then what belongs to the settings to set. Without an objective they are those
+    nearest to the design's own. Raises OutOfTimeError past the deadline.
     """
     again = rounded_design(problem, hardware_of(found), found.settings, objective, deadline).design
     missed = list(dict.fromkeys(m.requirement for s in again.scenes for m in s.margins if not m.satisfied))
@@ -213,11 +214,14 @@ def with_rounded(
         rounded = SettableCheck(False, None, missed)
         return replace(design, rounded=rounded, warnings=[*design.warnings, not_settable()])
     scenes = [
-        replace(scene, settings_to_set=printed(other.settings))
+        replace(
+            scene, settings_to_set=printed(other.settings), figures_as_set=other.figures, margins_as_set=other.margins
+        )
         for scene, other in zip(design.scenes, again.scenes, strict=True)
     ]
-    rounded = SettableCheck(True, again.objective_value, missed, again.totals.power_w)
-    return replace(design, scenes=scenes, rounded=rounded)
+    rounded = SettableCheck(True, again.objective_value, missed, again.totals.power_w, again.totals)
+    notes = [*part_warnings(problem, hardware_of(found)), *again.warnings]
+    return replace(design, scenes=scenes, rounded=rounded, bom=again.bom, warnings=notes)
 
 
 def not_settable() -> Note:

@@ -58,13 +58,13 @@ def row_of(result: Result) -> Row:
         "beyond_gain_cap": any(note.code == "gain_cap" for note in result.warnings),
         "warnings": " ".join(dict.fromkeys(note.code for note in result.warnings)),
     }
-    return row if best is None else row | design_columns(best)
+    return row if best is None else row | design_columns(best, best.as_set)
 
 
 def row_of_front(front: FrontResult) -> Row:
     """The row of a trade-off: how it ended, and its points as JSON, each of them a row of the table at the end."""
     points = [
-        {"point": one.id, "curve": one.curve, **design_columns(one.design)}
+        {"point": one.id, "curve": one.curve, **design_columns(one.design, one.design)}
         | {FRONT + name: value for name, value in one.values.items()}
         for one in front.points
     ]
@@ -92,9 +92,10 @@ def failed_row(mission: str, message: str) -> Row:
     return {"mission": mission, "status": FAILED, "message": message}
 
 
-def design_columns(best: Design) -> Row:
-    """What a row says of a system."""
-    used, totals, scene = best.hardware, best.totals, best.scenes[0]
+def design_columns(best: Design, shown: Design) -> Row:
+    """What a row says of a system: settings of both kinds, figures of the design as it is shown."""
+    used, exact = best.hardware, best.scenes[0]
+    totals, scene = shown.totals, shown.scenes[0]
     missed = [m.requirement for one in best.scenes for m in one.margins if not m.satisfied]
     row: Row = {
         **{kind: getattr(used, kind).id for kind in ("camera", "lens", "port", "light")},
@@ -120,13 +121,13 @@ def design_columns(best: Design) -> Row:
         "mass_kg": totals.mass_kg,
     }
     row |= {SETTING + name: value for name, value in (scene.settings_to_set or {}).items()}
-    row |= {EXACT + name: value for name, value in scene.settings.items()}
+    row |= {EXACT + name: value for name, value in exact.settings.items()}
     row |= {name: value for name, value in scene.figures.items() if name not in row and is_number(value)}
     if len(best.scenes) > 1:
         told = [
             {"name": one.name, "settings": one.settings, "settings_to_set": one.settings_to_set,
-             "figures": one.figures}
-            for one in best.scenes
+             "figures": as_set.figures}
+            for one, as_set in zip(best.scenes, shown.scenes, strict=True)
         ]  # fmt: skip
         row["scenes"] = json.dumps(told, allow_nan=False)
     return row

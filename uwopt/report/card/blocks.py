@@ -73,7 +73,7 @@ def card_blocks(result: Result, design: Design) -> Iterator[Block]:
         yield water_block(made.model, given, design, Deadline.after(WATER_S))
     else:
         yield block("Limits of settings and worse water", [sentence(fault, "yellow")])
-    yield block("The day's work", [work_grid(result, design)])
+    yield block("The day's work", [work_grid(result, design.as_set)])
 
 
 def recomputed(result: Result, design: Design) -> tuple[Replay | None, str]:

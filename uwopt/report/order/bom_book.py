@@ -55,7 +55,7 @@ def order_page(book: Any, result: Result, best: Design | None) -> None:
         return
     last = page.row - 1
     total_row = sum_lines(page, first, last, rows, best.totals.cost.currency)
-    left_out(page, not_counted(result, best), total_row, best.totals.cost.currency)
+    left_out(page, not_counted(result, best.as_set), total_row, best.totals.cost.currency)
 
 
 def bill_line(page: Page, result: Result, row: BillRow, number: int) -> None:

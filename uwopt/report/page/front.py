@@ -153,7 +153,7 @@ def short_id(name: str, others: Sequence[str]) -> str:
 
 
 def beside(design: Design, name: str) -> float | None:
-    """A total or a figure of the first scene."""
+    """A total or a figure of the first scene, at the exact settings that a point's objectives belong to."""
     if name == "cost":
         return design.totals.cost.value
     if name == "power_w":
@@ -183,7 +183,7 @@ def point_data(
         "names": texts.row(*(words.part_name(part) for part in parts)),
         "counts": [hardware.light_count if kind == "light" else many for kind in hardware.parts],
         "stand": texts.number(stand_text(hardware)),
-        "cards": [texts.row(*card_texts(card)) for card in cards(design)],
+        "cards": [texts.row(*card_texts(card)) for card in cards(design.as_set)],
         "scenes": [
             {
                 "name": texts.number(formats.one_line(scene.name, 60) if len(design.scenes) > 1 else ""),
@@ -194,7 +194,7 @@ def point_data(
                     for b in (bar(margin, kinds, cost) for margin in scene.margins if not has_no_limit(margin))
                 ],
             }
-            for scene in scenes_to_set(design)
+            for scene in scenes_to_set(design.as_set)
         ],
     }  # fmt: skip
 

@@ -34,7 +34,8 @@ from uwopt.results.result import Certificate, Result
 
 TITLES = {"solve": "Recommendation", "evaluate": "Evaluation of a given system", "pareto": "Trade-off"}
 GROUPS = {
-    "picture": "What the camera would see", "drawing": "Drawing to scale", "light": "Light, from lamp to sensor",
+    "picture": "What the camera would see", "drawing": "Drawing to scale",
+    "light": "Light, from its source to the sensor",
     "sharp": "Depth of field", "operation": "Frame rate and exposure", "image": "Light and noise over the image",
 }  # fmt: skip
 HISTORY = {
@@ -104,7 +105,7 @@ def opening(result: Result | FrontResult) -> tuple[str, str]:
     if isinstance(result, FrontResult) or result.best is None:
         return verdict(result)
     said = [goal_sentence(result, result.best)]
-    if first := fails_first(result.best):
+    if first := fails_first(result.best.as_set):
         said.append(words.as_sentence(first))
     return words.as_sentence(how_far(result)), " ".join(said)
 
@@ -167,7 +168,7 @@ def add_pictures(
     try:
         from uwopt.report.pictures import design_pictures as studio
 
-        made = (studio.design_pictures if whole else studio.picture_pair)(result.mission, design, **inputs)
+        made = (studio.design_pictures if whole else studio.picture_pair)(result.mission, design.as_set, **inputs)
     except UwoptError as fault:
         pictures.missing.append(f"{part.name}: {fault}")
         return

@@ -15,6 +15,8 @@ from uwopt.report.text.layout import Block
 from uwopt.report.text.tables import (
     ESTIMATED_LEGEND,
     bom_line,
+    exact_margins,
+    exact_text,
     hardware_block,
     has_no_limit,
     kinds_by_id,
@@ -74,6 +76,7 @@ class Bar:
     state: str  # met | binding | missed
     room: float | None
     room_text: str
+    exact: str = ""  # what the exact optimum reaches, where that is not what is reached as set
 
     @property
     def start(self) -> float:
@@ -94,6 +97,7 @@ class SceneBars:
     bars: list[Bar]
     binding: str
     frame: list[tuple[str, str]]  # the image as a whole, in words
+    beside_exact: bool = False  # whether the exact optimum's values stand beside them
 
 
 @dataclass(frozen=True)
@@ -122,11 +126,11 @@ def design_part(
     rows = [bom_row(row) for row in design.bom]
     doubtful = any(row.mark == "warn" for row in rows)
     return DesignPart(
-        name=name, id=part_id, definition=definition, cards=cards(design),
+        name=name, id=part_id, definition=definition, cards=cards(design.as_set),
         hardware=hardware_block(design, "Hardware"), settings=settings_block(result, design), bom=rows,
         legend=ESTIMATED_LEGEND if doubtful else "",
         total=words.as_sentence(words.cost_sentence(design)),
-        scenes=list(scene_bars(design)), figures=figure_rows(design),
+        scenes=list(scene_bars(design)), figures=figure_rows(design.as_set),
         scene_names=[formats.one_line(scene.name, 60) for scene in design.scenes],
     )  # fmt: skip
 
@@ -207,21 +211,21 @@ def figure_text(value: Any, unit: str) -> str:
 
 
 def scene_bars(design: Design) -> Iterator[SceneBars]:
-    """Margins scene by scene: first what is missed, then what binds, then by the room left."""
-    kinds = kinds_by_id(design)
+    """Margins scene by scene, as set: first what is missed, then what binds, then by the room left."""
+    kinds, cost = kinds_by_id(design), design.totals.cost
     order = {"missed": 0, "binding": 1, "met": 2}
-    for scene in design.scenes:
-        bars = [bar(margin, kinds, design.totals.cost) for margin in scene.margins if not has_no_limit(margin)]
+    for scene, exact in zip(design.as_set.scenes, exact_margins(design), strict=True):
+        bars = [bar(m, kinds, cost, exact.get(m.requirement)) for m in scene.margins if not has_no_limit(m)]
         bars.sort(key=lambda b: (order[b.state], 9e9 if b.room is None else b.room))
         names = list(dict.fromkeys(b.name for b in bars if b.state == "binding"))
         missed = list(dict.fromkeys(b.name for b in bars if b.state == "missed"))
         said = [
             f"{head}: {'; '.join(own)}." for head, own in (("Missed", missed), ("At its limit", names)) if own
         ]
-        yield SceneBars(formats.one_line(scene.name, 60), bars, " ".join(said), frame_facts([scene]))
+        yield SceneBars(formats.one_line(scene.name, 60), bars, " ".join(said), frame_facts([scene]), bool(exact))
 
 
-def bar(margin: Margin, kinds: Mapping[str, str], cost: Cost | None = None) -> Bar:
+def bar(margin: Margin, kinds: Mapping[str, str], cost: Cost | None = None, exact: Margin | None = None) -> Bar:
     """One margin as a bar; without a limit other than 0, or met exactly by rule, there is no bar."""
     name, value, limit, left, at = margin_texts(margin, kinds, cost)
     limit += f" ({formats.reserve_text(margin)})" if margin.reserve else ""
@@ -229,7 +233,8 @@ def bar(margin: Margin, kinds: Mapping[str, str], cost: Cost | None = None) -> B
     text = "" if room is None else formats.share(0.0 if abs(room) < 1e-6 and margin.satisfied else room)
     if room is not None and room > 99.5:
         text = f"{format_number(1 + room, 2)} times"
-    return Bar(name, value, limit, left, at, margin_state(margin), room, text)
+    state, beside = margin_state(margin, exact), exact_text(margin, exact, cost)
+    return Bar(name, value, limit, left, at, state, room, text, beside)
 
 
 def relative_room(margin: Margin) -> float | None:

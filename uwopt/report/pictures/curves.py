@@ -16,12 +16,13 @@ from numpy.typing import NDArray
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.evaluation.recompute import Replay
 from uwopt.forward.breathing import covered, extension
-from uwopt.forward.figures import depth_of_field_m, full_light_lm
+from uwopt.forward.figures import depth_of_field_m, full_light_lm, open_s
 from uwopt.forward.lamp_light import LampField
 from uwopt.forward.lamps import on_axis_gain, relative_spectrum
 from uwopt.forward.motion import motion_across, motion_along, required_rate_hz
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.spectra import efficiency_curve
+from uwopt.forward.sun_light import SunField
 from uwopt.forward.views import PAPER_PORT, pair_of, port_transmission
 from uwopt.model import beam as beams
 from uwopt.model import lens, light, operation, seafloor, sensor
@@ -37,10 +38,13 @@ PLAIN_BLUR_PX = 1.0  # allowed blur of the curves where the mission allows any
 
 @dataclass(frozen=True)
 class SpectrumWay:
-    """The lamps' light from lamp to pixel on the axis of the image, at the nominal altitude, while it shines."""
+    """The lamps' light from lamp to pixel on the axis of the image, at the nominal altitude, while it shines.
+
+    Without lamps the sun's, from the surface to the pixel, while the shutter is open.
+    """
 
     wavelength_nm: Array
-    flux_w_nm: Array  # leaving all lamps
+    source: Array  # flux leaving all lamps [W/nm]; of the sun the irradiance just above the water [W/m2/nm]
     floor_irradiance_w_m2_nm: Array
     reflected_radiance_w_m2_sr_nm: Array  # of the floor, into the water
     sensor_irradiance_w_m2_nm: Array  # image-forming, on the sensor
@@ -48,10 +52,11 @@ class SpectrumWay:
     channel_electrons_per_nm: dict[str, Array]  # red, green, blue; empty for a mono sensor
     light_time_s: float
     altitude_m: float
+    of_sun: bool = False
 
     @property
     def electrons(self) -> float:
-        """All image-forming electrons of the lamps on the axis."""
+        """All image-forming electrons on the axis, of the lamps or of the sun."""
         return float(np.trapezoid(self.electrons_per_nm, self.wavelength_nm))
 
 
@@ -120,6 +125,7 @@ class RigMeasures:
     advance_m: float | None  # from one image to the next; None when the rig stands still
     overlap: float | None
     camera_count: int
+    sun_elevation_deg: float | None = None  # where the sun is the only light
     pitch_rad: float = 0.0  # by which the camera looks ahead of the target's normal
     edges_m: tuple[tuple[float, float], ...] = ()  # near and far: forward of the port, half of the width; if pitched
     pair_m: tuple[tuple[float, float, float], ...] = ()  # of a stereo pair each camera's place and its view's ends
@@ -129,14 +135,55 @@ class RigMeasures:
 
 
 def spectrum_way(design: Replay, scene_index: int = 0) -> SpectrumWay:
-    """Equations (1), (2), (4) and (5) in a row, wavelength by wavelength; the sun apart.
+    """Equations (1), (2), (4) and (5) in a row, wavelength by wavelength; the sun apart, or alone where no lamp is.
 
-    The integral of the electrons is the image-forming part of `LampField` in the middle of the image.
+    The integral of the electrons is the image-forming part of `LampField` in the middle of the image, or of `SunField`.
     """
     model, settings = design.model, design.settings[scene_index]
-    problem, hw = model.problem, model.hardware
+    problem = model.problem
     scene, view, shape = problem.scenes[scene_index], model.views[scene_index], model.shapes[scene_index]
     figures = model.figures(scene_index, settings)
+    grid, range_m = scene.wavelength_nm, float(scene.range_m[scene.nominal])
+    if model.unlit:
+        sun = sun_field(design, scene_index)
+        source, irradiance = sun.surface(), sun.at_floor()
+        seconds = at_peak_s = float(open_s(model.rows[scene_index], settings)[0])
+    else:
+        source, irradiance = lamps_way(design, scene_index)
+        seconds, at_peak_s = float(figures.light_time_s[0]), float(figures.peak_time_s[0])
+    radiance = seafloor.lambertian_radiance(irradiance, reflectance=scene.reflectance)
+    passes = float(model.lenses.transmission[0]) * (1.0 if scene.paper else port_transmission(shape))
+    with np.errstate(under="ignore"):
+        at_port = radiance * np.exp(-scene.attenuation_per_m * range_m)
+    at_sensor = lens.image_irradiance(
+        at_port / np.square(scene.radiance_index), transmission=passes,
+        working_f_number=float(figures.working_f_number[0]),
+    )  # fmt: skip
+    area_m2 = float(view.collecting_m2[0]) / passes  # p^2 times the efficiency's scale
+
+    def electrons(channel: str | None) -> Array:
+        curve = efficiency_curve(problem.efficiencies[int(model.cameras.qe_index[0])], grid, channel=channel)
+        rate = sensor.electron_rate_per_m2_s_nm(at_sensor, wavelength_nm=grid, quantum_efficiency=curve)
+        return np.asarray(rate * area_m2 * at_peak_s)
+
+    return SpectrumWay(
+        wavelength_nm=grid,
+        source=np.asarray(source),
+        floor_irradiance_w_m2_nm=np.asarray(irradiance),
+        reflected_radiance_w_m2_sr_nm=np.asarray(radiance),
+        sensor_irradiance_w_m2_nm=np.asarray(at_sensor),
+        electrons_per_nm=electrons(None),
+        channel_electrons_per_nm={name: electrons(name) for name in CHANNELS} if is_colour(design) else {},
+        light_time_s=seconds,
+        altitude_m=range_m,
+        of_sun=model.unlit,
+    )
+
+
+def lamps_way(design: Replay, scene_index: int) -> tuple[Array, Array]:
+    """Spectral flux that leaves the lamps [W/nm], and their irradiance where the axis meets the floor [W/m2/nm]."""
+    model, settings = design.model, design.settings[scene_index]
+    problem, hw, scene = model.problem, model.hardware, model.problem.scenes[scene_index]
     grid, range_m = scene.wavelength_nm, float(scene.range_m[scene.nominal])
     item = problem.optics[int(model.lights.optics_index[0])]
     lumens = float(full_light_lm(model.lights, np.array([hw.count]))[0] * settings.level[0])
@@ -147,35 +194,7 @@ def spectrum_way(design: Replay, scene_index: int = 0) -> SpectrumWay:
     )  # fmt: skip
     lamp_leg = problem.lamp_leg_per_m(scene_index, int(model.lights.optics_index[0]))
     lobe = problem.floor_lobe(scene_index, int(model.lights.optics_index[0]), hw.mount, range_m)
-    per_flux = axis_gain_per_m2(scene, lamp_leg, lobe, hw.mount.lamps(hw.count), range_m)
-    irradiance = flux * per_flux
-    radiance = seafloor.lambertian_radiance(irradiance, reflectance=scene.reflectance)
-    passes = float(model.lenses.transmission[0]) * (1.0 if scene.paper else port_transmission(shape))
-    with np.errstate(under="ignore"):
-        at_port = radiance * np.exp(-scene.attenuation_per_m * range_m)
-    at_sensor = lens.image_irradiance(
-        at_port / np.square(scene.radiance_index), transmission=passes,
-        working_f_number=float(figures.working_f_number[0]),
-    )  # fmt: skip
-    seconds, at_peak_s = float(figures.light_time_s[0]), float(figures.peak_time_s[0])
-    area_m2 = float(view.collecting_m2[0]) / passes  # p^2 times the efficiency's scale
-
-    def electrons(channel: str | None) -> Array:
-        curve = efficiency_curve(problem.efficiencies[int(model.cameras.qe_index[0])], grid, channel=channel)
-        rate = sensor.electron_rate_per_m2_s_nm(at_sensor, wavelength_nm=grid, quantum_efficiency=curve)
-        return np.asarray(rate * area_m2 * at_peak_s)
-
-    return SpectrumWay(
-        wavelength_nm=grid,
-        flux_w_nm=np.asarray(flux),
-        floor_irradiance_w_m2_nm=np.asarray(irradiance),
-        reflected_radiance_w_m2_sr_nm=np.asarray(radiance),
-        sensor_irradiance_w_m2_nm=np.asarray(at_sensor),
-        electrons_per_nm=electrons(None),
-        channel_electrons_per_nm={name: electrons(name) for name in CHANNELS} if is_colour(design) else {},
-        light_time_s=seconds,
-        altitude_m=range_m,
-    )
+    return flux, flux * axis_gain_per_m2(scene, lamp_leg, lobe, hw.mount.lamps(hw.count), range_m)
 
 
 def axis_gain_per_m2(
@@ -303,6 +322,7 @@ def rig_measures(design: Replay, scene_index: int = 0) -> RigMeasures:
     sharp = beams.has_sharp_edge(beam)
     half_angle = beams.edge_half_angle_rad(beam) if sharp else beams.half_power_angle_rad(beam)
     lamps = hw.mount.lamps(hw.count)
+    places = () if model.unlit else tuple(zip(lamps.x_m, lamps.y_m, lamps.z_m, lamps.aim, strict=True))
     rate = float(settings.rate_hz[0])
     moves = vehicle.speed_m_s > 0.0 and rate > 0.0
 
@@ -316,10 +336,7 @@ def rig_measures(design: Replay, scene_index: int = 0) -> RigMeasures:
         half_across_m=half_across,
         is_dome=bool(shape.is_dome),
         outer_radius_m=shape.outer_radius_m,
-        lamps=tuple(
-            Lamp(x, y, z, aim)
-            for x, y, z, aim in zip(lamps.x_m, lamps.y_m, lamps.z_m, lamps.aim, strict=True)
-        ),
+        lamps=tuple(Lamp(*place) for place in places),
         beam_half_angle_rad=half_angle,
         beam_ends_sharply=sharp,
         image_width_is_along=not hw.landscape,
@@ -327,6 +344,7 @@ def rig_measures(design: Replay, scene_index: int = 0) -> RigMeasures:
         advance_m=vehicle.speed_m_s / rate if moves else None,
         overlap=float(model.figures(scene_index, settings).overlap[0, 1]) if moves else None,
         camera_count=vehicle.camera_count,
+        sun_elevation_deg=scene.view.scene.sun_elevation_deg if model.unlit else None,
         pitch_rad=scene.pitch_rad,
         edges_m=pitched_edges_m(model, scene_index, closer) if scene.pitch_rad else (),
         pair_m=pair_places_m(model, scene_index, closer),
@@ -374,6 +392,17 @@ def lamp_field(design: Replay, scene_index: int, channel: str | None = None) -> 
     )  # fmt: skip
     field.scene = at_nominal(field.scene)
     return field
+
+
+def sun_field(design: Replay, scene_index: int, channel: str | None = None) -> SunField:
+    """Daylight as the design's camera sees it, at the nominal altitude alone."""
+    model = design.model
+    sun = SunField(
+        model.problem, scene_index, port_index=model.hardware.port, efficiency=int(model.cameras.qe_index[0]),
+        channel=channel,
+    )  # fmt: skip
+    sun.scene = at_nominal(sun.scene)
+    return sun
 
 
 def at_nominal(scene: SceneOptics) -> SceneOptics:

@@ -33,7 +33,7 @@ from uwopt.report.pictures.maps import FloorMap, ImageMap, floor_map, image_map
 from uwopt.report.pictures.photograph import View, detail_view, whole_view
 from uwopt.results.basis import UsedPhysics
 from uwopt.results.design import Design
-from uwopt.units import format_quantity
+from uwopt.units import format_number, format_quantity
 
 Group = Literal["light", "sharp", "operation", "image", "drawing", "picture"]
 Kind = Literal["plotly", "svg", "image"]
@@ -131,10 +131,20 @@ def rounded(value: float) -> str:
 
 
 def light_picture(way: SpectrumWay) -> Picture:
-    """Figure 5 of the paper."""
+    """Figure 5 of the paper; where there are no lamps, of the sun."""
     peak = float(way.wavelength_nm[int(np.argmax(way.electrons_per_nm))])
     floor = float(way.wavelength_nm[int(np.argmax(way.floor_irradiance_w_m2_nm))])
     electrons = rounded(way.electrons)
+    if way.of_sun:
+        return Picture(
+            "spectrum", "light", "Spectrum from the sun to the sensor",
+            f"The sun's light, for no lamp shines: what arrives above the water, reaches the floor, is reflected, "
+            f"reaches the sensor from {way.altitude_m:g} m and is counted in the middle of the image. Image-forming "
+            f"light only, {electrons} electrons in {1e3 * way.light_time_s:.3g} ms; veils are not in it.",
+            f"Five spectra below each other. Sunlight on the floor peaks at {floor:.0f} nm, electrons in a pixel at "
+            f"{peak:.0f} nm; {electrons} electrons in all.",
+            "plotly", plots.spectrum_plot(way),
+        )  # fmt: skip
     return Picture(
         "spectrum", "light", "Spectrum from lamp to sensor",
         f"The lamps' light on the axis of the image at {way.altitude_m:g} m while they shine: what leaves them, "
@@ -210,27 +220,44 @@ def operation_pictures(curves: Operation) -> list[Picture]:
 
 
 def map_pictures(image: ImageMap | None, floor: FloorMap | None) -> list[Picture]:
-    """Illuminance on the floor and SNR over the image; none in physics `paper`."""
-    if image is None or floor is None:
+    """Illuminance on the floor, where lamps shine, and SNR over the image; none in physics `paper`."""
+    if image is None:
         return []
+    snr = Picture(
+        "snr", "image", "Signal-to-noise ratio over the image",
+        "SNR of the plain floor, pixel by pixel, at the nominal altitude: "
+        f"{'daylight' if floor is None else 'beams'}, fall-off of the lens, water and veils together."
+        + saturated_text(image),
+        f"SNR is {snr_words(image)}.{saturated_text(image)}", "plotly", plots.snr_plot(image),
+    )  # fmt: skip
+    if floor is None:
+        return [snr]
+    light = Picture(
+        "illuminance", "image", "Illuminance of the floor",
+        "Light on the floor while the lamps shine, at the nominal altitude; the outline is what the camera sees.",
+        f"Mean in the footprint {rounded(floor.mean_lx)} lx, in the darkest cell {rounded(floor.least_lx)} lx.",
+        "plotly", plots.floor_plot(floor),
+    )  # fmt: skip
+    return [light, snr]
+
+
+def snr_words(image: ImageMap) -> str:
+    """`31.2 dB in the middle of the image and 28.4 dB in its darkest cell`."""
     rows, columns = image.snr.shape
-    centre, least = float(image.snr_db[rows // 2, columns // 2]), float(image.snr_db.min())
-    darkest = f"{least:.1f} dB" if np.isfinite(least) else "no signal"
-    return [
-        Picture(
-            "illuminance", "image", "Illuminance of the floor",
-            "Light on the floor while the lamps shine, at the nominal altitude; the outline is what the camera sees.",
-            f"Mean in the footprint {rounded(floor.mean_lx)} lx, in the darkest cell {rounded(floor.least_lx)} lx.",
-            "plotly", plots.floor_plot(floor),
-        ),
-        Picture(
-            "snr", "image", "Signal-to-noise ratio over the image",
-            "SNR of the plain floor, pixel by pixel, at the nominal altitude: beams, fall-off of the lens, water and "
-            "veils together.",
-            f"SNR is {centre:.1f} dB in the middle of the image and {darkest} in its darkest cell.",
-            "plotly", plots.snr_plot(image),
-        ),
-    ]  # fmt: skip
+    centre, darkest = (rows // 2, columns // 2), np.unravel_index(int(np.argmin(image.signal_e)), image.snr.shape)
+
+    def told(cell: Any) -> str:
+        if image.saturated[cell]:
+            return "saturated"
+        return f"{image.snr_db[cell]:.1f} dB" if np.isfinite(image.snr_db[cell]) else "no signal"
+
+    return f"{told(centre)} in the middle of the image and {told(darkest)} in its darkest cell"
+
+
+def saturated_text(image: ImageMap) -> str:
+    """` Saturated, and left white, are 12 % of it.`; nothing where no cell is."""
+    share = float(image.saturated.mean())
+    return f" Saturated, and left out, is {format_number(100.0 * share, 2)} % of it." if share else ""
 
 
 # ---------------------------------------------------------------- drawings
@@ -246,10 +273,14 @@ def drawings(rig: RigMeasures, *, on_axis: bool) -> list[Picture]:
     sides = f"{2 * rig.half_along_m:.3g} m along and {2 * rig.half_across_m:.3g} m across the track"
     places = len({(lamp.x_m, lamp.y_m, lamp.z_m) for lamp in rig.lamps})
     lamps = "lamps at one place" if places == 1 else f"lamps at {places} places"
+    if rig.sun_elevation_deg is not None:
+        lamps = f"no lamps: the sun {rig.sun_elevation_deg:g}° above the horizon"
     half = f"{np.rad2deg(rig.beam_half_angle_rad):.0f}°"
     edge = "their edge" if rig.beam_ends_sharply else "half their greatest intensity"
     beams = f"Beams are drawn to {edge}, {half} from the axis in water."
-    if on_axis:
+    if rig.sun_elevation_deg is not None:
+        beams = "No lamp shines; arrows are daylight, which the model takes from all sides alike, as a vehicle turns."
+    elif on_axis:
         beams += " Physics paper reckons with all lamps on the camera's axis; they are drawn where they are mounted."
     port = "dome" if rig.is_dome else "flat port"
     cameras = "" if rig.camera_count == 1 or rig.pair_m else f" One of {rig.camera_count} cameras is drawn."
@@ -265,7 +296,8 @@ def drawings(rig: RigMeasures, *, on_axis: bool) -> list[Picture]:
         ),
         Picture(
             "rig-above", "drawing", title_above,
-            f"To scale, forward is up; the dashed outline is the next image. {beams}",
+            "To scale, forward is up; the dashed outline is the next image."
+            + (f" {beams}" if rig.sun_elevation_deg is None else " No lamp shines."),
             f"Footprint {sides}. {next_one}", "svg",
             drawing.view_from_above(rig, title=title_above, description=f"Footprint {sides}. {next_one}"),
         ),
@@ -281,10 +313,13 @@ def oblique_drawings(rig: RigMeasures) -> list[Picture]:
     above = f"{seen}, {2 * near_half:.3g} m wide at the near edge and {2 * far_half:.3g} m at the far one."
     title_beside, title_above = "The rig from the side", "Footprint from above"
     half = f"{np.rad2deg(rig.beam_half_angle_rad):.0f}°"
+    lit = f"lamps turn with the camera. Beams are drawn {half} from their axis."
+    if rig.sun_elevation_deg is not None:
+        lit = f"no lamp shines, the sun stands {rig.sun_elevation_deg:g}° above the horizon."
     return [
         Picture(
             "rig-beside", "drawing", title_beside,
-            f"To scale, forward is to the right; lamps turn with the camera. Beams are drawn {half} from their axis.",
+            f"To scale, forward is to the right; {lit}",
             beside, "svg", oblique_drawing.view_from_side(rig, title=title_beside, description=beside),
         ),
         Picture(

@@ -18,6 +18,7 @@ SIDE_PX, TOP_PX, BOTTOM_PX = 60.0, 46.0, 74.0  # room for labels around the draw
 STEEPEST_RAD = 1.48  # 85 deg: rays nearer to level end at the picture's edge anyway
 LEAST_SYMBOL_PX = 7.0
 RING_POINTS = 72
+ARROWS = (0.06, 0.18, 0.82, 0.94)  # of daylight: where they stand, as shares of the page's width
 STYLE = (
     ".rig text{font:13px system-ui,sans-serif;fill:var(--ink,currentColor)}"
     ".rig .ink{stroke:var(--ink,currentColor);fill:none;stroke-width:1.5}"
@@ -72,8 +73,8 @@ def view_from_behind(rig: RigMeasures, *, title: str, description: str) -> str:
     floor_m, tolerance_m = rig.altitude_m, rig.altitude_tolerance_m
     lamps_y = [lamp.y_m for lamp in rig.lamps]
     seen_m = max((rig.half_across_m, *(abs(end) for camera in rig.pair_m for end in camera)))
-    half_m = max(seen_m * 1.12, max(map(abs, lamps_y)) * 1.12)
-    top_m = min(-0.12 * floor_m, *(lamp.z_m for lamp in rig.lamps)) - 0.02 * floor_m
+    half_m = max(seen_m * 1.12, max(map(abs, lamps_y), default=0.0) * 1.12)
+    top_m = min([-0.12 * floor_m, *(lamp.z_m for lamp in rig.lamps)]) - 0.02 * floor_m
     frame = fitted(-half_m, half_m, top_m, floor_m + tolerance_m + 0.02 * floor_m)
     floor_y, right_x = frame.y(floor_m), frame.x(half_m)
     parts = [clip("behind", 0.0, 0.0, WIDTH_PX, floor_y)]
@@ -93,6 +94,7 @@ def view_from_behind(rig: RigMeasures, *, title: str, description: str) -> str:
     ends = [min([0.0, *lamps_y]), max([0.0, *lamps_y])]
     parts.append(line(frame.x(ends[0]), frame.y(mast_m), frame.x(ends[1]), frame.y(mast_m), "ink"))
     parts += [lamp_across(frame, lamp, mast_m) for lamp in rig.lamps]
+    parts += daylight(frame, rig)
     parts += [camera_across(frame, rig, mast_m, at_m) for at_m, *_ in cameras]
     spread = f" ± {metres(tolerance_m)}" if tolerance_m > 0 else ""
     parts.append(
@@ -201,6 +203,19 @@ def beam_ring(rig: RigMeasures, lamp: Lamp) -> list[tuple[float, float]]:
         reach = height_m / max(ray[2], cos(STEEPEST_RAD))
         ring.append((lamp.x_m + reach * ray[0], lamp.y_m + reach * ray[1]))
     return ring
+
+
+def daylight(frame: PageFrame, rig: RigMeasures) -> list[str]:
+    """Arrows down to the floor where the sun is the only light; nothing beside lamps."""
+    if rig.sun_elevation_deg is None:
+        return []
+    top, bottom = TOP_PX - 22.0, frame.y(0.55 * rig.altitude_m)
+    parts = [text(EDGE_PX, top - 6, f"sun at {rig.sun_elevation_deg:g}°, from all sides alike")]
+    for share in ARROWS:
+        x = share * WIDTH_PX
+        head = polygon([(x, bottom + 8), (x - 5, bottom - 3), (x + 5, bottom - 3)], "beam")
+        parts += [line(x, top, x, bottom, "beam"), head]
+    return parts
 
 
 # ---------------------------------------------------------------- symbols

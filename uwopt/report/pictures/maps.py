@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 from uwopt.evaluation.recompute import Replay
 from uwopt.forward.figures import full_light_lm, open_s
 from uwopt.forward.lamps import luminous_weight
-from uwopt.forward.sun_light import SunField
 from uwopt.model import sensor
 from uwopt.model.footprint import floor_area_ratio, floor_illuminance_per_lm
 from uwopt.model.image_mean import cells
 from uwopt.model.imaging import floor_point
-from uwopt.report.pictures.curves import CHANNELS, at_nominal, is_colour, lamp_field
+from uwopt.report.pictures.curves import CHANNELS, is_colour, lamp_field, sun_field
+from uwopt.tolerances import SATISFIED_REL
 from uwopt.units import ratio_to_db
 
 Array = NDArray[Any]
@@ -47,11 +47,12 @@ class ImageMap:
     veil_e: Array
     snr: Array
     mean_level: Array
+    saturated: NDArray[np.bool_]  # the plain floor is clipped there, so that nothing can be told from noise
 
     @property
     def snr_db(self) -> Array:
-        """SNR in decibels."""
-        return np.asarray(ratio_to_db(self.snr))
+        """SNR in decibels; NaN where the pixel is saturated."""
+        return np.where(self.saturated, np.nan, ratio_to_db(self.snr))
 
 
 @dataclass(frozen=True)
@@ -92,11 +93,7 @@ def field_at(
     signal = lamps[0, 0] * light_x
     veil = np.zeros_like(signal) if over is None else over[0, 0] * light_x
     if rows.sun is not None:
-        sun = SunField(
-            model.problem, scene_index, port_index=model.hardware.port,
-            efficiency=int(model.cameras.qe_index[0]), channel=channel,
-        )  # fmt: skip
-        sun.scene = at_nominal(sun.scene)
+        sun = sun_field(design, scene_index, channel)
         open_y = float(open_s(rows, settings)[0] / np.square(figures.working_f_number[0]))
         daylight = sun.at_points(view, *places)[0][0] * open_y
         signal, veil = signal + daylight[..., 0], veil + daylight[..., 1] + daylight[..., 2]
@@ -128,6 +125,7 @@ def image_map(
         there.signal_e, veil_e=there.veil_e, read_noise_e=float(cam.read_noise_e[0]), gain_dn_per_e=gain,
         dark_e=dark, prnu_frac=float(cam.prnu_frac[0]),
     )  # fmt: skip
+    every_e = there.signal_e + there.veil_e + dark
     level = sensor.mean_level(
         there.signal_e + there.veil_e, gain_dn_per_e=gain, bits=float(cam.bits[0]), dark_e=dark,
         offset_dn=float(cam.black_level_dn[0]),
@@ -140,6 +138,7 @@ def image_map(
         veil_e=there.veil_e,
         snr=np.asarray(snr),
         mean_level=np.asarray(level),
+        saturated=np.maximum(level, every_e / float(cam.saturation_e[0])) > 1.0 + SATISFIED_REL,
     )
 
 
@@ -155,10 +154,10 @@ def image_points(design: Replay, columns: int, rows: int) -> tuple[Array, Array]
 def floor_map(
     design: Replay, scene_index: int = 0, *, columns: int = COLUMNS, rows: int = ROWS
 ) -> FloorMap | None:
-    """Illuminance over the footprint and around it; None in physics `paper`."""
+    """Illuminance by the lamps over the footprint and around it; None without lamps, and in physics `paper`."""
     model, settings = design.model, design.settings[scene_index]
     problem, hw = model.problem, model.hardware
-    if problem.paper:
+    if problem.paper or model.unlit:
         return None
     scene, view, shape = problem.scenes[scene_index], model.views[scene_index], model.shapes[scene_index]
     range_m = float(scene.range_m[scene.nominal])

@@ -78,7 +78,8 @@ def spectrum_plot(way: SpectrumWay) -> Plot:
     """Five stages of the light below each other, over one axis of wavelengths."""
     some = slice(None, None, SPECTRUM_STEP)
     stages: list[tuple[str, str, list[tuple[str, Array, str]]]] = [
-        ("leaving the lamps", "W/nm", [("lamps", way.flux_w_nm, PURPLE)]),
+        ("above the water", "W/m²/nm", [("sun", way.source, PURPLE)]) if way.of_sun else
+        ("leaving the lamps", "W/nm", [("lamps", way.source, PURPLE)]),
         ("on the floor", "W/m²/nm", [("floor", way.floor_irradiance_w_m2_nm, PURPLE)]),
         ("reflected", "W/m²/sr/nm", [("reflected", way.reflected_radiance_w_m2_sr_nm, PURPLE)]),
         ("on the sensor", "W/m²/nm", [("sensor", way.sensor_irradiance_w_m2_nm, PURPLE)]),

@@ -91,7 +91,7 @@ def first_blocks(result: Result) -> Iterator[Block]:
         return
     yield buy_block(design, "The system" if result.command == "evaluate" else "Buy")
     yield set_block(result, design)
-    yield cost_block(result, design)
+    yield cost_block(result, design.as_set)
     yield from certainty_block(result)
 
 
@@ -127,8 +127,8 @@ def verdict_lines(result: Result) -> list[Line]:
     """What the answer is best in, what images it takes, and what fails first."""
     if result.best is None:
         return []
-    said = [goal_sentence(result, result.best), image_sentence(result.best)]
-    if first := fails_first(result.best):
+    said = [goal_sentence(result, result.best), image_sentence(result.best.as_set)]
+    if first := fails_first(result.best.as_set):
         said.append(words.as_sentence(first))
     said += [*subject_sentences(result, result.best)]
     said += [words.as_sentence(note.message) for note in result.warnings if note.code in TOLD_FIRST]
@@ -157,7 +157,10 @@ def goal_sentence(result: Result, design: Design) -> str:
     as_set = rounded is not None and design.is_settable and rounded.objective_value is not None
     value = rounded.objective_value if rounded is not None and as_set else design.objective_value
     most = "most" if goal.direction == "maximise" else "least"
-    return f"Goal: {most} {name}, {words.value_text(result, design, value)}{' as set' if as_set else ''}."
+    text = words.value_text(result, design, value)
+    exact = words.value_text(result, design, design.objective_value)
+    beside = f" ({exact} before rounding)" if as_set and exact != text else ""
+    return f"Goal: {most} {name}, {text}{' as set' if as_set else ''}{beside}."
 
 
 def image_sentence(design: Design) -> str:

@@ -72,12 +72,11 @@ def headline(result: Result) -> Block:
     name = formats.one_line(result.mission.get("name") or "mission", 80)
     title = Joined((Text(name, "bold"), Text(": "), Text(result.status, status_style(result))))
     lines: list[Line] = [title, Text(words.as_sentence(words.status_sentence(result)))]
-    value = result.best.objective_value if result.best is not None else None
-    if value is not None and result.best is not None:
+    if result.best is not None and result.best.objective_value is not None:
         goal = formats.one_line(result.objective.name)
         direction = formats.one_line(result.objective.direction)
-        lines.append(Text(f"Objective: {goal} {words.value_text(result, result.best, value)} ({direction}d)."))
-    if result.best is not None and (first := fails_first(result.best)):
+        lines.append(Text(f"Objective: {goal} {words.as_set_text(result, result.best)} ({direction}d)."))
+    if result.best is not None and (first := fails_first(result.best.as_set)):
         lines.append(sentence(words.as_sentence(first)))
     return block("", lines)
 
@@ -98,9 +97,9 @@ def design_blocks(result: Result, design: Design) -> Iterator[Block]:
     yield hardware_block(design, "Recommendation" if result.command == "solve" else "System")
     yield settings_block(result, design)
     yield from margin_blocks(design)
-    if facts := frame_facts(design.scenes):
+    if facts := frame_facts(design.as_set.scenes):
         yield block("The image as a whole", [fact_lines(facts)])
-    yield totals_block(design)
+    yield totals_block(design.as_set)
     if design.bom:
         yield bom_block(design)
 
@@ -208,16 +207,24 @@ def rounding_lines(result: Result | FrontResult, design: Design) -> list[Line]:
 
 
 def margin_blocks(design: Design) -> Iterator[Block]:
-    """Every margin, scene by scene; what is the same in all scenes once, for the system."""
-    if len(design.scenes) == 1:
-        yield block("Margins", margin_lines(design.scenes[0].margins, design))
+    """Every margin, scene by scene, at the settings to set; what is the same in all scenes once, for the system."""
+    scenes, exact = design.as_set.scenes, exact_margins(design)
+    if len(scenes) == 1:
+        yield block("Margins", margin_lines(scenes[0].margins, design, exact[0]))
         return
-    common = common_margins(design.scenes)
-    for scene in design.scenes:
+    common = common_margins(scenes)
+    for scene, own_exact in zip(scenes, exact, strict=True):
         own = [margin for margin in scene.margins if margin not in common]
-        yield block(f"Margins in scene {formats.one_line(scene.name, 60)}", margin_lines(own, design))
+        yield block(f"Margins in scene {formats.one_line(scene.name, 60)}", margin_lines(own, design, own_exact))
     if common:
-        yield block("Margins in every scene", margin_lines(common, design))
+        yield block("Margins in every scene", margin_lines(common, design, exact[0]))
+
+
+def exact_margins(design: Design) -> list[dict[str, Margin]]:
+    """By scene the margins of the exact optimum, where those shown are of the settings to set; else none."""
+    if design.as_set is design:
+        return [{} for _ in design.scenes]
+    return [{margin.requirement: margin for margin in scene.margins} for scene in design.scenes]
 
 
 def common_margins(scenes: Sequence[SceneResult]) -> list[Margin]:
@@ -226,28 +233,37 @@ def common_margins(scenes: Sequence[SceneResult]) -> list[Margin]:
     return [margin for margin in first.margins if all(margin in other.margins for other in rest)]
 
 
-def margin_lines(margins: Sequence[Margin], design: Design) -> list[Line]:
+def margin_lines(margins: Sequence[Margin], design: Design, exact: Mapping[str, Margin]) -> list[Line]:
     """The table, and how much of its limits is kept in reserve."""
     kinds = kinds_by_id(design)
     kept = [
         f"{words.requirement_name(m.requirement, kinds)} {formats.reserve_text(m)}" for m in margins if m.reserve
     ]
-    return [margin_table(margins, design), *([sentence(f"In these limits: {'; '.join(kept)}.")] if kept else [])]
+    return [margin_table(margins, design, exact), *([sentence(f"In these limits: {'; '.join(kept)}.")] if kept else [])]
 
 
-def margin_table(margins: Sequence[Margin], design: Design) -> Grid:
-    """One row a requirement that applies: value, limit, what is left, where it is worst."""
-    kinds = kinds_by_id(design)
+def margin_table(margins: Sequence[Margin], design: Design, exact: Mapping[str, Margin]) -> Grid:
+    """One row a requirement that applies: value, limit, what is left, where it is worst, and the exact optimum's."""
+    kinds, cost = kinds_by_id(design), design.totals.cost
     table = columns(
         ("requirement", "left"), ("value", "right"), ("limit", "right"), ("margin", "right"),
-        ("worst at", "right"), ("", "left"),
+        ("worst at", "right"), *([("exact", "right")] if exact else []), ("", "left"),
     )  # fmt: skip
     for margin in margins:
         if has_no_limit(margin):
             continue
-        mark = MARKS[margin_state(margin)]
-        table.add_row(*map(Text, margin_texts(margin, kinds, design.totals.cost)), mark)
+        optimum = exact.get(margin.requirement)
+        mark = MARKS[margin_state(margin, optimum)]
+        beside = [exact_text(margin, optimum, cost)] if exact else []
+        table.add_row(*map(Text, (*margin_texts(margin, kinds, cost), *beside)), mark)
     return table
+
+
+def exact_text(margin: Margin, exact: Margin | None, cost: Cost | None = None) -> str:
+    """What the exact optimum reaches of a requirement; "" where that is what is reached as set."""
+    if exact is None or exact.value == margin.value:
+        return ""
+    return formats.margin_ends(exact, cost)[0]
 
 
 #: What stands behind a margin.
@@ -259,11 +275,11 @@ def has_no_limit(margin: Margin) -> bool:
     return margin.satisfied and margin.margin is None
 
 
-def margin_state(margin: Margin) -> str:
-    """met | binding | missed."""
+def margin_state(margin: Margin, exact: Margin | None = None) -> str:
+    """met | binding | missed; what binds the exact optimum is at its limit but for what rounding leaves of it."""
     if not margin.satisfied:
         return "missed"
-    return "binding" if margin.binding else "met"
+    return "binding" if margin.binding or (exact is not None and exact.binding) else "met"
 
 
 def margin_texts(margin: Margin, kinds: Mapping[str, str], cost: Cost | None = None) -> tuple[str, str, str, str, str]:

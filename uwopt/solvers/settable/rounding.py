@@ -16,6 +16,7 @@ import numpy as np
 from uwopt.deadline import NEVER, Deadline
 from uwopt.evaluation.design import evaluate_design
 from uwopt.evaluation.design_model import DesignModel, design_model
+from uwopt.evaluation.focus_marks import DIGITS, FAR_M, focus_marks_m
 from uwopt.evaluation.influences import influences_of
 from uwopt.evaluation.leaning import leaning_models
 from uwopt.forward.designs import Hardware, SceneSettings
@@ -28,10 +29,9 @@ from uwopt.objectives.objective import Objective
 from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL
 from uwopt.results.design import Design
 from uwopt.solvers.settable.scene import SettableScene, Tried, terms_of
-from uwopt.solvers.settable.steps import DIGITS, focus_distances_m, rates_hz, stops
+from uwopt.solvers.settable.steps import rates_hz, stops
 from uwopt.tolerances import SATISFIED_REL
 
-FAR_M = 10_000.0  # what a focus at infinity, or beyond, is set to
 HOPELESS = 0.05  # share by which a requirement is missed that no finer rate or focus can mend
 MOST_LEAN = 2  # models with effects left out that the search heeds, one after the other
 BY_POWER = Objective({"power": 1.0})  # of a design that only has to stay near the optimum
@@ -86,7 +86,7 @@ def rounded_with(
         made = Rounded(given, evaluated(problem, hardware, given, goal))
         if not made.design.feasible or problem.mission.physics != "auto":
             return made
-        lean = problem.with_effects(effects_kept(influences_of(problem, hardware, given, goal)))
+        lean = problem.with_effects(effects_kept(influences_of(problem, hardware, given)))
         if lean.effects == problem.effects or holds(design_model(lean, hardware), given):
             return made
         if len(leaner) == MOST_LEAN:
@@ -141,9 +141,7 @@ def holds(model: DesignModel, given: Sequence[SceneSettings]) -> bool:
 
 def variants(model: DesignModel, optimum: Sequence[SettingRows]) -> Iterator[tuple[list[float], list[float]]]:
     """Frame rates and focus to try, by scene: in few figures first; the focus ring stands alike in all scenes."""
-    distance_m = float(water_distance_m(optimum[0].dioptre_per_m[0], focus_map=model.maps[0]))
-    marks_m = focus_distances_m(distance_m) if 0 < distance_m < FAR_M else [FAR_M]
-    for number, mark_m in enumerate(marks_m):
+    for number, mark_m in enumerate(focus_marks_m(model, float(optimum[0].dioptre_per_m[0]))):
         ring = float(lens_dioptre_per_m(mark_m, focus_map=model.maps[0]))
         dioptres = [typed_dioptre_per_m(model, i, ring) for i in range(len(optimum))]
         asked = [model.asked_rate_hz(index, at) for index, at in enumerate(dioptres)]

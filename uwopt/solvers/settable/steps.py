@@ -1,4 +1,4 @@
-"""The marks on the parts: f-numbers, times, gains, levels, rates and focus distances that a person can set."""
+"""The marks on the parts: f-numbers, times, gains, levels and rates that a person can set; of focus: `focus_marks`."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.evaluation.focus_marks import DIGITS
 from uwopt.forward.part_columns import Lenses, Lights
 from uwopt.model.f_stops import THIRD_STOPS
 
@@ -15,9 +16,7 @@ Array = NDArray[np.float64]
 GAIN_STEP_DB = 0.1
 TIME_STEP_S = 1e-6
 LEVEL_STEP = 0.01
-FOCUS_STEP_M = 0.01
 RATE_DIGITS = 3
-DIGITS = 6  # that a setting is printed with: what is typed is what was checked
 EDGE = 1e-9  # relative: a mark that is hit is not passed
 
 
@@ -52,14 +51,6 @@ def figures_up(value: float, digits: int) -> float:
 def rates_hz(rate_hz: float) -> tuple[float, float]:
     """Frame rates to set, no lower than this one: in few figures; in as many as are printed."""
     return figures_up(rate_hz, RATE_DIGITS), figures_up(rate_hz, DIGITS)
-
-
-def focus_distances_m(distance_m: float) -> list[float]:
-    """Focus distances to set, the nearest first: in centimetres, within a metre in three figures."""
-    step = FOCUS_STEP_M * min(1.0, 10.0 ** math.floor(math.log10(distance_m)))
-    below = math.floor(distance_m / step)
-    near = sorted((max(below + n, 1) for n in range(2)), key=lambda n: abs(n * step - distance_m))
-    return [float(f"{n * step:.{DIGITS}g}") for n in dict.fromkeys(near)]
 
 
 def time_steps(steps: Array, *, up: bool = False) -> Array:
