@@ -70,7 +70,7 @@ DEFECTS = (
         file="uwopt/solvers/exact/bounds.py",
         old="np.minimum(electrons_e, contrast * most_held_e(cameras, self.problem.scenes[scene_index]))",
         new="np.minimum(electrons_e, contrast**2 * most_held_e(cameras, self.problem.scenes[scene_index]))",
-        test="tests/solvers/test_bounds.py::test_a_unit_is_bounded_by_its_best[best signal under a veil-False]",
+        test="tests/solvers/test_bounds.py::test_a_unit_is_bounded_by_its_best[best signal under a veil]",
     ),
     Defect(
         name="what more would buy is sought within what there is",

@@ -15,14 +15,14 @@ DEFECTS: tuple[Defect, ...] = (
         file="uwopt/solvers/exact/bounds.py",
         old="veil_ratio=veil, prnu_frac",
         new="veil_ratio=2.0 * veil, prnu_frac",
-        test="tests/solvers/test_bounds.py::test_a_unit_is_bounded_by_its_best[light mostly veil-False]",
+        test="tests/solvers/test_bounds.py::test_a_unit_is_bounded_by_its_best[light mostly veil]",
     ),
     Defect(
         name="a well is thought to hold more veil than it must",
         file="uwopt/solvers/exact/bounds.py",
         old="most_held_e(cameras, scene) / (1.0 + veil[:, 1]) * ROUND",
         new="most_held_e(cameras, scene) / np.square(1.0 + veil[:, 1]) * ROUND",
-        test="tests/solvers/test_bounds.py::test_a_unit_is_bounded_by_its_best[a well nearly full of veil-False]",
+        test="tests/solvers/test_bounds.py::test_a_unit_is_bounded_by_its_best[a well nearly full of veil]",
     ),
     Defect(
         name="the veil of the farthest altitude counts at all",

@@ -56,7 +56,7 @@ DEFECTS: tuple[Defect, ...] = (
         file="uwopt/solvers/exact/bounds.py",
         old="off = (bounds.rule < 0) & self._is_off_balance(k, rows)",
         new="off = (bounds.rule < -1) & self._is_off_balance(k, rows)",
-        test=f"{UNITS}[max_white_balance-False]",
+        test=f"{UNITS}[max_white_balance]",
     ),
     Defect(
         name="a subject swims with the vehicle",

@@ -151,22 +151,21 @@ def below(bound: float, best: brute.Best) -> bool:
     return bool(bound <= best.value + (FOUND - 1.0) * best.scale)
 
 
-def bounds_of(name: str, *, coupled: bool, tables: type[FieldTables] = FieldTables) -> Bounds:
+def bounds_of(name: str, tables: type[FieldTables] = FieldTables) -> Bounds:
     """Bounds of all imagers, with signals from the tables or integrated."""
     search, imagers = searched(name)
     made = search.tables if tables is FieldTables else tables(search.problem, imagers, like=search.tables)
-    return Bounds(search.objective, imagers, made, coupled=coupled)
+    return Bounds(search.objective, imagers, made)
 
 
 # ---------------------------------------------------------------- nodes
 
 
-@pytest.mark.parametrize("coupled", [False, True])
 @pytest.mark.parametrize("name", MISSIONS)
-def test_a_unit_is_bounded_by_its_best(name: str, coupled: bool) -> None:
+def test_a_unit_is_bounded_by_its_best(name: str) -> None:
     """Objective and power of the best lamp and number; and what a rule discards has no feasible one."""
     _, imagers = searched(name)
-    bounds, tried = bounds_of(name, coupled=coupled), 0
+    bounds, tried = bounds_of(name), 0
     for k, table in enumerate(bounds.light_tables):
         unit = bounds.of_nodes(k, np.arange(len(imagers)))
         for row in range(len(imagers)):
@@ -186,7 +185,7 @@ def test_a_unit_is_bounded_by_its_best(name: str, coupled: bool) -> None:
 def test_the_pixel_that_decides_bounds_a_unit_more_sharply(name: str) -> None:
     """Every unit by its best of all lamps and numbers; and more sharply than the mean does by a tenth of its light."""
     _, imagers = searched(name)
-    bounds, rows, tried, gained = bounds_of(name, coupled=False), np.arange(len(imagers)), 0, 0
+    bounds, rows, tried, gained = bounds_of(name), np.arange(len(imagers)), 0, 0
     for k, table in enumerate(bounds.light_tables):
         rough, unit = bounds.of_nodes(k, rows), bounds.of_pixels(k, rows)
         assert (unit.power >= rough.power).all() and (unit.value >= rough.value).all()
@@ -218,12 +217,11 @@ def test_bounds_by_pixels_leave_the_answer_and_the_account_as_they_are(monkeypat
     assert fine.discarded["power_w"] > rough.discarded["power_w"] and fine.evaluated <= rough.evaluated
 
 
-@pytest.mark.parametrize("coupled", [False, True])
 @pytest.mark.parametrize("name", UNDIMMED)
-def test_the_bound_of_a_unit_is_tight(name: str, coupled: bool) -> None:
+def test_the_bound_of_a_unit_is_tight(name: str) -> None:
     """In physics `paper` light is known exactly: the best unit's power is bounded to a hundredth."""
     _, imagers = searched(name)
-    bounds, best = bounds_of(name, coupled=coupled), known(name).least()
+    bounds, best = bounds_of(name), known(name).least()
     assert best is not None
     hw = best.hardware
     row = np.nonzero((imagers.camera == hw.camera) & (imagers.lens == hw.lens) & (imagers.port == hw.port))[0]
@@ -237,7 +235,7 @@ def test_the_bound_of_a_unit_is_tight(name: str, coupled: bool) -> None:
 def test_a_single_light_is_bounded_by_its_best(name: str, tables: type[FieldTables]) -> None:
     """A light that a rule discards has no feasible settings, and the least of the others bounds the unit."""
     _, imagers = searched(name)
-    bounds, rows = bounds_of(name, coupled=True, tables=tables), np.arange(len(imagers))
+    bounds, rows = bounds_of(name, tables=tables), np.arange(len(imagers))
     for k, table in enumerate(bounds.light_tables):
         unit = bounds.of_nodes(k, rows)
         rule, least = pair_rules(bounds, k, rows, unit, np.inf)
@@ -252,7 +250,7 @@ def test_a_single_light_is_bounded_by_its_best(name: str, tables: type[FieldTabl
 
 def test_a_single_light_is_bounded_more_sharply_than_the_unit() -> None:
     """A lamp with steps draws the next one up: the unit's bound knows no step, the light's own does."""
-    search = one(wanted=FAST, physics="paper", light={"dim_levels": (0.9, 1.0)}).searcher()
+    search = one(wanted=FAST, physics="paper", light={"dim_levels": (0.1, 0.9, 1.0)}).searcher()
     imagers, row = search.prepare(), np.arange(1)
     bounds = Bounds(search.objective, imagers, search.tables)
     unit = bounds.of_nodes(0, row)
@@ -278,7 +276,7 @@ def test_a_group_of_ports_is_bounded_by_its_best(name: str) -> None:
             seen = level.imagers(rows)
             passes = np.logical_and.reduce([ok for _, ok in level.rules(rows, seen)])
             tables = OutlineTables(level, rows, seen, like)
-            bounds = Bounds(search.objective, seen, tables, coupled=True)
+            bounds = Bounds(search.objective, seen, tables)
             nodes = [bounds.of_nodes(k, np.arange(4)) for k in range(len(tables.lightings))]
             for row in range(4):
                 best = known(name).least(camera=camera[row], lens=lens[row], port=ports)
@@ -299,7 +297,7 @@ def test_a_group_of_pairs_is_bounded_by_its_best(name: str) -> None:
         rows = OutlineRows(camera, lens, np.ones(len(lens), bool), np.zeros(len(lens), int))
         seen = level.imagers(rows)
         passes = np.logical_and.reduce([ok for _, ok in level.rules(rows, seen)])
-        bounds = Bounds(search.objective, seen, OutlineTables(level, rows, seen, like), coupled=True)
+        bounds = Bounds(search.objective, seen, OutlineTables(level, rows, seen, like))
         nodes = [bounds.of_nodes(k, np.arange(len(lens))) for k in range(len(like.lightings))]
         row, one, other = pairs.parted(camera, lens)
         for at, own, its in zip(row, one, other, strict=True):

@@ -284,11 +284,11 @@ COLOURED = {
 }  # fmt: skip
 
 
-def unit_rules(case_: Case, *, coupled: bool) -> list[str]:
+def unit_rules(case_: Case) -> list[str]:
     """Rules that discard the one unit."""
     search = case_.searcher()
     imagers = search.prepare()
-    bounds = Bounds(search.objective, imagers, search.tables, coupled=coupled)
+    bounds = Bounds(search.objective, imagers, search.tables)
     return [NODE_RULES[int(rule)] for rule in bounds.of_nodes(0, np.arange(1)).rule if rule >= 0]
 
 
@@ -296,7 +296,7 @@ def light_rules(case_: Case, threshold: float = np.inf) -> list[str]:
     """Rules that discard its one light when looked at alone."""
     search = case_.searcher()
     imagers = search.prepare()
-    bounds = Bounds(search.objective, imagers, search.tables, coupled=True)
+    bounds = Bounds(search.objective, imagers, search.tables)
     unit = replace(bounds.of_nodes(0, np.arange(1)), rule=np.array([-1]))
     rule, _ = pair_rules(bounds, 0, np.arange(1), unit, threshold)
     return [NODE_RULES[int(one_)] for one_ in rule.ravel() if one_ >= 0]
@@ -306,18 +306,16 @@ IN_TABLES = tuple(rule for rule in NODE_RULES if rule != "bound")
 OF_LIGHTS = tuple(rule for rule in IN_TABLES if rule != "max_white_balance")  # which no lamp of its optics mends
 
 
-@pytest.mark.parametrize("coupled", [False, True])
 @pytest.mark.parametrize("rule", IN_TABLES)
-def test_a_unit_falls_when_its_light_is_outside(rule: str, coupled: bool) -> None:
+def test_a_unit_falls_when_its_light_is_outside(rule: str) -> None:
     """A hundredth less light or power than the enumeration needs is enough, a millionth of the others."""
-    assert unit_rules(unit_limit(rule, fits=False), coupled=coupled) == [rule]
+    assert unit_rules(unit_limit(rule, fits=False)) == [rule]
 
 
-@pytest.mark.parametrize("coupled", [False, True])
 @pytest.mark.parametrize("rule", IN_TABLES)
-def test_a_unit_stays_when_its_light_is_inside(rule: str, coupled: bool) -> None:
+def test_a_unit_stays_when_its_light_is_inside(rule: str) -> None:
     """What the enumeration finds feasible is not discarded."""
-    assert unit_rules(unit_limit(rule, fits=True), coupled=coupled) == []
+    assert unit_rules(unit_limit(rule, fits=True)) == []
 
 
 @pytest.mark.parametrize("rule", OF_LIGHTS)
@@ -350,6 +348,26 @@ def test_a_lamp_that_cannot_keep_up_with_the_images_falls() -> None:
     for share, found in ((1.0 - NEAR, ["light"]), (1.0 + NEAR, [])):
         light = {**LED, "max_rate_hz": exact(RATE_HZ * share)}
         assert light_rules(one(light=light, wanted=FAST)) == found
+        assert unit_rules(one(light=light, wanted=FAST)) == found
+
+
+SLOW_HZ, QUICK_HZ = RATE_HZ * (1.0 - NEAR), RATE_HZ * (1.0 + NEAR)
+
+
+@pytest.mark.parametrize(
+    ("rate_hz", "other_share", "other_hz", "found"),
+    [(SLOW_HZ, 1e-3, QUICK_HZ, ["light"]), (QUICK_HZ, 1e-3, SLOW_HZ, []), (QUICK_HZ, 2.0, SLOW_HZ, [])],
+)
+def test_a_unit_falls_when_no_lamp_is_both_bright_and_quick_enough(
+    rate_hz: float, other_share: float, other_hz: float, found: list[str]
+) -> None:
+    """One lamp is bright enough; another of its beam has a share of its light."""
+    flux_lm = other_share * 30_000.0
+    case_ = with_parts(
+        one(light={**LED, "max_rate_hz": exact(rate_hz)}, wanted=FAST),
+        lights=[{"max_rate_hz": other_hz, "flux_lm": flux_lm, "power_w": flux_lm / 100.0}],
+    )
+    assert unit_rules(case_) == found
 
 
 # ---------------------------------------------------------------- the whole search

@@ -37,7 +37,7 @@ from uwopt.solvers.exact.node_bounds import (
     quickest,
     suffix_min,
 )
-from uwopt.tolerances import ROUND
+from uwopt.tolerances import COARSE_ROUND, ROUND
 from uwopt.units import ratio_to_db
 
 Array = NDArray[Any]
@@ -50,10 +50,9 @@ class Bounds:
 
     def __init__(
         self, objective: Objective, imagers: Imagers, tables: FieldTables, *, lights: Array | None = None,
-        coupled: bool = False, like: Bounds | None = None,
+        like: Bounds | None = None,
     ):  # fmt: skip
-        """`coupled`: lights must meet what is left of the budgets together; `like` lends its tables of lights."""
-        self.coupled = coupled
+        """`like` lends its tables of lights."""
         self.problem, self.objective, self.imagers, self.tables = tables.problem, objective, imagers, tables
         self.searched = np.ones(len(self.problem.parts.lights), bool) if lights is None else lights
         self.limits = self.problem.mission.limits
@@ -183,7 +182,7 @@ class Bounds:
         lighting, table, limits = self.tables.lightings[k], self.light_tables[k], self.limits
         imagers = self.imagers
         n = len(rows)
-        power, mean_power, capacity_needed = np.zeros(n), np.zeros(n), np.zeros(n)
+        power, mean_power, capacity_needed, rate_hz = (np.zeros(n) for _ in range(4))
         snr_db, information = np.full(n, np.inf), np.full(n, np.inf)
         order = np.argsort(table.effective[own])
         capacity = table.effective[own][order]
@@ -193,16 +192,15 @@ class Bounds:
             np.full(n, np.inf),
         )
         affordable = None
-        if self.coupled and limits.cost is not None:
+        if limits.cost is not None:
             affordable = self._corner(
                 k, kind, "drawn", table.power_per_light[own][order], table.limit_cost[own][order]
             )
         for index in range(len(imagers.scenes)):
             need = self.needs(index, rows)
             light_time, wanted, most = self.light_needed(index, lighting, need, kind, rows, pixel_e.get(index))
-            if self.coupled:
-                light_time, wanted = self._within_pulse(k, kind, own, need, light_time, wanted)
-            capacity_needed = np.maximum(capacity_needed, wanted)
+            light_time, wanted = self._within_pulse(k, kind, own, need, light_time, wanted)
+            capacity_needed, rate_hz = np.maximum(capacity_needed, wanted), np.maximum(rate_hz, need.rate_hz)
             at = np.searchsorted(capacity, wanted * (1 - 1e-12))
             drawn = np.where(at < len(capacity), least_drawn[np.minimum(at, len(capacity) - 1)], np.inf)
             if affordable is not None:
@@ -210,7 +208,7 @@ class Bounds:
             with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
                 used = self._used(k, own, kind, need, light_time, wanted)
                 scene_power = np.where(used > 0, used * drawn, 0.0)
-                if self.coupled and kind != PULSED:
+                if kind != PULSED:
                     on = need.rate_hz if kind == FLASH else self.on_share(k, own, need.rate_hz, 0.0)
                     dimmest = self._dimmest(k, own) * on
                     scene_power = np.maximum(scene_power, np.where(used > 0, dimmest, 0.0))
@@ -229,12 +227,14 @@ class Bounds:
         at = np.searchsorted(capacity, capacity_needed * (1 - 1e-12))
         reachable = at < len(capacity)
         pick = np.minimum(at, len(capacity) - 1)
+        fastest_hz = -suffix_min(-table.max_rate_hz[own][order])[pick]  # of all that give as much
+        reachable &= rate_hz <= fastest_hz * COARSE_ROUND
 
         def least(values: Array) -> Array:
             return np.where(reachable, suffix_min(values[own][order])[pick], np.inf)
 
         lights_cost = least(table.cost)
-        if self.coupled and limits.power_w is not None:
+        if limits.power_w is not None:
             corner = self._corner(k, kind, "cost", table.cost[own][order], table.power_per_light[own][order])
             lights_cost = corner.within(at, most_drawn)
         bounds = NodeBounds(
@@ -388,8 +388,8 @@ class Bounds:
         )  # fmt: skip
         with np.errstate(invalid="ignore"):
             value = self.objective.cost_to_minimise(terms)
-        if self.coupled:  # no light keeps within both budgets
-            rule = np.where((rule < 0) & ~np.isfinite(value), NODE_RULES.index("power_w"), rule)
+        over = (rule < 0) & ~np.isfinite(value)  # no light keeps within both budgets
+        rule = np.where(over, NODE_RULES.index("power_w"), rule)
         value = np.where(rule >= 0, np.inf, value)
         return replace(bounds, value=value, rule=rule, contrast=contrast)
 

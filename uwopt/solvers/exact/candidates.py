@@ -40,7 +40,7 @@ class Candidates:
         problem, own = self.tables.problem, self.bounds
         tables, signals = (kind(problem, imagers, like=self.tables) for kind in (FieldTables, SignalTables))
         bounds, signal_bounds = (
-            Bounds(own.objective, imagers, made, lights=own.searched, coupled=True, like=own)
+            Bounds(own.objective, imagers, made, lights=own.searched, like=own)
             for made in (tables, signals)
         )
         return Candidates(imagers, tables, bounds, signal_bounds)

@@ -80,7 +80,7 @@ class PairTree:
         for index, scene in enumerate(problem.scenes):
             for altitude in {scene.nominal, len(scene.range_m) - 1}:
                 tables.set_widest(index, altitude, self._widest(index, altitude))
-        bounds = Bounds(objective, none, tables, lights=lights, coupled=True)
+        bounds = Bounds(objective, none, tables, lights=lights)
         self.none = Candidates(none, tables, bounds)  # its tables of lights serve all others
         rows = self._every_row(self.levels[0])
         floors = goal.ideals(self.floor_terms(self.levels[0], rows))
@@ -262,7 +262,7 @@ class PairTree:
             return rows.take(index), np.empty((0, self.n_ideals))
         own = self.none.bounds
         tables = OutlineTables(level, rows, imagers, self.none.tables)
-        bounds = Bounds(self.objective, imagers, tables, lights=own.searched, coupled=True, like=own)
+        bounds = Bounds(self.objective, imagers, tables, lights=own.searched, like=own)
         best, rules = np.full((len(index), self.n_ideals), np.inf), []
         open_ = np.zeros(len(index), bool)
         for k in range(len(tables.lightings)):

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.flash_times import FlashTimes
-from uwopt.forward.part_columns import FLASH, Cameras
+from uwopt.forward.part_columns import CONTINUOUS, FLASH, Cameras
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import SceneOptics
 from uwopt.model import information, sharpness
@@ -38,6 +38,7 @@ class LampChoices:
     effective: Array  # count * full light * output factor: lm, or lm s a pulse
     power_per_light: Array  # electrical per unit of effective light
     kind: Array
+    max_rate_hz: Array  # images that it keeps up with; inf where it burns on
 
     @staticmethod
     def of(problem: Problem, lighting: Lighting, searched: Array) -> LampChoices:
@@ -61,6 +62,7 @@ class LampChoices:
             effective,
             per_light,
             rows.kind,
+            np.where(rows.kind == CONTINUOUS, np.inf, rows.max_rate_hz),
         )
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward import switching
-from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED, Lights
+from uwopt.forward.part_columns import FLASH, PULSED, Lights
 from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.bounds import Bounds
 from uwopt.solvers.exact.imager_rules import limit
@@ -52,7 +52,7 @@ def pair_rules(
             drawn = given * np.where(flash, rate, np.where(pulsed, pulse * rate, on))
             drawn = np.where(wanted > 0, drawn * table.power_per_light, 0.0)
         able &= (wanted <= table.effective * MEETS) & (longest > 0)
-        able &= (rate <= lamp.max_rate_hz * MEETS) | (table.kind == CONTINUOUS)
+        able &= rate <= table.max_rate_hz * MEETS
         power = np.maximum(power, np.where(able, drawn, np.inf))
         mean_power = mean_power + duration.shares[scene_index] * np.where(able, drawn, 0.0)
     power = power + imagers.camera_power_w[rows, None]
