@@ -6,7 +6,7 @@ from reference.physics import mean_cosine, solid_angle_integral
 
 from uwopt.catalog.curves import phase_functions
 from uwopt.errors import CatalogError, RangeError
-from uwopt.model import scattering
+from uwopt.model import phase_formulas, scattering
 
 # Petzold (1972), SIO Ref. 72-78: backscatter ratio B/S as printed for each station. Mean cosines: power-law
 # integration of the printed functions, made for another table of this project.
@@ -120,7 +120,7 @@ def written(tmp_path, header, rows):
 
 def henyey_greenstein_rows(factor=1.0):
     angles_deg = np.concatenate([[0.0], np.geomspace(0.5, 180.0, 80)])
-    values = scattering.henyey_greenstein_per_sr(np.cos(np.radians(angles_deg)), asymmetry=0.9)
+    values = phase_formulas.henyey_greenstein_per_sr(np.cos(np.radians(angles_deg)), asymmetry=0.9)
     return [(f"{a:.6f}", f"{factor * v:.9g}") for a, v in zip(angles_deg, values, strict=True)]
 
 

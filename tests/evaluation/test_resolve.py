@@ -13,7 +13,7 @@ import uwopt
 from uwopt.catalog.curves.spectra import water_profile
 from uwopt.errors import MissionError
 from uwopt.mission.mission import load_mission
-from uwopt.model.scattering import fournier_forand_for_backscatter, fournier_forand_per_sr
+from uwopt.model.phase_formulas import fournier_forand_for_backscatter, fournier_forand_per_sr
 
 MISSION: dict[str, Any] = {
     "practice": "bare", "physics": "full",

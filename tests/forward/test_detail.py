@@ -19,7 +19,7 @@ from uwopt.forward.lamp_light import LampField
 from uwopt.forward.sharpness import SharpRows
 from uwopt.mission.mission import load_mission
 from uwopt.mission.system import load_system
-from uwopt.model import scattering, sharpness
+from uwopt.model import phase_formulas, sharpness
 
 SYSTEM: dict[str, Any] = {
     "camera": {
@@ -49,12 +49,12 @@ def rows_of(model: DesignModel) -> SharpRows:
 
 def chi(frequency: float) -> float:
     """Of the default phase function, by plain quadrature."""
-    index, slope = scattering.fournier_forand_for_backscatter(0.0183)
+    index, slope = phase_formulas.fournier_forand_for_backscatter(0.0183)
 
     def shown(log_psi: float) -> float:
         psi = np.exp(log_psi)
         y = 2 * np.pi * frequency * psi
-        p = scattering.fournier_forand_per_sr(np.array(psi), index=index, slope=slope)
+        p = phase_formulas.fournier_forand_per_sr(np.array(psi), index=index, slope=slope)
         return float(2 * np.pi * np.sin(psi) * psi * p * itj0y0(y)[0] / y)
 
     return quad(shown, np.log(1e-8), np.log(np.pi), limit=2000, epsabs=1e-7)[0]

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.special import itj0y0
 
-from uwopt.model import detail, scattering
+from uwopt.model import detail, phase_formulas, scattering
 
 THETA_0 = 0.03
 
@@ -34,10 +34,10 @@ def test_wells_phase_function_has_the_transfer_of_his_closed_form(frequency: flo
 
 @pytest.mark.parametrize("frequency", [5.0, 100.0, 1000.0])
 def test_share_of_a_sea_like_function_is_the_plain_integral(frequency: float) -> None:
-    index, slope = scattering.fournier_forand_for_backscatter(0.0183)
+    index, slope = phase_formulas.fournier_forand_for_backscatter(0.0183)
 
     def phase(psi: np.ndarray) -> np.ndarray:
-        return scattering.fournier_forand_per_sr(psi, index=index, slope=slope)
+        return phase_formulas.fournier_forand_per_sr(psi, index=index, slope=slope)
 
     def shown(log_psi: float) -> float:
         psi = float(np.exp(log_psi))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from uwopt.model import multiple, scattering
+from uwopt.model import multiple, phase_formulas, scattering
 
 
 def test_nothing_lost_leaves_absorption_and_all_lost_leaves_c() -> None:
@@ -21,7 +21,7 @@ def test_nothing_lost_leaves_absorption_and_all_lost_leaves_c() -> None:
 def test_share_beyond_of_henyey_greenstein_is_its_closed_form(degrees: float) -> None:
     # integral of p from psi to 180 deg: (1 - g^2) / (2 g) (1 / sqrt(1 + g^2 - 2 g cos psi) - 1 / (1 + g))
     g = 0.9
-    table = scattering.phase_table_of(lambda psi: scattering.henyey_greenstein_per_sr(np.cos(psi), asymmetry=g))
+    table = scattering.phase_table_of(lambda psi: phase_formulas.henyey_greenstein_per_sr(np.cos(psi), asymmetry=g))
     root = np.sqrt(1 + g * g - 2 * g * np.cos(np.deg2rad(degrees)))
     known = (1 - g * g) / (2 * g) * (1 / root - 1 / (1 + g))
     assert scattering.share_beyond(np.deg2rad(degrees), table) == pytest.approx(known, rel=1e-5)
@@ -30,7 +30,7 @@ def test_share_beyond_of_henyey_greenstein_is_its_closed_form(degrees: float) ->
 @pytest.mark.parametrize("degrees", [0.0, 30.0, 90.0, 150.0])
 def test_share_beyond_of_molecules_is_the_integral_of_their_function(degrees: float) -> None:
     psi = np.deg2rad(degrees)
-    known = quad(lambda t: 2 * np.pi * np.sin(t) * float(scattering.molecular_per_sr(np.cos(t))), psi, np.pi)[0]
+    known = quad(lambda t: 2 * np.pi * np.sin(t) * float(phase_formulas.molecular_per_sr(np.cos(t))), psi, np.pi)[0]
     assert scattering.share_beyond(psi, None) == pytest.approx(known, rel=1e-9)
 
 

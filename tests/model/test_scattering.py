@@ -12,7 +12,7 @@ from reference.physics import mean_cosine, solid_angle_integral
 from scipy.integrate import quad
 
 from uwopt.errors import RangeError
-from uwopt.model import scattering
+from uwopt.model import phase_formulas, scattering
 
 # Mobley, Ocean Optics Web Book, "The Fournier-Forand phase function", Table 1; the last row: Mobley, Sundman
 # and Boss (2002), for Petzold's mean particle.
@@ -32,15 +32,15 @@ asymmetries = st.floats(-0.5, 0.98)
 
 def henyey_greenstein(g):
     return scattering.phase_table_of(
-        lambda angle: scattering.henyey_greenstein_per_sr(np.cos(angle), asymmetry=g)
+        lambda angle: phase_formulas.henyey_greenstein_per_sr(np.cos(angle), asymmetry=g)
     )
 
 
 def fournier_forand(ratio):
-    index, slope = scattering.fournier_forand_for_backscatter(ratio)
+    index, slope = phase_formulas.fournier_forand_for_backscatter(ratio)
 
     def function(angle):
-        return scattering.fournier_forand_per_sr(angle, index=index, slope=slope)
+        return phase_formulas.fournier_forand_per_sr(angle, index=index, slope=slope)
 
     return function
 
@@ -75,51 +75,51 @@ def printed_fournier_forand(angle, n, mu):
 
 
 def test_henyey_greenstein_of_zero_asymmetry_is_even_over_the_sphere():
-    values = scattering.henyey_greenstein_per_sr([-1.0, 0.0, 1.0], asymmetry=0.0)
+    values = phase_formulas.henyey_greenstein_per_sr([-1.0, 0.0, 1.0], asymmetry=0.0)
     assert values == pytest.approx(1 / (4 * math.pi))
 
 
 def test_henyey_greenstein_ahead_and_behind_by_hand():
     # psi = 0: (1 + g)/(4 pi (1 - g)^2); psi = 180 deg: (1 - g)/(4 pi (1 + g)^2); g = 0.9: 190/(4 pi), 0.1/(4 pi 3.61)
-    ahead, behind = scattering.henyey_greenstein_per_sr([1.0, -1.0], asymmetry=0.9)
+    ahead, behind = phase_formulas.henyey_greenstein_per_sr([1.0, -1.0], asymmetry=0.9)
     assert ahead * 4 * math.pi == pytest.approx(190.0)
     assert behind * 4 * math.pi == pytest.approx(0.1 / 3.61)
 
 
 @pytest.mark.parametrize("g", [-0.6, 0.0, 0.5, 0.93])
 def test_henyey_greenstein_has_the_mean_cosine_and_integral_of_its_definition(g):
-    p = lambda c: float(scattering.henyey_greenstein_per_sr(c, asymmetry=g))  # noqa: E731
+    p = lambda c: float(phase_formulas.henyey_greenstein_per_sr(c, asymmetry=g))  # noqa: E731
     assert 2 * math.pi * quad(p, -1, 1, epsrel=1e-10)[0] == pytest.approx(1.0, rel=1e-9)
     assert 2 * math.pi * quad(lambda c: c * p(c), -1, 1, epsrel=1e-10)[0] == pytest.approx(g, abs=1e-9)
     expected = 2 * math.pi * quad(p, -1, 0)[0]
-    assert scattering.henyey_greenstein_backscatter_ratio(g) == pytest.approx(expected, rel=1e-9)
+    assert phase_formulas.henyey_greenstein_backscatter_ratio(g) == pytest.approx(expected, rel=1e-9)
 
 
 @given(g=asymmetries)
 def test_asymmetry_for_backscatter_undoes_the_backscatter_of_henyey_greenstein(g):
-    ratio = scattering.henyey_greenstein_backscatter_ratio(g)
-    assert scattering.asymmetry_for_backscatter(ratio) == pytest.approx(g, abs=1e-12)
+    ratio = phase_formulas.henyey_greenstein_backscatter_ratio(g)
+    assert phase_formulas.asymmetry_for_backscatter(ratio) == pytest.approx(g, abs=1e-12)
 
 
 @pytest.mark.parametrize("ratio", [0.0, 1.0, -0.1])
 def test_impossible_backscatter_is_refused(ratio):
     with pytest.raises(RangeError, match="backscatter ratio"):
-        scattering.asymmetry_for_backscatter(ratio)
+        phase_formulas.asymmetry_for_backscatter(ratio)
     with pytest.raises(RangeError, match=r"0\.0001 to 0\.4"):
-        scattering.fournier_forand_for_backscatter(ratio)
+        phase_formulas.fournier_forand_for_backscatter(ratio)
 
 
 @pytest.mark.parametrize(("index", "slope", "ratio"), WEB_BOOK)
 def test_fournier_forand_scatters_back_what_the_literature_tabulates(index, slope, ratio):
     # the printed index is rounded to 5e-4, and the ratio goes with (n - 1)^2; slope and ratio add 0.5 %
-    got = scattering.fournier_forand_backscatter_ratio(index, slope=slope)
+    got = phase_formulas.fournier_forand_backscatter_ratio(index, slope=slope)
     assert got == pytest.approx(ratio, rel=2 * 5e-4 / (index - 1) + 0.005)
 
 
 @pytest.mark.parametrize(("index", "slope", "ratio"), [row for row in WEB_BOOK if row[2] != 0.4])
 def test_one_parameter_family_runs_through_the_tabulated_pairs(index, slope, ratio):
     # all but the web book's 0.4, which leaves the line; the web book rounds the index to 1e-3 .. 5e-3
-    n, mu = scattering.fournier_forand_for_backscatter(ratio)
+    n, mu = phase_formulas.fournier_forand_for_backscatter(ratio)
     assert n == pytest.approx(index, abs=5e-3)
     assert mu == pytest.approx(slope, abs=0.02)
 
@@ -127,7 +127,7 @@ def test_one_parameter_family_runs_through_the_tabulated_pairs(index, slope, rat
 @given(ratio=ratios)
 def test_wanted_backscatter_is_met_by_the_printed_formula(ratio):
     # Mobley, Sundman and Boss (2002), equation for the backscatter fraction, as printed
-    n, mu = scattering.fournier_forand_for_backscatter(ratio)
+    n, mu = phase_formulas.fournier_forand_for_backscatter(ratio)
     nu, d = (3 - mu) / 2, 4 / (3 * (n - 1) ** 2) * 0.5
     printed = 1 - (1 - d ** (nu + 1) - 0.5 * (1 - d**nu)) / ((1 - d) * d**nu)
     assert printed == pytest.approx(ratio, rel=1e-9, abs=1e-12)
@@ -138,14 +138,14 @@ def test_fournier_forand_equals_the_printed_equation_at_sixty_digits(index, slop
     pole = 2 * math.asin(math.sqrt(0.75) * (index - 1))  # d = 1
     near_pole = [pole * (1 + e) for e in (-0.03, -0.02, -1e-3, -1e-6, 1e-9, 1e-5, 0.01, 0.024, 0.03)]
     for angle in (1e-8, 1e-5, 1e-3, 0.02, 0.3, 1.0, 2.0, 3.0, math.pi, *near_pole):
-        got = float(scattering.fournier_forand_per_sr(angle, index=index, slope=slope))
+        got = float(phase_formulas.fournier_forand_per_sr(angle, index=index, slope=slope))
         assert got == pytest.approx(printed_fournier_forand(angle, index, slope), rel=1e-10)
 
 
 def test_fournier_forand_is_finite_at_its_poles():
     index = 1.1
     poles = [0.0, 2 * math.asin(math.sqrt(0.75) * (index - 1)), math.pi]
-    values = scattering.fournier_forand_per_sr(poles, index=index, slope=3.5835)
+    values = phase_formulas.fournier_forand_per_sr(poles, index=index, slope=3.5835)
     assert np.all(np.isfinite(values) & (values > 0))
 
 
@@ -166,23 +166,23 @@ def test_fournier_forand_is_positive_at_all_angles(ratio):
 @pytest.mark.parametrize(("index", "slope"), [(1.0, 3.5), (1.1, 3.0), (1.1, 5.1), (0.9, 4.0)])
 def test_particles_without_a_fournier_forand_function_are_refused(index, slope):
     with pytest.raises(RangeError, match="not defined"):
-        scattering.fournier_forand_per_sr(1.0, index=index, slope=slope)
+        phase_formulas.fournier_forand_per_sr(1.0, index=index, slope=slope)
 
 
 def test_molecular_scattering_at_90_degrees_follows_the_depolarisation():
     # p(90)/p(0) = 1/(1 + f) = (1 + delta)/2 = 0.5195 for delta = 0.039
-    ahead, across = scattering.molecular_per_sr([1.0, 0.0])
+    ahead, across = phase_formulas.molecular_per_sr([1.0, 0.0])
     assert across / ahead == pytest.approx(0.5195)
 
 
 def test_molecular_scattering_with_morels_depolarisation_is_the_textbook_form():
     # Mobley (1994), Light and Water: 0.06225 (1 + 0.835 cos^2 psi) per steradian, delta = 0.09
-    values = scattering.molecular_per_sr([0.0, 0.5, -1.0], depolarisation=0.09)
+    values = phase_formulas.molecular_per_sr([0.0, 0.5, -1.0], depolarisation=0.09)
     assert values == pytest.approx([0.06225, 0.06225 * (1 + 0.835 / 4), 0.06225 * 1.835], rel=1e-4)
 
 
 def test_molecular_scattering_integrates_to_one():
-    total = 2 * math.pi * quad(lambda c: float(scattering.molecular_per_sr(c)), -1, 1)[0]
+    total = 2 * math.pi * quad(lambda c: float(phase_formulas.molecular_per_sr(c)), -1, 1)[0]
     assert total == pytest.approx(1.0, rel=1e-12)
 
 
@@ -201,14 +201,14 @@ def test_table_of_fournier_forand_is_exact_to_2e_5_from_5_to_180_degrees(ratio):
 def test_table_of_henyey_greenstein_is_exact_to_2e_5_at_all_angles(g):
     cosine = np.cos(np.radians(np.linspace(0.0, 180.0, 5003)))
     got = scattering.look_up(cosine, henyey_greenstein(g))
-    np.testing.assert_allclose(got, scattering.henyey_greenstein_per_sr(cosine, asymmetry=g), rtol=2e-5)
+    np.testing.assert_allclose(got, phase_formulas.henyey_greenstein_per_sr(cosine, asymmetry=g), rtol=2e-5)
 
 
 def test_table_of_molecular_scattering_is_exact_to_1e_8():
-    table = scattering.phase_table_of(lambda angle: scattering.molecular_per_sr(np.cos(angle)))
+    table = scattering.phase_table_of(lambda angle: phase_formulas.molecular_per_sr(np.cos(angle)))
     cosine = np.linspace(-1, 1, 10_001)
     np.testing.assert_allclose(
-        scattering.look_up(cosine, table), scattering.molecular_per_sr(cosine), rtol=1e-8
+        scattering.look_up(cosine, table), phase_formulas.molecular_per_sr(cosine), rtol=1e-8
     )
     assert scattering.backscatter_ratio(table) == pytest.approx(0.5, abs=1e-8)
     assert mean_cosine(table) == pytest.approx(0.0, abs=1e-8)
@@ -244,7 +244,7 @@ def test_coarse_knots_of_a_smooth_function_are_joined_smoothly():
 
 def test_table_meets_its_knots():
     knots_rad = np.radians([0.0, 2.0, 8.0, 20.0, 60.0, 90.0, 120.0, 150.0, 171.0])
-    values = scattering.henyey_greenstein_per_sr(np.cos(knots_rad), asymmetry=0.6)
+    values = phase_formulas.henyey_greenstein_per_sr(np.cos(knots_rad), asymmetry=0.6)
     table = scattering.phase_table(knots_rad, values / 1.004)
     got = scattering.look_up(np.cos(knots_rad[2:]), table) / values[2:]
     np.testing.assert_allclose(got, got[0], rtol=1e-6)

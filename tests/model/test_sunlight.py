@@ -9,13 +9,13 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from uwopt.errors import RangeError
-from uwopt.model import scattering, sunlight
+from uwopt.model import phase_formulas, scattering, sunlight
 
 N_WATER = 1.34
 HIGH_RAD = math.radians(60.0)
 G = 0.85
 TABLE = scattering.phase_table_of(
-    lambda angle: scattering.henyey_greenstein_per_sr(np.cos(angle), asymmetry=G)
+    lambda angle: phase_formulas.henyey_greenstein_per_sr(np.cos(angle), asymmetry=G)
 )
 SURFACE = np.array([1.2, 0.7])
 WATER = {
@@ -48,7 +48,7 @@ def veil_by_quadrature(column, *, depth_m, path_m, cos_field, azimuth_rad, eleva
     ray = np.array([sin_field * math.cos(azimuth_rad), sin_field * math.sin(azimuth_rad), cos_field])
     cos_angle = float(sun @ -ray)  # light travels on from the point towards the camera
     beta = WATER["scattering_per_m"][column] * float(
-        scattering.henyey_greenstein_per_sr(cos_angle, asymmetry=G)
+        phase_formulas.henyey_greenstein_per_sr(cos_angle, asymmetry=G)
     )
     high_sun = sun_in_water(HIGH_RAD)[2]
     share = float(sunlight.surface_factor(elevation_rad, n_water=N_WATER))
@@ -235,7 +235,7 @@ def test_long_path_has_the_veil_of_endless_water():
     path = 500.0
     got = veil(depth_m=path, path_m=path)
     mu = sun_in_water(HIGH_RAD)[2]
-    phase = scattering.henyey_greenstein_per_sr(-mu, asymmetry=G)
+    phase = phase_formulas.henyey_greenstein_per_sr(-mu, asymmetry=G)
     k = WATER["attenuation_per_m"] + WATER["kd_per_m"]
     np.testing.assert_allclose(got, WATER["scattering_per_m"] * phase * SURFACE * 0.95 / mu / k, rtol=1e-6)
 
@@ -270,7 +270,7 @@ def test_molecular_scattering_adds_its_own_veil():
     np.testing.assert_allclose(both - veil(azimuth_rad=0.0), water_only, rtol=1e-9)
     # against particles: p_w(-mu)/p(-mu)
     mu = sun_in_water(HIGH_RAD)[2]
-    ratio = scattering.molecular_per_sr(-mu) / scattering.henyey_greenstein_per_sr(-mu, asymmetry=G)
+    ratio = phase_formulas.molecular_per_sr(-mu) / phase_formulas.henyey_greenstein_per_sr(-mu, asymmetry=G)
     expected = veil(azimuth_rad=0.0) * ratio * [0.003 / 0.2, 0.001 / 0.15]
     np.testing.assert_allclose(water_only, expected, rtol=1e-6)
 

@@ -11,7 +11,7 @@ from scipy.integrate import quad
 from scipy.special import j0
 
 from uwopt.model import beam as beams
-from uwopt.model import scattering
+from uwopt.model import phase_formulas, scattering
 from uwopt.model.image_mean import field_mean
 from uwopt.model.imaging import Lamps, PortShape
 from uwopt.model.path_table import build_path_table
@@ -32,7 +32,7 @@ LOBES = {
 
 
 def henyey_greenstein(g: float) -> PhaseTable:
-    return scattering.phase_table_of(lambda psi: scattering.henyey_greenstein_per_sr(np.cos(psi), asymmetry=g))
+    return scattering.phase_table_of(lambda psi: phase_formulas.henyey_greenstein_per_sr(np.cos(psi), asymmetry=g))
 
 
 def petals(width_rad: float) -> PhaseTable:

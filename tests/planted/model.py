@@ -432,7 +432,7 @@ DEFECTS = (
     ),
     Defect(
         name="phase function not normalised over the sphere",
-        file="uwopt/model/scattering.py",
+        file="uwopt/model/phase_formulas.py",
         old="(4 * np.pi * denominator**1.5)",
         new="(2 * np.pi * denominator**1.5)",
         test="tests/model/test_scattering.py::test_look_up_keeps_the_shape_and_bears_round_off",

@@ -23,7 +23,8 @@ from uwopt.mission.sections.scene import Scene
 from uwopt.model import fineness as fine
 from uwopt.model import multiple, water
 from uwopt.model.beam import Beam, half_power_angle_rad
-from uwopt.model.scattering import PhaseTable, look_up, molecular_per_sr, share_beyond
+from uwopt.model.phase_formulas import molecular_per_sr
+from uwopt.model.scattering import PhaseTable, look_up, share_beyond
 from uwopt.model.spectrum import resample, trapezoid_weights_nm, wavelength_grid_nm
 from uwopt.model.widened import Turned, ways_m, widened
 

@@ -15,7 +15,7 @@ from uwopt.forward.scene import clarity_of, table_of
 from uwopt.mission.best_image import BestImageGoal, why_no_information
 from uwopt.mission.keys import TARGET_WORDS
 from uwopt.mission.mission import Mission, SceneView
-from uwopt.model.scattering import FOURNIER_FORAND_RATIOS
+from uwopt.model.phase_formulas import FOURNIER_FORAND_RATIOS
 
 
 def check_physical(mission: Mission) -> None:

@@ -4,7 +4,7 @@ spectrum    the grid, integrals, black bodies
 light       lumens to watts per nanometre, electrical power, pulses
 beam        where a lamp's light goes
 water       what the way to the floor and back takes (path_table: contracted over both legs)
-scattering  phase functions: how much light is turned where
+scattering  phase functions as tables: how much light is turned where; phase_formulas: known ones
 multiple    light scattered more than once, as attenuations less than c; detail: what shows in it all the same
 veil        light of the lamps that water scatters back (geometry, ray, mean), or forward by much (wide)
 sunlight    daylight at depth, on the floor and along the path

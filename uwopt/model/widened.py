@@ -31,7 +31,8 @@ from uwopt.model.detail import masses_by_angle
 from uwopt.model.halo import Widening
 from uwopt.model.image_mean import gauss
 from uwopt.model.path_table import product
-from uwopt.model.scattering import PhaseTable, molecular_per_sr, phase_table_of
+from uwopt.model.phase_formulas import molecular_per_sr
+from uwopt.model.scattering import PhaseTable, phase_table_of
 from uwopt.model.spectrum import FloatArray
 
 ORDERS = 120

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from uwopt.model import beam as beams
-from uwopt.model import scattering
+from uwopt.model import phase_formulas, scattering
 from uwopt.model.image_mean import field_mean
 from uwopt.model.imaging import Lamps, PortShape, local_gain
 from uwopt.model.path_table import PathTable, build_path_table
@@ -35,13 +35,13 @@ def phase_table(name: str) -> scattering.PhaseTable:
     if name not in _PHASES:
         kind, _, rest = name.partition(" ")
         if kind == "ff":
-            index, slope = scattering.fournier_forand_for_backscatter(float(rest))
+            index, slope = phase_formulas.fournier_forand_for_backscatter(float(rest))
             made = scattering.phase_table_of(
-                lambda psi: scattering.fournier_forand_per_sr(psi, index=index, slope=slope)
+                lambda psi: phase_formulas.fournier_forand_per_sr(psi, index=index, slope=slope)
             )
         elif kind == "hg":
             made = scattering.phase_table_of(
-                lambda psi: scattering.henyey_greenstein_per_sr(np.cos(psi), asymmetry=float(rest))
+                lambda psi: phase_formulas.henyey_greenstein_per_sr(np.cos(psi), asymmetry=float(rest))
             )
         else:
             phase = phase_of(name)

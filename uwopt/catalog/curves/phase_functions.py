@@ -21,7 +21,7 @@ from uwopt.catalog.curves.spectra import pure_water
 from uwopt.catalog.parts.cell import POSITIVE, Range
 from uwopt.catalog.tables import Row, Table, read_table
 from uwopt.errors import CatalogError, RangeError
-from uwopt.model import scattering
+from uwopt.model import phase_formulas, scattering
 
 FloatArray = NDArray[np.float64]
 
@@ -120,18 +120,18 @@ def pure_water_scattering_per_m(
 def _formula(name: str, ratio: float) -> PhaseFunction:
     try:
         if name == DEFAULT:
-            index, slope = scattering.fournier_forand_for_backscatter(ratio)
+            index, slope = phase_formulas.fournier_forand_for_backscatter(ratio)
             table = scattering.phase_table_of(
-                lambda angle_rad: scattering.fournier_forand_per_sr(angle_rad, index=index, slope=slope)
+                lambda angle_rad: phase_formulas.fournier_forand_per_sr(angle_rad, index=index, slope=slope)
             )
             source = (
                 "Fournier and Jonasz (1999); index and slope linked as by Mobley, Sundman and Boss (2002)"
             )
             note = f"particles of refractive index {index:.4f} and size slope {slope:.4f}"
         else:
-            asymmetry = scattering.asymmetry_for_backscatter(ratio)
+            asymmetry = phase_formulas.asymmetry_for_backscatter(ratio)
             table = scattering.phase_table_of(
-                lambda angle_rad: scattering.henyey_greenstein_per_sr(np.cos(angle_rad), asymmetry=asymmetry)
+                lambda angle_rad: phase_formulas.henyey_greenstein_per_sr(np.cos(angle_rad), asymmetry=asymmetry)
             )
             source, note = "Henyey and Greenstein (1941)", f"mean cosine {asymmetry:.4f}"
     except RangeError as fault:
