@@ -249,7 +249,7 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="single lights are kept that cannot keep up",
         file="uwopt/solvers/exact/screen.py",
-        old="able &= (rate <= lamp.max_rate_hz * MEETS) | (table.kind == CONTINUOUS)",
+        old="able &= rate <= table.max_rate_hz * MEETS",
         new="able &= rate > 0",
         test=f"{RULES}test_a_lamp_that_cannot_keep_up_with_the_images_falls",
     ),
@@ -701,8 +701,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="light of one lamp is remembered as that of two",
         file="uwopt/forward/remembered.py",
-        old='once(("pixels", self.lamps, veils)',
-        new='once(("pixels", veils)',
+        old='key = "pixels", self.lamps, veils,',
+        new='key = "pixels", veils,',
         test="tests/forward/test_remembered.py::test_remembered_light_is_the_light",
     ),
     Defect(

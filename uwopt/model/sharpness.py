@@ -241,16 +241,10 @@ def mtf_along(frequency_cyc_per_px: Numeric, *, sharpness: Sharpness, falling: b
     return value * spread_mtf(sharpness.lateral_k_along * frequency_cyc_per_px, table=sharpness.spread, falling=falling)
 
 
-def mtf_across(frequency_cyc_per_px: Numeric, *, sharpness: Sharpness, falling: bool = False) -> Numeric:
-    """Transfer of detail that alternates across the motion, 0..1: as along, without motion. See `mtf_axes` [sym]."""
-    still = replace(sharpness, motion_blur_px=0.0, lateral_k_along=sharpness.lateral_k_across)
-    return mtf_along(frequency_cyc_per_px, sharpness=still, falling=falling)
-
-
 def mtf_axes(
     frequency_cyc_per_px: Numeric, *, sharpness: Sharpness, falling: bool = False
 ) -> tuple[Numeric, Numeric]:
-    """`mtf_along` and `mtf_across` at one frequency, with what is the same in all directions worked out once [sym]."""
+    """Transfer of detail along and across the motion, 0..1, with what both share worked out once [sym]."""
     still = round_mtf(frequency_cyc_per_px, sharpness=sharpness) * sinc_mtf(frequency_cyc_per_px)
     moved = still * sinc_mtf(frequency_cyc_per_px, width_px=sharpness.motion_blur_px)
     if sharpness.spread is None:
