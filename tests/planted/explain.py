@@ -11,6 +11,13 @@ PRICES, PRICED = "uwopt/solvers/explain/prices.py", "tests/solvers/test_prices.p
 
 DEFECTS = (
     Defect(
+        name="a price is that of the mission solved before it",
+        file=PRICES,
+        old="        if other == mission:",
+        new="        if other.scenes == mission.scenes:",
+        test=f"{PRICED}::test_speed_costs_what_the_lamps_draw_more",
+    ),
+    Defect(
         name="the best SNR of the mean is told as the least change of the darkest pixel's",
         file="uwopt/solvers/explain/singles.py",
         old='return name != "min_snr" or all(',

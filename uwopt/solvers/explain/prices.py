@@ -64,12 +64,12 @@ def prices(
 ) -> list[Price]:
     """What a step more of each binding requirement costs with this system, as far as there is time."""
     mission, found = sought.problem.mission, sought.outcome.best[0]
-    base, made = VariedMission(mission, {}), []
+    base, made, solved = VariedMission(mission, {}), [], list[tuple[Mission, float | None]]()
     for key, asked, step in priced_keys(mission, winner):
         deadline.check()
 
         def at(more: float, key: Varied = key, asked: float = asked) -> float | None:
-            return reached(sought, found, base, goal, key, rounded(asked + more))
+            return reached(sought, found, base, goal, key, rounded(asked + more), solved)
 
         here, there = at(0.0), at(step)
         if here is None:
@@ -82,16 +82,24 @@ def prices(
 
 
 def reached(
-    sought: Sought, found: Found, base: VariedMission, goal: Objective, key: Varied, value: float
-) -> float | None:
-    """The objective, as it is reported, of one system where a key has another value; None where it does not fit."""
+    sought: Sought, found: Found, base: VariedMission, goal: Objective, key: Varied, value: float,
+    solved: list[tuple[Mission, float | None]],
+) -> float | None:  # fmt: skip
+    """The objective, as it is reported, of one system where a key has another value; None where it does not fit.
+
+    solved : what missions reached before: what is asked of one key is asked of all, so that its mission comes again
+    """
     try:
         mission = base.with_values({key: value})
     except MissionError:
         return None
+    for other, before in solved:
+        if other == mission:
+            return before
     problem = problem_of(sought.problem, found, mission=mission, scenes=same_scenes(sought.problem, mission))
     best = Search(problem, goal, top=1).run().best
-    return goal.reported(best[0].minimised) if best else None
+    solved.append((mission, goal.reported(best[0].minimised) if best else None))
+    return solved[-1][1]
 
 
 def slope_at(at: Any, small: float) -> float | None:
