@@ -530,6 +530,27 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/solvers/test_greatest_snr.py::test_highest_snr_within_each_limit_is_that_of_settings_tried",
     ),
     Defect(
+        name="tangents are taken where a design looks worst",
+        file="uwopt/solvers/settings/cell_start.py",
+        old="found = places[value.argmin(axis=0), np.arange(m)]",
+        new="found = places[value.argmax(axis=0), np.arange(m)]",
+        test="tests/solvers/test_cell_start.py::test_top_is_met_to_a_few_percent",
+    ),
+    Defect(
+        name="tangents of a front are taken at the middle of all settings",
+        file="uwopt/solvers/settings/cells.py",
+        old="self.start = self._looks_best(roots)",
+        new="self._looks_best(roots)",
+        test="tests/solvers/test_trade_curves.py::test_tangents_where_designs_look_best_bound_them_closely",
+    ),
+    Defect(
+        name="bounds of a front drawn in below what settings reach",
+        file="uwopt/solvers/front/trade_curves.py",
+        old="most = -(1.0 + RULE_SLACK) * self._whole(",
+        new="most = -0.8 * self._whole(",
+        test="tests/solvers/test_trade_curves.py::test_first_bounds_of_information_cover_what_is_tried",
+    ),
+    Defect(
         name="bounds drawn in roughly have no room for what few nodes miss",
         file="uwopt/solvers/front/trade_curves.py",
         old="RULE_SLACK, WIDE_SLACK = 1e-4, 0.3",

@@ -127,8 +127,8 @@ def test_no_point_is_better_than_the_bound_of_a_cell_that_holds_it(name: str) ->
 
 
 CELLS_ENOUGH = {  # halved until a gap of 1e-4 closes, a quarter more than it takes: looser bounds take many more
-    "information under lamps": 52, "information with a veil and dark current": 55,
-    "information of a bright image": 83, "signal under the sun": 112, "pulses under the sun": 500,
+    "information under lamps": 5, "information with a veil and dark current": 6,
+    "information of a bright image": 11, "signal under the sun": 112, "pulses under the sun": 500,
     "signal against power": 1370, "hardly sharp by steps of light": 25,
 }  # fmt: skip
 #: Sharpness alone tells f-numbers apart under a faint sun: cells halved in time only see it after 8700 of them.

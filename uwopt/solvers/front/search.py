@@ -12,6 +12,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -34,7 +35,7 @@ from uwopt.solvers.exact.node_bounds import NODE_RULES
 from uwopt.solvers.exact.search import Search, are_too_many
 from uwopt.solvers.front.curves import Curves
 from uwopt.solvers.front.large import WITHOUT_BOUND, Undominated, in_layers
-from uwopt.solvers.front.trade_curves import FINELY, ROUGHLY, Answers, Hopeful, Trade
+from uwopt.solvers.front.trade_curves import Answers, Hopeful, Trade
 from uwopt.solvers.settings import windows
 from uwopt.solvers.settings.mean_limit import MeanLimit
 from uwopt.tolerances import ROUND
@@ -46,7 +47,7 @@ ROUGH_SEGMENT, FINEST_SEGMENT = 3e-3, 1e-6  # share of the box that a segment ma
 FRONT_GAP = 5e-4  # of the hypervolume: what the sampled curves may miss
 WAVE_ROUNDS, REFINEMENTS = 1, 8  # of asking the segments of one wave, and of all that stayed
 MOST_PIECES = 8  # of a segment at a time
-FEWEST_ASKED, MOST_ASKED = 256, 8192  # segments at a time, before the points found are looked at
+FEWEST_ASKED, MOST_ASKED = 1024, 8192  # segments at a time, before the points found are looked at
 RESOLVED_REL = {"information": 2e-4}  # of a quality that is found to a gap
 SAME_REL = 1e-6  # of the others: to this a requirement counts as met
 RARELY = 0.1  # share of the segments asked that hold something new
@@ -379,14 +380,14 @@ class FrontSearch:
         which no lower one lies."""
         left = curves.without(~self._are_open(curves))
         drawn = self.quality == "information" and self._trades_power()
-        for drawing, highest in ((ROUGHLY, True), (ROUGHLY, False), (FINELY, True), (FINELY, False)) * drawn:
+        for closely, highest in product((False, True), (True, False)) if drawn else ():
             if left is None:
                 break
-            upper = left.segments()[1][self._open_segments(left, ROUGH_SEGMENT)[0]]
+            upper = left.segments()[1][self._open_segments(left, 0.0 if closely else ROUGH_SEGMENT)[0]]
             if highest:
                 design = left.answers.design[upper]
                 upper = upper[np.append(design[1:] != design[:-1], True)[: len(upper)]]
-            left.answers = self.trade.drawn_in(left.some, left.answers, upper, drawing)
+            left.answers = self.trade.drawn_in(left.some, left.answers, upper, closely=closely)
             left = left.without(~self._are_open(left))
         return left
 

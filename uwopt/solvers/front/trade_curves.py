@@ -36,7 +36,7 @@ ABOVE = 1.0 + 1e-9  # a limit that equals the least power must admit it
 POWER, SNR = Objective({"power": 1.0}), Objective({"snr_db": 1.0})
 CURVE_GAP = 5e-4  # relative, of qualities without a closed form
 DIMMEST = 1e-4  # of the power at the far end: where a curve that begins without light is first asked
-#: Bounds of information, drawn in twice: pieces of the range of f-numbers, and nodes over frequencies (None: the
+#: Bounds of information by pieces of the range of f-numbers: how many, and nodes over frequencies (None: the
 #: model's own). Few nodes serve little colour; where it is wide such designs are many, dear and seldom good.
 ROUGHLY: Drawing = (3, (13, 8))
 FINELY: Drawing = (8, None)
@@ -359,33 +359,47 @@ class Trade:
             best = np.minimum(best, bits / scene.sharp.pixel_area_m2)
         return np.where(np.isfinite(most), best, -np.inf)
 
-    def drawn_in(self, some: Hopeful, bounds: Answers, which: Array, drawing: Drawing = FINELY) -> Answers:
+    def drawn_in(self, some: Hopeful, bounds: Answers, which: Array, *, closely: bool) -> Answers:
         """Some bounds of information drawn in: the light of wide apertures does not come with the depth of small ones.
 
-        The range of f-numbers is cut into pieces. In each the SNR is that of its widest aperture, the light's
-        wave that of its widest and the defocus that of its smallest, the motion that of the shortest time.
+        closely : by tangents where each design looks best; else, and under the sun, by pieces of the range of
+        f-numbers, few and with few nodes over frequencies where it need not be close
         """
         if self.quality != "information":
             return bounds
-        pieces, orders = drawing
         asked = which[np.isfinite(bounds.bound[which]) & (bounds.bound[which] > 0)]
-        designs = some.take(bounds.design[asked])
+        designs, limit_w = some.take(bounds.design[asked]), bounds.limit_w[asked] * ABOVE
+        if closely and not some.sunlit:
+            goal = Objective({self.quality: 1.0})
+            most = -(1.0 + RULE_SLACK) * self._whole(designs, goal, limit_w, points=False).lower_bound
+        else:
+            most = self._in_pieces(designs, limit_w, bounds.bound[asked], FINELY if closely else ROUGHLY)
+        bound = bounds.bound.copy()
+        bound[asked] = np.minimum(bound[asked], most)
+        return replace(bounds, bound=bound).drawn_in()
+
+    def _in_pieces(self, designs: Hopeful, limit_w: Array, known: Array, drawing: Drawing) -> Array:
+        """Information [bit/m2] that no settings within a power exceed, as far as that is below what is known.
+
+        In each piece of the range of f-numbers the SNR is that of its widest aperture, the light's wave that of its
+        widest and the defocus that of its smallest, the motion that of the shortest time.
+        """
+        pieces, orders = drawing
         low, high = (
             np.max([r.n_low for r in designs.rows], axis=0),
             np.min([r.n_high for r in designs.rows], axis=0),
         )
         slack = RULE_SLACK if orders is None else np.max([quadrature_slack(r) for r in designs.rows], axis=0)
-        enough = bounds.bound[asked] / (1.0 + slack)  # above it nothing is drawn in
-        best = np.full(len(asked), -np.inf)
+        enough = known / (1.0 + slack)  # above it nothing is drawn in
+        best = np.full(len(designs), -np.inf)
         for piece in range(pieces):
             ends = [low * (np.maximum(high, low) / low) ** (end / pieces) for end in (piece, piece + 1)]
             left = np.nonzero(best < enough)[0]
-            limit_w = bounds.limit_w[asked[left]] * ABOVE
-            found = self._piece_bound(designs.take(left), limit_w, [end[left] for end in ends], orders, best[left])
+            found = self._piece_bound(
+                designs.take(left), limit_w[left], [end[left] for end in ends], orders, best[left]
+            )
             best[left] = np.maximum(best[left], found)
-        bound = bounds.bound.copy()
-        bound[asked] = np.minimum(bound[asked], best * (1.0 + slack))
-        return replace(bounds, bound=bound).drawn_in()
+        return np.asarray(best * (1.0 + slack))
 
     def _piece_bound(
         self, some: Hopeful, limit_w: Array, ends: list[Array], orders: tuple[int, int] | None, known: Array

@@ -23,6 +23,7 @@ from uwopt.model.information import RULE_ERROR
 from uwopt.objectives.objective import LEAST, Objective
 from uwopt.solvers.settings.cell_bounds import Box, Points, Reach, SceneCells
 from uwopt.solvers.settings.cell_information import Information
+from uwopt.solvers.settings.cell_start import likely_places
 from uwopt.solvers.settings.cell_tangent import (
     DIMMEST,
     quality_bound,
@@ -168,6 +169,7 @@ class CellSearch:
             self.information = [Information(r.sharp) for r in rows if r.sharp is not None]
         self._dimensions(own_f_number)
         self.best = np.full(self.n, np.inf)
+        self.start = np.full((self.n, self.n_dims), np.nan)  # where designs look best, until something is found
         self.hopeful = np.empty((0, 2))  # ln f-number and ln time of the last cells where their tangents are best
         self.near_by = np.full(self.n, WIDEST)  # steps that are tried beside the best settings
         self.scale = np.zeros(self.n)  # what the gap is relative to
@@ -364,12 +366,23 @@ class CellSearch:
         return replace(pool, bound=np.maximum(pool.bound, bound + self.offset[d])), seen
 
     def _near(self, s: int, design: Array) -> Array:
-        """Ln f-number and ln time, under the sun of the open shutter, of the best settings so far, (m, 2); nan where
-        there are none."""
+        """Ln f-number and ln time, under the sun of the open shutter, of the best settings so far, (m, 2); of those
+        that look best where there are none, nan where that is not known either."""
         kept = self.kept[s]
         time_s = kept["time_s"] if not self.sunlit[s] else kept["exposure_s"] + self.rows[s].exposure_offset_s
         with np.errstate(divide="ignore"):
-            return np.log(np.stack([kept["f_number"][design], time_s[design]], axis=1))
+            found = np.log(np.stack([kept["f_number"][design], time_s[design]], axis=1))
+        return np.where(np.isnan(found), self.start[design][:, [self.n_dim[s], self.t_dim[s]]], found)
+
+    def _looks_best(self, roots: Pool) -> Array:
+        """Where designs look best by the stand-in for information, (n, n_dims); nan where that is not sought."""
+        if not self.information or self.mixed or any(self.sunlit) or len(roots.design) == 0:
+            return self.start
+
+        def cheap(design: Array, place: Array) -> tuple[Array, Array]:
+            return self._cheap(Pool(design, place.copy(), place.copy(), np.arange(len(design), dtype=float)))
+
+        return likely_places(self.n, roots.design, roots.lo, roots.hi, self.n_dim, cheap)
 
     # ------------------------------------------------------------ points
 
@@ -442,6 +455,10 @@ class CellSearch:
         tried(np.where(top == 0.0, 1e-9, top)[:, :, None] * sides)
         rose = np.abs(self._near(0, design) - start).max(axis=1)
         self.near_by[design] = np.clip(rose, NARROWER * width, width)
+
+    def _unknown(self, pool: Pool) -> Array:
+        """Cells in which points are tried at large: of settings that are two numbers only until some are found."""
+        return np.isinf(self.best[pool.design]) | (not self._two_numbers)
 
     @property
     def _two_numbers(self) -> bool:
@@ -554,9 +571,14 @@ class CellSearch:
 
     def run(self, *, halve: bool = True, points: bool = True) -> CellResult:
         """Halve the cells with the least bounds until none can beat the best by more than the gap."""
-        pool, seen = self._bounded(self._roots())
+        roots = self._roots()
+        self.start = self._looks_best(roots)
+        pool, seen = self._bounded(roots)
         if points:
-            open_ = np.nonzero(self._open(pool))[0]
+            if self._two_numbers:
+                design = np.unique(pool.design[self._open(pool)])
+                self._try_places(design, self.start[design])
+            open_ = np.nonzero(self._open(pool) & self._unknown(pool))[0]
             self._try_points(pool.take(open_), [(b.take(open_), r) for b, r in seen], list(PATTERNS))
         if not halve:
             np.minimum.at(self.closed, pool.design, pool.bound)
@@ -580,8 +602,9 @@ class CellSearch:
             spent += len(active.design) * 2
             open_ = np.nonzero(self._open(children))[0]
             some = [(PATTERNS[(4 * turn + k) % len(PATTERNS)]) for k in range(4)]
-            boxes = [(box.take(open_), reach) for box, reach in seen]
-            self._try_points(children.take(open_), boxes, some)
+            tried = np.nonzero(self._open(children) & self._unknown(children))[0]
+            boxes = [(box.take(tried), reach) for box, reach in seen]
+            self._try_points(children.take(tried), boxes, some)
             if self._two_numbers:
                 self._try_places(children.design[open_], hopeful[open_])
             pool = self._prune(Pool.joined([children, rest]))
