@@ -136,8 +136,9 @@ def test_frequencies_at_a_level_are_those_of_a_root_finder(
         strict=True,
     ):
         root = optimize.brentq(
-            lambda nu, i=axis: float(sharpness.mtf_axes(nu, sharpness=sharp, falling=True)[i]) - level, 0.0, 1.0, xtol=1e-14
-        )
+            lambda nu, i=axis: float(sharpness.mtf_axes(nu, sharpness=sharp, falling=True)[i]) - level,
+            0.0, 1.0, xtol=1e-14,
+        )  # fmt: skip
         assert got == pytest.approx(root, rel=1e-9, abs=1e-12)
 
 

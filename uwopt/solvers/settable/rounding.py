@@ -180,7 +180,8 @@ def best_common(
     value = np.max([one.value for one in tried], axis=0)
     if objective is not None:
         value = np.where(missed == 0.0, objective.cost_to_minimise(terms_of(tried)), np.inf)
-    common = replace(tried[0], shortfall=missed, value=value, power_w=terms_of(tried).power)
+    in_hand = np.sort(np.concatenate([one.in_hand for one in tried], axis=1), axis=1)
+    common = replace(tried[0], shortfall=missed, value=value, in_hand=in_hand, power_w=terms_of(tried).power)
     best = common.best_of_each(np.zeros(len(missed), np.intp))
     return float(missed[best[0]]), [
         scene_settings(scene, one.take(best)) for scene, one in zip(scenes, tried, strict=True)

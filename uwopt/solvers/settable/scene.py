@@ -25,7 +25,7 @@ from uwopt.forward.part_columns import FLASH, PULSED
 from uwopt.forward.pixels import worst_candidates
 from uwopt.model.sensor import QUANTISATION_VARIANCE_DN2, light_for_snr
 from uwopt.objectives.objective import Objective, Terms
-from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL, depth_of_field_margins
+from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL, MarginRows, depth_of_field_margins
 from uwopt.solvers.exact.ranking import told_apart
 from uwopt.solvers.settable.steps import EDGE, GAIN_STEP_DB, TIME_STEP_S, light_levels, time_steps
 from uwopt.solvers.settings.few_pixels import between
@@ -33,6 +33,7 @@ from uwopt.units import db_to_ratio, ratio_to_db
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
+Rooms = dict[str, Array]  # what is left of requirements, as a share of each limit, by row
 
 TIMES = 12  # looked at a row, before the search goes on between two of them
 LEVELS = 9
@@ -41,6 +42,14 @@ PIXELS_ASKED = "min_snr_db"  # the requirement that pixels decide
 SHARP_LAST = 1e-6  # weight of a sharpness that is missed: first all else must hold
 WORST = 1e290  # stands for an objective that is infinite
 MOST_PIXELS = 4_000_000  # figures at pixels that are held at a time
+#: Requirements on images and power that settings may crowd; the ends of what can be set are no room in hand.
+ROOMY = (
+    "max_blur_px", "max_skew_px", "dof_near_m", "dof_far_m", "min_dof_m", "min_snr_db", "min_snr_red_db",
+    "min_contrast", "min_mtf_half_nyquist", "resolve_mm", "max_airy_px", "power_w", "peak_power_w",
+)  # fmt: skip
+ENOUGH = 0.5  # of a limit: with more than that in hand the least power decides
+ROOM_DIGITS = 6  # of a share of a limit: what differs by rounding alone decides nothing
+EVERY = slice(None)
 BALANCES = 13  # of lamps against sun, at which the worst pixels are looked for
 OPEN_LONGER = (0.0, 0.5, 1.0)  # of the optimum's open shutter beyond the pulse, under the sun
 
@@ -52,6 +61,7 @@ class Tried:
     settings: SettingRows
     shortfall: Array  # of the requirement that is missed most, as a share of its size; 0: all hold
     value: Array  # less is better; inf where a requirement is missed
+    in_hand: Array  # of each requirement that settings may crowd, as a share of its limit, the least first (n, k)
     away: Array  # of time and f-number from the optimum's, in e-folds of light
     power_w: Array
     snr_db: Array
@@ -73,9 +83,11 @@ class Tried:
         return Tried(SettingRows(**settings), **columns)
 
     def best_of_each(self, group: Index) -> Index:
-        """The best row of each group, in the groups' order: least missed, best, least power, nearest the optimum."""
+        """The best row of each group, in the groups' order: least missed, best; of equals the one farthest from its
+        limits, then of least power, then nearest the optimum."""
         value = told_apart(np.minimum(self.value, WORST))
-        order = np.lexsort((self.away, told_apart(self.power_w), value, self.shortfall, group))
+        crowded = tuple(-self.in_hand.T[::-1])
+        order = np.lexsort((self.away, told_apart(self.power_w), *crowded, value, self.shortfall, group))
         return np.asarray(order[np.unique(group[order], return_index=True)[1]])
 
 
@@ -250,17 +262,19 @@ class SettableScene:
         scene, asks_sharpness = self.model.problem.scenes[self.index], self.needs.asks_sharpness
         figures = [figures_of(scene, rows, settings) for rows in self.means]
         of_pixels = self.rows.light.worst_e is not None
-        shortfall = self._shortfall(settings, figures, without=PIXELS_ASKED if of_pixels else "")
+        rooms: Rooms = {}
+        shortfall = self._shortfall(settings, figures, rooms=rooms, without=PIXELS_ASKED if of_pixels else "")
         if of_pixels:
-            self._add_pixels(settings, shortfall)
+            self._add_pixels(settings, shortfall, rooms)
         if asks_sharpness and not scene.paper and (rest := np.nonzero(shortfall == 0.0)[0]).size:
             few = settings.take(rest)
             sharp = [model.figures(self.index, few) for model in self.models]
-            shortfall[rest] = SHARP_LAST * self._shortfall(few, sharp)
-        made = self._terms(settings, figures[0], shortfall == 0.0)
+            shortfall[rest] = SHARP_LAST * self._shortfall(few, sharp, rooms=rooms, at=rest)
+        terms = self._terms(settings, figures[0], shortfall == 0.0)
+        made = replace(terms, in_hand=least_first(rooms, len(shortfall)))
         return replace(made, shortfall=shortfall, value=np.where(shortfall == 0.0, self._value(made), np.inf))
 
-    def _add_pixels(self, settings: SettingRows, shortfall: Array) -> None:
+    def _add_pixels(self, settings: SettingRows, shortfall: Array, rooms: Rooms) -> None:
         """Fill in how far pixels miss their SNR where nothing else is missed, some thousand rows at a time."""
         scene, worst = self.model.problem.scenes[self.index], self.rows.light.worst_e
         assert worst is not None
@@ -268,16 +282,25 @@ class SettableScene:
         for some in np.split(rest, range(each, len(rest), each)):
             few = settings.take(some)
             seen = [figures_of(scene, model.rows_at(self.index, self.dioptre_per_m), few) for model in self.models]
-            shortfall[some] = self._shortfall(few, seen)
+            shortfall[some] = self._shortfall(few, seen, rooms=rooms, at=some)
 
-    def _shortfall(self, settings: SettingRows, by_model: Sequence[Figures], *, without: str = "") -> Array:
-        """How far the requirement that is missed most is missed, in any of the models; one may be left out."""
+    def _shortfall(
+        self, settings: SettingRows, by_model: Sequence[Figures], *, rooms: Rooms, without: str = "",
+        at: Index | slice = EVERY,
+    ) -> Array:  # fmt: skip
+        """How far the requirement that is missed most is missed, in any of the models; one may be left out.
+
+        What is left of each is noted in `rooms`, of rows `at` these places.
+        """
         worst = np.zeros(len(settings.f_number))
         for model, figures in zip(self.models, by_model, strict=True):
             for margin in model.margins(
                 self.index, settings, figures, level_tolerance_rel=LEVEL_TOLERANCE_REL
             ):
-                if margin.requirement != without and not margin.is_clear:
+                if margin.requirement == without:
+                    continue
+                note_room(rooms, margin, at)
+                if not margin.is_clear:
                     worst = np.maximum(worst, margin.shortfall)
         return worst
 
@@ -298,9 +321,9 @@ class SettableScene:
             information[feasible_so_far] = some.information_bit_per_m2
         power = np.broadcast_to(self.model.totals(figures)["power_w"], (count,))
         snr_db = np.asarray(ratio_to_db(np.maximum(figures.snr[:, nominal], 1e-300)))
-        none = np.zeros(count)
+        none, away, unknown = np.zeros(count), self._away(settings), least_first({}, count)
         contrast = figures.contrast[:, nominal]
-        return Tried(settings, none, none, self._away(settings), power, snr_db, contrast, information)
+        return Tried(settings, none, none, unknown, away, power, snr_db, contrast, information)
 
     def _away(self, settings: SettingRows) -> Array:
         """How far time and f-number are from the optimum's: among equals the nearest is no surprise."""
@@ -315,6 +338,30 @@ class SettableScene:
         with np.errstate(divide="ignore", invalid="ignore"):
             folds = np.abs(np.log(tried.power_w / self.at_exact.power_w))
         return np.asarray(away_db / _db(np.e) + np.nan_to_num(folds, nan=0.0))
+
+
+def note_room(rooms: Rooms, margin: MarginRows, at: Index | slice) -> None:
+    """Note what is left of a requirement of images or power as a share of its limit; of decibels as a ratio."""
+    if margin.requirement.partition(" (")[0] not in ROOMY or margin.sense not in ("<=", ">="):
+        return
+    left = np.asarray(db_to_ratio(margin.margin) - 1.0) if margin.unit == "dB" else margin.margin
+    size = np.ones(1) if margin.unit == "dB" else np.maximum(np.abs(margin.limit), 1e-300)
+    share = np.where(np.isfinite(left) & np.isfinite(size), left / size, np.where(left < 0.0, 0.0, ENOUGH))
+    if margin.requirement in rooms:
+        rooms[margin.requirement][at] = share
+    elif isinstance(at, slice):
+        rooms[margin.requirement] = np.array(np.broadcast_to(share, margin.margin.shape))
+
+
+def least_first(rooms: Rooms, count: int) -> Array:
+    """What is in hand of each row's requirements, the least first, (count, len(ROOMY)); more than enough is enough.
+
+    Compared one after the other the least is made greatest, and where settings do not change that the next.
+    """
+    made = np.full((count, len(ROOMY)), ENOUGH)
+    for number, room in enumerate(rooms.values()):
+        made[:, number] = np.clip(room, 0.0, ENOUGH)
+    return np.sort(np.round(made, ROOM_DIGITS), axis=1)
 
 
 def few_pixels(model: DesignModel, index: int) -> DesignModel:
