@@ -232,7 +232,8 @@ def test_requirements_that_leave_one_point_are_told():
     limits = {"cost": best.totals["cost"]["value"] * (1 + 1e-9), "cost_basis": "central"}
     only = {kind: [best.hardware[kind]["id"]] for kind in ("camera", "lens", "port", "light")}
     plain = mission(limits=limits, catalog={f"{k}es" if k == "lens" else f"{k}s": v for k, v in only.items()})
-    result = uwopt.pareto(plain, objectives=["cost", "gsd_mm"], solver="exact")
+    result = uwopt.pareto(plain | {"confidence": 0.9}, objectives=["cost", "gsd_mm"], solver="exact")
+    assert [w["path"] for w in result.warnings if w["code"] == "central_numbers"] == ["confidence"]
     assert len(result.points) == 1
     assert {pick.point for pick in result.picks} == {"p1"}
     assert any(w["code"] == "one_point" for w in result.warnings)

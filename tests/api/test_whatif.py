@@ -267,3 +267,12 @@ def test_with_certainty_an_interruption_keeps_what_is_known(monkeypatch):
 def test_a_confidence_that_cannot_be_is_refused(more, said):
     with pytest.raises(MissionError, match=said):
         uwopt.whatif(reef(), {"speed_m_s": [0.3, 0.6]}, **more)
+
+
+def test_a_confidence_of_the_mission_that_is_not_held_is_told_in_one_line():
+    """Central numbers without `confidence` in the call; asked for as central there is nothing to tell."""
+    values = {"speed_m_s": [0.3, 0.45]}
+    told = [note.message for note in uwopt.whatif(reef(confidence=0.9), values).warnings if note.path == "confidence"]
+    assert len(told) == 1 and "0.9" in told[0] and "--confidence" in told[0]
+    for quiet in (uwopt.whatif(reef(), values), uwopt.whatif(reef(confidence=0.9), values, confidence="central")):
+        assert not [note for note in quiet.warnings if note.path == "confidence"]

@@ -10,6 +10,20 @@ MAPS, DRAWN = "uwopt/report/pictures/system_maps.py", "tests/report/test_system_
 
 DEFECTS = (
     Defect(
+        name="a front drops the mission's confidence and says nothing",
+        file="uwopt/api/trading.py",
+        old='*central_notes(wanted, "uwopt solve holds it"), ',
+        new="",
+        test="tests/api/test_trading.py::test_requirements_that_leave_one_point_are_told",
+    ),
+    Defect(
+        name="a table drops the mission's confidence and says nothing",
+        file="uwopt/api/whatif.py",
+        old="unheld = [] if certain else central_notes(base.base, HOLDS)",
+        new="unheld = []",
+        test=f"{TESTS}::test_a_confidence_of_the_mission_that_is_not_held_is_told_in_one_line",
+    ),
+    Defect(
         name="a map's boundaries run halfway between its points",
         file=MAPS,
         old="return [(middle_of(switch), switch.second) for switch in inside]",

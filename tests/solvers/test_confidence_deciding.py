@@ -9,10 +9,10 @@ import pytest
 from one_of_each import one
 from test_confidence import FAST, NOTHING, between, counted, sought_of
 
-from uwopt.deadline import NEVER, Deadline
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.mission.doubt import Doubt
 from uwopt.solvers.confidence.counted import Counted
-from uwopt.solvers.confidence.deciding import decided_by, shares, would_hold
+from uwopt.solvers.confidence.deciding import decided_by, nearest, shares, would_hold
 from uwopt.solvers.confidence.outcomes import outcomes
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.recommend import Sought
@@ -105,3 +105,19 @@ def test_without_time_nothing_is_told(short_of_power: Sought) -> None:
     one_, scenarios = seen(short_of_power, 0.9)
     over = Deadline(0.0, lambda: 1.0)
     assert would_hold(short_of_power.problem, short_of_power.search.objective, one_, scenarios, 0.9, over) == []
+
+
+def test_where_time_runs_out_the_nearest_that_was_counted_is_told() -> None:
+    """Of 4 asked and 16 far, it holds from 7 on; three counts find 4.38, 4.75 and 5.5 too little, a fourth 7."""
+    counts: list[float] = []
+
+    def holds(value: float) -> bool:
+        if len(counts) == 4:
+            raise OutOfTimeError
+        counts.append(value)
+        return value >= 6.9
+
+    told = nearest(4.0, 16.0, holds)
+    assert told == counts[-1] >= 6.9 and all(value < 6.9 for value in counts[:-1])
+    counts[:] = [0.0] * 4
+    assert nearest(4.0, 16.0, holds) == 16.0

@@ -16,15 +16,17 @@ from random_cases import Case, case
 from thorough import drawn
 
 from uwopt.catalog.parts.quantity import Quantity
-from uwopt.deadline import NEVER
+from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.part_columns import FAVOURED
 from uwopt.forward.problem import Parts, Problem
 from uwopt.solvers.confidence import polish as polish_module
+from uwopt.solvers.confidence import proof as proof_module
 from uwopt.solvers.confidence import search as search_module
 from uwopt.solvers.confidence.counted import Counted, best_of, names, rank
 from uwopt.solvers.confidence.outcomes import groups_of, outcomes_of_each
 from uwopt.solvers.confidence.panels import anchors_of, best_scene, least_covered, panel_of
 from uwopt.solvers.confidence.polish import Glance, polish
+from uwopt.solvers.confidence.proof import Prover
 from uwopt.solvers.confidence.scenarios import Scenarios, SomeScenarios
 from uwopt.solvers.confidence.screen import bounds_of
 from uwopt.solvers.confidence.search import Certain, can_be_proven
@@ -133,6 +135,49 @@ def test_the_best_is_found_from_the_worst_part_by_part(monkeypatch: pytest.Monke
         found = best_of(tried, SHARE)
         assert found is not None and found.quantile(0.5) <= best.quantile(0.5) * (1.0 + 1e-3)
         assert len({names(problem, one.found) for one in tried}) == len(tried) < len(every)
+
+
+def test_what_seemed_better_is_tried_together_where_it_fits() -> None:
+    """Another lamp with the camera that is best by now, and more of the same; nothing on a camera that does not fit."""
+    sought, _ = known()
+    problem, base = sought.problem, sought.outcome.best[0]
+    optics = problem.lights.optics_index
+    lamp = replace(base, light=1 - base.light, lighting=replace(base.lighting, optics=int(optics[1 - base.light])))
+    best, more = replace(base, camera=1 - base.camera), replace(base, count=3 - base.count)
+    made = polish_module.with_both(problem, base, best, [best, lamp, more])
+    expected = [replace(lamp, camera=best.camera), replace(more, camera=best.camera)]
+    assert [names(problem, one_) for one_ in made] == [names(problem, one_) for one_ in expected]
+    assert [one_.lighting.optics for one_ in made] == [int(optics[one_.light]) for one_ in made]
+    pairs = SimpleNamespace(camera=np.array([base.camera]), lens=np.array([base.lens]))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(polish_module, "fitting_pairs", lambda problem: pairs)
+        assert polish_module.with_both(problem, base, best, [lamp]) == []
+
+
+def test_what_is_as_good_as_tied_is_told_apart_by_further_scenarios(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Given the wrong way round, two come out by their medians in the scenarios that were not counted before."""
+    sought, certain = known()
+    problem, objective = sought.problem, sought.search.objective
+    holding = sorted((one_ for one_ in certain.tried if one_.held >= SHARE), key=lambda one_: one_.quantile(0.5))
+    best, worst = holding[0], holding[-1]
+    assert worst.quantile(0.5) > 1.02 * best.quantile(0.5)
+    monkeypatch.setattr(search_module, "TIES", 64)
+    seen = search_module.Looked(SHARE, certain.scenarios, [worst, best], True)
+    told = search_module.without_luck(problem, objective, seen, [worst, best], NEVER)
+    assert [one_.found for one_ in told] == [best.found, worst.found]
+    assert search_module.without_luck(problem, objective, seen, [best, worst], NEVER) == [best, worst]  # not tied
+
+
+def test_no_time_is_lost_on_a_panel_that_leaves_nearly_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where the best known is far better in the panel, as here; not of few parts, nor without a limit of time."""
+    sought, certain = known()
+    given = sought.problem, sought.search.objective, certain.scenarios, SHARE, list(certain.tried)
+    patient = Deadline.after(1e6)
+    proof = Prover(*given, patient, search_module.unheard).run()
+    assert proof is not None and not proof.left
+    monkeypatch.setattr(proof_module, "FEW", 0)
+    assert Prover(*given, patient, search_module.unheard).run() is None
+    assert Prover(*given, NEVER, search_module.unheard).run() is not None
 
 
 def test_a_glance_tells_what_is_better() -> None:

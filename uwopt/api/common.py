@@ -17,6 +17,7 @@ from uwopt.deadline import Deadline
 from uwopt.forward.effects import Influence
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene_checks import check_physical
+from uwopt.mission.doubt import CENTRAL, ENDS
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.objectives.objective import Objective
 from uwopt.results.basis import ObjectiveValue, UsedPhysics, UsedWater
@@ -112,6 +113,16 @@ def installed_versions() -> dict[str, str]:
         except metadata.PackageNotFoundError:
             continue
     return out
+
+
+def central_notes(mission: Mission, instead: str) -> list[Note]:
+    """That a mission's confidence is not held, where only central numbers are taken; and what holds it instead."""
+    asked = mission.confidence
+    if asked == CENTRAL:
+        return []
+    share = "the worst end of all that is in doubt" if asked == ENDS else f"a confidence of {asked:g}"
+    text = f"all numbers are central ones; {share}, which the mission asks for, is not held here; {instead}"
+    return [Note("central_numbers", "confidence", text)]
 
 
 def time_warnings(deadline: Deadline) -> list[Note]:

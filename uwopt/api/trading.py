@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.api import solving as api
-from uwopt.api.common import Source, base_result, prepared, selection_warnings, time_warnings
+from uwopt.api.common import Source, base_result, central_notes, prepared, selection_warnings, time_warnings
 from uwopt.api.floats import own_float_rules
 from uwopt.api.front_asked import EXACT, PEER, check_numbers, checked_solvers, split, why_no_exact
 from uwopt.api.front_found import (
@@ -107,7 +107,8 @@ def pareto(
             told = beside_front(sought.selection, sought.search, axes, result, deadline)
         result = replace(result, alternatives=told)
     timing["total"] = time.perf_counter() - start
-    return replace(result, timing_s=timing, warnings=[*result.warnings, *time_warnings(deadline)])
+    notes = [*central_notes(wanted, "uwopt solve holds it"), *time_warnings(deadline)]
+    return replace(result, timing_s=timing, warnings=[*result.warnings, *notes])
 
 
 class ParetoCall:

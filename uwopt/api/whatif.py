@@ -7,7 +7,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from uwopt.api.common import Progress, Source, time_warnings
+from uwopt.api.common import Progress, Source, central_notes, time_warnings
 from uwopt.api.floats import own_float_rules
 from uwopt.api.solving import patience_warnings
 from uwopt.api.timing import timed
@@ -30,6 +30,7 @@ from uwopt.version import __version__
 MOST_KEYS, MOST_POINTS = 2, 10_000
 SPIDER_FACTORS = (0.8, 0.9, 1.0, 1.1, 1.2)
 SWITCHES_S = 30.0  # of the processor, for where systems take over, where no time is given
+HOLDS = "--confidence holds it at every point"
 Say = Progress | None
 
 
@@ -91,6 +92,7 @@ def whatif(
         status = "interrupted"
     points = points or in_given_order(grid)
     timing["total"] = time.perf_counter() - start
+    unheld = [] if certain else central_notes(base.base, HOLDS)
     if status == "complete" and deadline.passed():
         status = "stopped"
     return WhatIf(
@@ -106,7 +108,7 @@ def whatif(
         systems=systems.found,
         switches=switches,
         spider=lines,
-        warnings=[*notes_of(points, keys, status), *work.notes, *time_warnings(deadline)],
+        warnings=[*notes_of(points, keys, status), *unheld, *work.notes, *time_warnings(deadline)],
         timing_s=timing,
         n_searches=work.n_searches,
         mission_file=base.base.source_file,

@@ -84,7 +84,7 @@ def would_hold(
 ) -> list[Moved]:
     """Requirements of which less would let the hardware hold as often as asked, each moved alone, as far as time goes.
 
-    What is told was counted; its lens may stand at another stop then.
+    What is told was counted; its lens may stand at another stop then. With little time less is found than would do.
     """
     made, missed = [], seen.outcomes.missed(seen.stop)
     for key, unit, asked, far, mission_at in moves(problem.mission, missed):
@@ -109,23 +109,26 @@ def would_hold(
 def nearest(asked: float, far: float, holds: Callable[[float], bool]) -> float:
     """The value nearest to what is asked with which it holds, to a twentieth of the change: steps that double, halves.
 
-    It holds at `far`, not at what is asked.
+    It holds at `far`, not at what is asked. Where time runs out, the nearest that was found by then.
     """
     near, share = asked, FIRST_STEP
-    while share < 1.0:
-        step = rounded_away(asked + share * (far - asked), asked)
-        if holds(step):
-            far = step
-            break
-        near, share = step, 2.0 * share
-    while abs(far - near) > CLOSE * abs(far - asked):
-        step = rounded_away(0.5 * (near + far), asked)
-        if not min(near, far) < step < max(near, far):
-            break
-        if holds(step):
-            far = step
-        else:
-            near = step
+    try:
+        while share < 1.0:
+            step = rounded_away(asked + share * (far - asked), asked)
+            if holds(step):
+                far = step
+                break
+            near, share = step, 2.0 * share
+        while abs(far - near) > CLOSE * abs(far - asked):
+            step = rounded_away(0.5 * (near + far), asked)
+            if not min(near, far) < step < max(near, far):
+                break
+            if holds(step):
+                far = step
+            else:
+                near = step
+    except OutOfTimeError:
+        pass  # the nearest value that was counted holds as it did
     return far
 
 

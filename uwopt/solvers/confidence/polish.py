@@ -3,13 +3,16 @@
 Each part is replaced in turn, as are number, places and orientation. All that pass the rules without light are looked
 at in some scenarios, those about the median of the best known and those that it finds hard; what seems to hold and to
 be better there is counted in all of them. Searches in worse numbers rank by those; a median may rank otherwise.
+
+What seemed better than the last best is likely to be better still with the next: such changes are tried together first.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,30 +36,71 @@ A_GLANCE, A_COUNT = 32, 8  # hardware that is looked at, or counted, at once
 A_ROUND = 16  # that is counted in a round, the best by what was seen of it
 ROUNDS = 4
 BETTER_REL = 1e-4  # of the objective: what seems no better is not counted
+CLOSE_REL, MOST_CLOSE = 0.01, 2  # but of what seems as good but for luck so many in the end, beside the best
 
 
 def polish(
-    problem: Problem, objective: Objective, scenarios: Scenarios, share: float, tried: list[Counted], deadline: Deadline
-) -> bool:
-    """Count what may be better by one part than the best known; whether there was time until nothing is."""
+    problem: Problem, objective: Objective, scenarios: Scenarios, share: float, tried: list[Counted],
+    deadline: Deadline, a_round_s: float = math.inf,
+) -> bool:  # fmt: skip
+    """Count what may be better by one part than the best known; whether there was time until nothing is.
+
+    Who finds something better has `a_round_s` anew, as far as the deadline goes.
+    """
     known: set[Any] = set()
+    both: list[Found] = []
     for _ in range(ROUNDS):
         best = best_of(tried, share)
         if best is None:
             return True
-        near = [one for one in neighbours(problem, best.found) if names(problem, one) not in known]
+        near = [one for one in [*both, *neighbours(problem, best.found)] if names(problem, one) not in known]
+        near = list({names(problem, one): one for one in near}.values())
         known.update(names(problem, one) for one in near)
-        complete = compare(problem, objective, scenarios, share, tried, near, deadline)
-        if best_of(tried, share) is best or not complete:
-            return complete
+        seen = compare(problem, objective, scenarios, share, tried, near, deadline.at_most(a_round_s))
+        better = best_of(tried, share)
+        if better is best or better is None:
+            if math.isfinite(a_round_s) and not deadline.passed():  # else all is looked at, or proven
+                count(problem, objective, scenarios, share, tried, seen.close[:MOST_CLOSE])
+            return seen.complete
+        both = with_both(problem, best.found, better.found, seen.better)
     return False
+
+
+def with_both(problem: Problem, base: Found, best: Found, others: Sequence[Found]) -> list[Found]:
+    """The best with what else is changed in each of others, all of them by few parts from a base; what fits together.
+
+    Where both change the same, as in the other.
+    """
+    pairs = fitting_pairs(problem)
+    fits = set(zip(pairs.camera.tolist(), pairs.lens.tolist(), strict=True))
+    made = [changed_too(problem, base, best, other) for other in others if other is not best]
+    return [one for one in made if (one.camera, one.lens) in fits]
+
+
+def changed_too(problem: Problem, base: Found, one: Found, other: Found) -> Found:
+    """Hardware with all that is changed in one or the other of two; where both change the same, as in the second."""
+    changed = {
+        name: getattr(other if getattr(other, name) != getattr(base, name) else one, name)
+        for name in ("camera", "lens", "port", "landscape", "light", "count")
+    }
+    lit = other.lighting if other.lighting.mount != base.lighting.mount else one.lighting
+    optics = int(problem.lights.optics_index[changed["light"]])
+    return replace(base, **changed, lighting=replace(lit, optics=optics))
+
+
+class SeenBeside(NamedTuple):
+    """What a comparison has looked at."""
+
+    complete: bool  # whether there was time for all
+    better: list[Found]  # what seemed better than the best known, the best first
+    close: list[Found]  # what seemed as good but for luck
 
 
 def compare(
     problem: Problem, objective: Objective, scenarios: Scenarios, share: float, tried: list[Counted],
     others: Sequence[Found], deadline: Deadline,
-) -> bool:  # fmt: skip
-    """Look at other hardware beside the best known, and count what seems better; whether there was time for all."""
+) -> SeenBeside:  # fmt: skip
+    """Look at other hardware beside the best known, and count what seems better."""
     best = best_of(tried, share)
     assert best is not None
     known = {names(problem, one.found) for one in tried}
@@ -73,11 +117,18 @@ def compare(
     hopeful = glance.promising(A_ROUND)
     for first in range(0, len(hopeful), A_COUNT):
         if first and deadline.passed():
-            return False
-        some = hopeful[first : first + A_COUNT]
-        made = outcomes_of_each(problem, some, objective, scenarios)
-        tried += [Counted(found, one, one.best(share)) for found, one in zip(some, made, strict=True)]
-    return complete
+            return SeenBeside(False, hopeful, glance.close)
+        count(problem, objective, scenarios, share, tried, hopeful[first : first + A_COUNT])
+    return SeenBeside(complete, hopeful, glance.close)
+
+
+def count(
+    problem: Problem, objective: Objective, scenarios: Scenarios, share: float, tried: list[Counted],
+    some: Sequence[Found],
+) -> None:  # fmt: skip
+    """Count hardware in all scenarios."""
+    made = outcomes_of_each(problem, some, objective, scenarios) if some else []
+    tried += [Counted(found, one, one.best(share)) for found, one in zip(some, made, strict=True)]
 
 
 @dataclass
@@ -90,6 +141,7 @@ class Glance:
     about: Array
     hard: Array
     seen: list[tuple[float, Found]] = field(default_factory=list)
+    no_better: list[tuple[float, Found]] = field(default_factory=list)
 
     @staticmethod
     def of(best: Counted, share: float, scenarios: Scenarios) -> Glance:
@@ -114,9 +166,14 @@ class Glance:
             if self.holds:
                 steps = [step(value[self.about], base[self.about]) for held, value in values if held >= ours - SLACK]
                 least = min(steps, default=np.inf)
-                self.seen += [(least, found)] if least < -BETTER_REL else []
+                (self.seen if least < -BETTER_REL else self.no_better).append((least, found))
             elif (most := max(held for held, _ in values)) > ours:
                 self.seen.append((-most, found))
+
+    @property
+    def close(self) -> list[Found]:
+        """What seems worse by no more than luck, the best first."""
+        return [found for least, found in sorted(self.no_better, key=lambda one: one[0]) if least < CLOSE_REL]
 
     def promising(self, count: int) -> list[Found]:
         """So many of what seems better, the best first."""

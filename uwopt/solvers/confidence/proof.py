@@ -27,12 +27,15 @@ from uwopt.solvers.confidence.screen import may_be_better
 from uwopt.solvers.confidence.together import imagers_among
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
+from uwopt.solvers.explain.one_hardware import problem_of
 from uwopt.solvers.explain.robustness import among
 from uwopt.tolerances import TIE
 
 Progress = Callable[[float, str], None]
 MOST_LISTED = 800  # hardware that a panel leaves: of more the best by its values
 PANEL_S = 5.0  # that its search may last where there is a limit: of what takes longer too much is left to prove
+HOPELESS = 0.5  # of its median that the best known is better by in the panel, which then leaves what is twice as bad
+FEW = 100_000  # combinations, of which a panel may leave a large share
 MOST_VARIANTS = 64  # numbers, mounts and orientations
 A_SCREEN = 160  # hardware that is bounded before what is left of it is counted
 GLANCED, GLANCE_SHARE = 96, 0.3  # hardware of these that is looked at first, and of the time that is left
@@ -96,6 +99,8 @@ class Prover:
         if panel.covered < covered:
             return None
         timed = math.isfinite(self.deadline.left_s)
+        if timed and self._total > FEW and self._is_hopeless(panel.problem, ceiling):
+            return None
         patience = self.deadline.at_most(min(PANEL_S, self.deadline.left_s)) if timed else self.deadline
         search = Search(panel.problem, self.objective, top=MOST_LISTED, ceiling=below(ceiling), deadline=patience)
         outcome = search.run()
@@ -111,6 +116,22 @@ class Prover:
         excluded = 0 if cut else self._total - len(listed)
         counted, dropped, waits = self._counted(sorted(listed, key=lambda one: one.minimised), ceiling, out)
         return NoneBetter(self._total, excluded, dropped, counted, min(self.ceiling, beyond, waits))
+
+    def _is_hopeless(self, panel: Problem, ceiling: float) -> bool:
+        """Whether a panel, in which the best known is far better than it is, leaves more than time allows to count."""
+        best = best_of(self.tried, self.share)
+        if best is None or not np.isfinite(ceiling):
+            return False
+        found, parts = best.found, self.problem.parts
+        port = parts.ports[found.port].enclosure_id
+        lists = {
+            "camera": [panel.parts.cameras[found.camera]], "lens": [panel.parts.lenses[found.lens]],
+            "port": [one for one in panel.parts.ports if one.enclosure_id == port],
+            "light": [panel.parts.lights[found.light]],
+        }  # fmt: skip
+        alone = problem_of(panel, found, lists=lists)
+        seen = Search(alone, self.objective, top=1, deadline=self.deadline).run().best
+        return bool(seen) and ceiling - seen[0].minimised > HOPELESS * abs(ceiling)
 
     def _glance_at(self, some: Sequence[Found]) -> None:
         """Count what seems better in some scenarios: the sooner the best is known, the less has to be counted."""

@@ -92,11 +92,12 @@ class WaterResponse:
             return reference(waters.kept(WaterState(table, c, k, floor)))
 
         corners = list(product(SIDES, SIDES)) if len(clarity) > 1 and len(leg) > 1 else []
-        places = [*product(clarity, (0.0,)), *product((0.0,), leg), *corners]
+        places = dict.fromkeys([*product(clarity, (0.0,)), *product((0.0,), leg), *corners])
         nodes = {
             table: {at: seen(table, *at) for at in places} for table in sorted({state.other_table for state in states})
         }
-        known, brighter = seen(False, 0.0, 0.0), seen(False, 0.0, 0.0, BRIGHTER)
+        known = nodes[False][0.0, 0.0] if False in nodes else seen(False, 0.0, 0.0)
+        brighter = seen(False, 0.0, 0.0, BRIGHTER)
         made = []
         for row in range(count):
             columns: list[dict[str, dict[bool, TableResponse]]] = []

@@ -41,8 +41,11 @@ LESS_WORSE = (0.5, 0.3)  # where nothing fits so
 A_SEARCH = 4  # hardware that each brings up
 OF_CENTRAL = 2  # of the central search
 ENOUGH = 3  # hardware that holds: no further search is made
-POLISH_SHARE, POLISH_S = 0.4, 2.5  # of the time that is left, and seconds at most where there is a limit
+POLISH_S = 2.0  # that a round of it may last where there is a limit
+PROVEN_REST, UNPROVEN_REST = 0.6, 0.2  # of the time that is left, for what comes after it: a proof, or none
 PROOF_SHARE = 0.6  # of the time that is left: the rest is for what is told of the choice, or to count what is known
+TIED_REL, MOST_TIED = 0.02, 4  # of the median, about what luck makes of it in 256 scenarios, and hardware at most
+TIES, TIES_SEED = 1024, 2_000_003  # scenarios in which what is as good as tied is compared
 FRESH = 1024  # scenarios that the choice has not seen
 FRESH_SEED = 1_000_003
 Report = Callable[[float, str], None]  # takes how much is done, and of what
@@ -140,16 +143,44 @@ def chosen(
     scenarios, share, tried = seen.scenarios, seen.share, seen.tried
     timed = math.isfinite(deadline.left_s)
     if seen.complete and scenarios.is_drawn:
-        most_s = min(POLISH_SHARE * deadline.left_s, POLISH_S) if timed else deadline.left_s
-        polish(problem, objective, scenarios, share, tried, deadline.at_most(most_s))
+        rest = PROVEN_REST if can_be_proven(problem, objective) else UNPROVEN_REST
+        most_s, a_round_s = ((1.0 - rest) * deadline.left_s, POLISH_S) if timed else (math.inf, math.inf)
+        polish(problem, objective, scenarios, share, tried, deadline.at_most(most_s), a_round_s)
     proof = None
     if seen.complete and can_be_proven(problem, objective):
         patience = deadline.at_most(PROOF_SHARE * deadline.left_s)
         proof = Prover(problem, objective, scenarios, share, tried, patience, report).run()
-    best, central = first_that_fits(problem, objective, sorted(tried, key=lambda one: rank(one, share)))
+    ranked = sorted(tried, key=lambda one: rank(one, share))
+    if scenarios.is_drawn and (proof is None or proof.left):
+        ranked = without_luck(problem, objective, seen, ranked, deadline)
+    best, central = first_that_fits(problem, objective, ranked)
     if best is None or central is None:
         return None
     return Certain(share, scenarios, best, central, tried, seen.complete, proof=proof)
+
+
+def without_luck(
+    problem: Problem, objective: Objective, seen: Looked, ranked: list[Counted], deadline: Deadline
+) -> list[Counted]:
+    """Hardware best first, where medians are as good as tied by those in further scenarios, if there is time."""
+    share = seen.share
+    most = ranked[0].quantile(0.5)
+    tied = [
+        one for one in ranked[:MOST_TIED]
+        if one.held >= share and one.quantile(0.5) <= most + TIED_REL * abs(most) and one.settings is None
+    ]  # fmt: skip
+    if len(tied) < 2 or deadline.passed():
+        return ranked
+    seed = (problem.mission.seed + TIES_SEED) % 2**32
+    scenarios = scenarios_of(problem, seen.asked, seed, TIES, seen.scenarios)
+    median: dict[int, float] = {}
+    for f_number in {one.f_number for one in tied}:
+        some = [one for one in tied if one.f_number == f_number]
+        stops = None if f_number is None else [f_number]
+        made = outcomes_of_each(problem, [one.found for one in some], objective, scenarios, f_numbers=stops)
+        for one, seen_in in zip(some, made, strict=True):
+            median[id(one)] = float(seen_in.quantile(0.5)[0]) if seen_in.held[0] >= share else np.inf
+    return [*sorted(tied, key=lambda one: median[id(one)]), *ranked[len(tied) :]]
 
 
 def check_fixed(problem: Problem, objective: Objective) -> None:

@@ -257,13 +257,16 @@ class Together:
         return [(known[key], own) for key, own in of.items()]
 
     def _image_key(self, row: int) -> tuple[Any, ...]:
-        """What tells images apart whose light changes differently with the water."""
+        """What tells images apart whose light changes differently with the water.
+
+        Lamps on one side or on both: how many stand there changes how much light there is, not how far it goes.
+        """
         problem, found = self.problem, self.found[self.hardware[row]]
         camera, port = problem.parts.cameras[self.imagers.camera[row]], problem.parts.ports[self.imagers.port[row]]
         colours = self.scenarios.nodes, colours_of(camera)
         if self.scenarios.rough:
             return colours
-        ends = (*colours, port.geometry, found.lighting.mount, found.count, found.lighting.optics)
+        ends = (*colours, port.geometry, found.lighting.mount, min(found.count, 2), found.lighting.optics)
         fields_seen = [
             round(float(np.log(tangent[row])) / SAME_FIELD)
             for seen in self.imagers.scenes
