@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,15 +13,18 @@ import uwopt
 from uwopt.api.common import prepared
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.assembly import system_problem
-from uwopt.forward.lamp_light import image_light
+from uwopt.forward.lamp_light import LampField, image_light
+from uwopt.forward.remembered import LoneField
 from uwopt.mission.system import load_system
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
 
 
-def tank() -> DesignModel:
-    """The system of the tank in its mission."""
-    mission = prepared(PROBLEMS / "paper-tank.yaml", "full", None)
+def tank(tolerance_m: float = 0.0) -> DesignModel:
+    """The system of the tank in its mission, at altitudes so far from its own."""
+    written = yaml.safe_load((PROBLEMS / "paper-tank.yaml").read_text(encoding="utf-8"))
+    written["vehicle"]["altitude_tolerance_m"] = tolerance_m
+    mission = prepared(written, "full", None)
     return DesignModel(*system_problem(mission, load_system(PROBLEMS / "paper-tank.system.yaml")))
 
 
@@ -60,3 +64,23 @@ def test_pixels_at_the_nominal_altitude_are_those_that_a_mission_asks_for_at_all
     plain, every = told({}), told({"snr_at": asked})
     assert plain[figure] == pytest.approx(every[figure], rel=1e-12)
     assert plain[figure] < plain["snr_db"] - 0.5
+
+
+def test_pixels_that_were_asked_for_at_one_altitude_are_asked_for_again_at_all() -> None:
+    # the nominal altitude alone first; then all of them, of the same image in the same scene
+    model = tank(tolerance_m=0.1)
+    optics, hardware = int(model.lights.optics_index[0]), model.hardware
+    scene = model.problem.scenes[0]
+
+    def frame(kind: type[LampField], altitude: int | None) -> np.ndarray[Any, Any]:
+        light = image_light(
+            model.problem, 0, model.views[0], np.array([hardware.camera]), port_index=hardware.port, optics=optics,
+            mount=hardware.mount, count=hardware.count, pixels="frame", means=False, field_type=kind, altitude=altitude,
+        )  # fmt: skip
+        assert light.worst_e is not None
+        return light.worst_e.min(axis=2)
+
+    plain, at = frame(LampField, None), scene.nominal
+    assert not np.allclose(plain[0, 0], plain[0, -1], rtol=1e-3)
+    assert frame(LoneField, at)[0, at] == pytest.approx(plain[0, at], rel=1e-12)
+    assert frame(LoneField, None) == pytest.approx(plain, rel=1e-12)

@@ -722,9 +722,17 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="light of one lamp is remembered as that of two",
         file="uwopt/forward/remembered.py",
-        old='key = "pixels", self.lamps, veils,',
-        new='key = "pixels", veils,',
+        old='key = "pixels", self.lamps, veils, tuple(ranges_m.tolist())',
+        new='key = "pixels", veils, tuple(ranges_m.tolist())',
         test="tests/forward/test_remembered.py::test_remembered_light_is_the_light",
+    ),
+    Defect(
+        name="pixels of one altitude are remembered as those of all",
+        file="uwopt/forward/remembered.py",
+        old='key = "pixels", self.lamps, veils, tuple(ranges_m.tolist())',
+        new='key = "pixels", self.lamps, veils',
+        test="tests/evaluation/test_light_in_parts.py"
+        "::test_pixels_that_were_asked_for_at_one_altitude_are_asked_for_again_at_all",
     ),
     Defect(
         name="a footprint's darkest place bounded by a place of the light's",
