@@ -124,7 +124,7 @@ class Prover:
             return False
         found, parts = best.found, self.problem.parts
         port = parts.ports[found.port].enclosure_id
-        lists = {
+        lists: dict[str, list[Any]] = {
             "camera": [panel.parts.cameras[found.camera]], "lens": [panel.parts.lenses[found.lens]],
             "port": [one for one in panel.parts.ports if one.enclosure_id == port],
             "light": [panel.parts.lights[found.light]],
