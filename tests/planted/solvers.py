@@ -552,7 +552,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="bounds drawn in roughly have no room for what few nodes miss",
-        file="uwopt/solvers/front/trade_curves.py",
+        file="uwopt/solvers/front/information.py",
         old="RULE_SLACK, WIDE_SLACK = 1e-4, 0.3",
         new="RULE_SLACK, WIDE_SLACK = 1e-4, 0.0",
         test="tests/solvers/test_cell_information.py::test_few_nodes_do_not_hide_information",

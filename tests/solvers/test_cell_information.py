@@ -13,7 +13,8 @@ from uwopt.forward.sharpness import SharpRows
 from uwopt.model import lateral
 from uwopt.model.information import RULE_ERROR
 from uwopt.model.sharpness import J1_ZERO
-from uwopt.solvers.front.trade_curves import ROUGHLY, quadrature_slack
+from uwopt.solvers.front.information import quadrature_slack
+from uwopt.solvers.front.trade_curves import ROUGHLY
 from uwopt.solvers.settings.cell_information import Information, bell_until
 
 NM = np.linspace(400.0, 700.0, 61)

@@ -22,7 +22,8 @@ from uwopt.objectives.axes import Axes, Frame
 from uwopt.objectives.dominance import hypervolume, nondominated
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.front import search as front_module
-from uwopt.solvers.front.search import FrontSearch, quality_of
+from uwopt.solvers.front.points import quality_of
+from uwopt.solvers.front.search import FrontSearch
 from uwopt.solvers.front.trade_curves import Trade
 from uwopt.solvers.population.pymoo_front import population_front
 

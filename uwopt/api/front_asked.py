@@ -9,7 +9,7 @@ from uwopt.errors import MissionError
 from uwopt.forward.problem import Problem
 from uwopt.objectives.axes import FEWEST, MOST, Axes, plain_names
 from uwopt.objectives.own import OwnFunction, OwnObjective
-from uwopt.solvers.front.search import quality_of
+from uwopt.solvers.front.points import quality_of
 
 EXACT, PEER = "exact", "nsga2"
 

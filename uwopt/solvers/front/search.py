@@ -19,11 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError
-from uwopt.errors import MissionError
 from uwopt.forward.lamp_light import ImageLight, Veils
 from uwopt.forward.problem import Problem
-from uwopt.objectives.axes import OF_SETTINGS, Axes, Frame
-from uwopt.objectives.dominance import BestPoints, clearly, hypervolume
+from uwopt.objectives.axes import Axes, Frame
+from uwopt.objectives.dominance import clearly, hypervolume
 from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.account import NOT_REACHED, RULES, Account
 from uwopt.solvers.exact.candidates import Candidates
@@ -35,6 +34,7 @@ from uwopt.solvers.exact.node_bounds import NODE_RULES
 from uwopt.solvers.exact.search import Search, are_too_many
 from uwopt.solvers.front.curves import Curves
 from uwopt.solvers.front.large import WITHOUT_BOUND, Undominated, in_layers
+from uwopt.solvers.front.points import PointsFound, quality_of
 from uwopt.solvers.front.trade_curves import Answers, Hopeful, Trade
 from uwopt.solvers.settings import windows
 from uwopt.solvers.settings.mean_limit import MeanLimit
@@ -48,8 +48,6 @@ FRONT_GAP = 5e-4  # of the hypervolume: what the sampled curves may miss
 WAVE_ROUNDS, REFINEMENTS = 1, 8  # of asking the segments of one wave, and of all that stayed
 MOST_PIECES = 8  # of a segment at a time
 FEWEST_ASKED, MOST_ASKED = 1024, 8192  # segments at a time, before the points found are looked at
-RESOLVED_REL = {"information": 2e-4}  # of a quality that is found to a gap
-SAME_REL = 1e-6  # of the others: to this a requirement counts as met
 RARELY = 0.1  # share of the segments asked that hold something new
 TRIED_IN_VAIN = 0.75  # share of designs that stay open after tries: no more are made
 STALLED = 0.8  # of the gap before: bounds on settings that do not close are not asked for ever
@@ -86,13 +84,12 @@ class FrontSearch:
     ):
         self.problem, self.axes = problem, axes
         self.quality = quality_of(problem, axes)
+        self.points = PointsFound(axes, self.quality)
         self.trade = Trade(self.quality)
-        self.resolved_rel = np.array([RESOLVED_REL.get(name, SAME_REL) for name in axes.names])
         self.start = time.perf_counter()
         self.deadline = deadline
         self.progress = progress or (lambda share, what: None)
         self.search = Search(problem, axes.objective, top=1)
-        self.archive = BestPoints(len(axes))
         self.stop_trying = False
         self.curves: list[Curves] = []
         self.kept: list[Imagers] = []  # of a large catalogue, those that the curves are about
@@ -126,7 +123,8 @@ class FrontSearch:
     def _run_large(self, pairs: FittingPairs) -> Front:
         """The same of the imagers that the tree of pairs leaves, some at a time."""
         charged, objective = Account(), self.axes.objective
-        tree = PairTree(self.problem, objective, pairs, Undominated(self.axes, self.archive, self.among), charged)
+        goal = Undominated(self.axes, self.points.archive, self.among)
+        tree = PairTree(self.problem, objective, pairs, goal, charged)
         tree.open_account()
         interrupted = False
         try:
@@ -204,7 +202,7 @@ class FrontSearch:
         batch = FIRST_NODES
         while left.any():
             rows = np.nonzero(left)[0]
-            beaten = self.archive.beats(ideal[rows])
+            beaten = self.points.archive.beats(ideal[rows])
             self.account["dominated"] += int(sizes[lighting[rows[beaten]]].sum())
             left[rows[beaten]] = False
             rows = rows[~beaten]
@@ -217,8 +215,8 @@ class FrontSearch:
                 return False
             left[wave] = False
             batch = min(GROWTH * batch, LARGEST_NODES)
-            self.history.append((time.perf_counter() - self.start, self.archive.values))
-            self.progress(0.9 * (1.0 - left.sum() / total), f"front: {len(self.archive.values)} points")
+            self.history.append((time.perf_counter() - self.start, self.points.archive.values))
+            self.progress(0.9 * (1.0 - left.sum() / total), f"front: {len(self.points.archive.values)} points")
         return True
 
     def _take(self, lighting: Array, imager: Array) -> bool:
@@ -316,37 +314,15 @@ class FrontSearch:
         possible = np.nonzero(np.isfinite(least_w))[0]
         self.account["light"] += len(some) - len(possible)
         left = some.take(possible)
-        best = self._values(
+        best = self.points.values(
             left, least_w[possible], self.trade.bound_within(left, left.full_power_w), np.arange(len(left))
         )
-        open_ = possible[np.isfinite(best).all(axis=1) & ~self.archive.beats(best)]
+        open_ = possible[self.points.may_be_new(best)]
         bounds = self.trade.first_bounds(some.take(open_))
         if bounds is not None:
-            open_ = open_[self._are_open(Curves(self.trade, some.take(open_), bounds))]
+            open_ = open_[self.points.are_open(Curves(self.trade, some.take(open_), bounds))]
         self.account["dominated"] += len(possible) - len(open_)
         return open_
-
-    def _are_open(self, curves: Curves) -> Array:
-        """Whether each design may hold something new, by the bounds of its curve."""
-        a, open_ = curves.answers, np.zeros(len(curves.some), bool)
-        if self.quality is None or not self._trades_power():
-            lower = np.arange(len(a.design))
-            corner = self._values(curves.some, a.limit_w, a.bound, a.design)
-        else:
-            lower, _ = curves.segments()
-            corner = self._corner_values(curves)
-        matters = np.isfinite(corner).all(axis=1) & ~self.archive.beats(corner)
-        open_[a.design[lower[matters]]] = True
-        return open_
-
-    def _values(self, some: Hopeful, power: Array, quality: Array, design: Array) -> Array:
-        """Values (n, n_axes), minimised, at powers and qualities of designs."""
-        values = some.fixed[design]
-        for name, numbers in (("power", power), (self.quality, quality)):
-            column = self.axes.index(str(name))
-            if column is not None:
-                values[:, column] = numbers * self.axes.signs[column]
-        return values
 
     # ------------------------------------------------------------ curves
 
@@ -360,7 +336,7 @@ class FrontSearch:
             curves = self._after_tries(curves)
         if curves is None:
             return True
-        if self.quality is not None and not self._trades_power():  # one point a design: its best quality
+        if not self.points.trades_power:  # one point a design: its best quality
             curves = replace(curves, answers=self._best_of_each(curves.some))
         else:
             known = curves.with_least_power()
@@ -368,9 +344,9 @@ class FrontSearch:
                 return True
             curves = known
         self.curves.append(curves)
-        self._add(curves, curves.answers)
+        self.points.add(curves, curves.answers)
         in_time = True
-        if self.quality is not None and self._trades_power():
+        if self.points.has_curves:
             in_time = self._ask(curves, ROUGH_SEGMENT, WAVE_ROUNDS)
             self._forget()
         return in_time
@@ -378,23 +354,23 @@ class FrontSearch:
     def _drawn_in(self, curves: Curves) -> Curves | None:
         """Curves of the designs that may still matter once their bounds are drawn in: of each the highest first, above
         which no lower one lies."""
-        left = curves.without(~self._are_open(curves))
-        drawn = self.quality == "information" and self._trades_power()
+        left = curves.without(~self.points.are_open(curves))
+        drawn = self.quality == "information" and self.points.trades_power
         for closely, highest in product((False, True), (True, False)) if drawn else ():
             if left is None:
                 break
-            upper = left.segments()[1][self._open_segments(left, 0.0 if closely else ROUGH_SEGMENT)[0]]
+            upper = left.segments()[1][self.points.open_segments(left, 0.0 if closely else ROUGH_SEGMENT)[0]]
             if highest:
                 design = left.answers.design[upper]
                 upper = upper[np.append(design[1:] != design[:-1], True)[: len(upper)]]
             left.answers = self.trade.drawn_in(left.some, left.answers, upper, closely=closely)
-            left = left.without(~self._are_open(left))
+            left = left.without(~self.points.are_open(left))
         return left
 
     def _best_of_each(self, some: Hopeful) -> Answers:
         """The best quality of each design, as far as it is better than that of points that are found."""
         every, full_w = np.arange(len(some)), some.full_power_w
-        wanted = self._better_than(self._values(some, full_w, np.full(len(some), WITHOUT_BOUND), every))
+        wanted = self.points.better_than(self.points.values(some, full_w, np.full(len(some), WITHOUT_BOUND), every))
         return self.trade.best_quality(some, every, full_w, wanted=wanted)
 
     def _after_tries(self, curves: Curves) -> Curves | None:
@@ -404,36 +380,17 @@ class FrontSearch:
             return curves
         self.curves.append(replace(curves, answers=curves.answers.take(np.empty(0, int)), tried=tried))
         for answers in tried:
-            self._add(curves, answers)
+            self.points.add(curves, answers)
         self._forget()
-        open_ = self._are_open(curves)
+        open_ = self.points.are_open(curves)
         self.stop_trying = bool(open_.mean() > TRIED_IN_VAIN)
         return curves.without(~open_)
-
-    def _trades_power(self) -> bool:
-        """Whether settings of least power are on the front: power counts, or nothing that settings change does."""
-        return self.quality is None or "power" in self.axes.names
-
-    def _add(self, curves: Curves, answers: Answers) -> None:
-        """Answers as points found."""
-        self.archive.add(self._answer_values(curves, answers, np.nonzero(answers.found)[0]))
-
-    def _answer_values(self, curves: Curves, answers: Answers, which: Array) -> Array:
-        return self._values(
-            curves.some, answers.power_w[which], answers.quality[which], answers.design[which]
-        )
-
-    def _corner_values(self, curves: Curves) -> Array:
-        """The best that each segment could hold, (n, n_axes)."""
-        lower, _ = curves.segments()
-        power, quality = curves.corners()
-        return self._values(curves.some, power, quality, curves.answers.design[lower])
 
     def _ask(self, curves: Curves, largest: float, rounds: int) -> bool:
         """Ask segments that may matter and span more than a share of the frame's box; False: out of time."""
         most = FEWEST_ASKED
         while rounds > 0:
-            which, spans = self._open_segments(curves, largest)
+            which, spans = self.points.open_segments(curves, largest)
             if len(which) == 0:
                 break
             _, upper = curves.segments()
@@ -451,86 +408,34 @@ class FrontSearch:
             if self._late():
                 return False
             pieces = np.clip(np.ceil(np.sqrt(spans / largest)), 2, MOST_PIECES).astype(int)
-            answers = curves.ask(which, self._wanted(curves, which), pieces)
-            self._add(curves, answers)
+            answers = curves.ask(which, self.points.wanted(curves, which), pieces)
+            self.points.add(curves, answers)
             if answers.found.mean() < RARELY:  # points found decide little: more at a time
                 most = min(2 * most, MOST_ASKED)
         return True
-
-    def _wanted(self, curves: Curves, which: Array) -> Array:
-        """The quality that each of these segments must exceed to hold something new."""
-        return self._better_than(self._corner_values(curves)[which])
-
-    def _better_than(self, values: Array) -> Array:
-        """The best quality of the points that are as good as each of these in all else; -inf: there is none."""
-        axis = self.axes.names.index(str(self.quality))
-        best = self.archive.best(values, axis) * self.axes.signs[axis]
-        return np.where(np.isfinite(best), best, -np.inf)
-
-    def _open_segments(self, curves: Curves, largest: float) -> tuple[Array, Array]:
-        """Segments whose corner no point beats and that span more than `largest` of the box around all, and spans."""
-        lower, upper = curves.segments()
-        if len(lower) == 0:
-            return np.empty(0, int), np.empty(0)
-        corner = self._corner_values(curves)
-        matters = np.isfinite(corner).all(axis=1) & ~self.archive.beats(corner)
-        which = np.nonzero(matters)[0]
-        if len(which) == 0:
-            return which, np.empty(0)
-        a = curves.answers
-        frame = Frame.of(self.axes, np.concatenate([self.archive.values, corner[which]]))
-        # From the corner to what is known: the power at the upper end once it is asked, the best quality so far.
-        known = np.full(len(lower), -1e300)
-        known[which] = np.fmax(self._wanted(curves, which), known[which])
-        known = np.fmax(known, a.quality[lower])
-        far = np.fmax(np.fmin(a.power_w[upper], a.limit_w[upper]), a.limit_w[lower])
-        worst = self._values(
-            curves.some, np.where(a.asked[upper], far, 1e300)[which],
-            np.fmin(known, a.bound[upper])[which], a.design[lower][which],
-        )  # fmt: skip
-        # What is known to be there counts once it is asked: cuts do not close a bound that stays above it.
-        top = np.where(a.asked[upper] & a.found[upper], a.quality[upper], a.bound[upper])
-        reached = self._values(curves.some, a.limit_w[lower][which], top[which], a.design[lower][which])
-        best_unit = np.clip(frame.unit(reached), 0.0, None)
-        worst_unit = np.minimum(frame.unit(worst), frame.reference)
-        room = np.clip(frame.reference - best_unit, 1e-300, None)
-        p, q = self.axes.names.index("power"), self.axes.names.index(str(self.quality))
-        share = np.clip((worst_unit - best_unit)[:, [p, q]] / room[:, [p, q]], 0.0, 1.0).prod(axis=1)
-        spans = share * np.prod(room, axis=1) / np.prod(frame.reference)
-        stepped = curves.some.stepped[a.design[lower]][which]
-        narrow = a.asked[upper][which] & (stepped | ((worst_unit - best_unit)[:, p] < 1e-9))
-        wide = (spans > largest) & ~narrow
-        return which[wide], spans[wide]
 
     def _forget(self) -> None:
         """Drop designs of the last curves of which nothing can be on the front any more."""
         curves = self.curves[-1]
         lower, _ = curves.segments()
-        corner = self._corner_values(curves)
-        matters = np.isfinite(corner).all(axis=1) & ~self.archive.beats(corner)
+        matters = self.points.may_be_new(self.points.of_segments(curves))
         useful = np.zeros(len(curves.some), bool)
         useful[curves.answers.design[lower[matters]]] = True
         for answers in (curves.answers, *curves.tried):
-            which = self._on_front(curves, answers)
+            which = self.points.on_front(curves, answers)
             useful[answers.design[which]] = True
         left = curves.without(~useful)
         self.curves[-1:] = [] if left is None else [left]
 
-    def _on_front(self, curves: Curves, answers: Answers) -> Array:
-        """Places of the answers that no point dominates."""
-        found = np.nonzero(answers.found)[0]
-        values = self._answer_values(curves, answers, found)
-        return np.asarray(found[~self.archive.dominates(values)])
-
     def _refine(self) -> bool:
         """Ask until the front misses no more of the hypervolume than it may."""
-        if self.quality is None or not self._trades_power() or not self.curves:
+        if not self.points.has_curves or not self.curves:
             return True
         joined = Hopeful.joined([c.some for c in self.curves])
         starts = np.cumsum([0, *(len(c.some) for c in self.curves)])
         parts = [replace(c.answers, design=c.answers.design + starts[n]) for n, c in enumerate(self.curves)]
         tried = [
-            replace(t, design=t.design + starts[n]).take(self._on_front(c, t))
+            replace(t, design=t.design + starts[n]).take(self.points.on_front(c, t))
             for n, c in enumerate(self.curves)
             for t in c.tried
         ]
@@ -540,40 +445,17 @@ class FrontSearch:
             self._forget()
             if not self.curves:
                 break
-            lower, upper = self._volumes()
-            self.progress(0.95, f"front: {len(self.archive.values)} points")
+            lower, upper = self.points.volumes(self.curves)
+            self.progress(0.95, f"front: {len(self.points.archive.values)} points")
             if upper - lower <= FRONT_GAP * upper or upper - lower > STALLED * gap_before:
                 break
             gap_before = upper - lower
             curves = self.curves[-1]
-            count = len(self._open_segments(curves, 0.0)[0])
+            count = len(self.points.open_segments(curves, 0.0)[0])
             if not self._ask(curves, max(FRONT_GAP * upper / max(count, 1), FINEST_SEGMENT), 2):
                 return False
-            self.history.append((time.perf_counter() - self.start, self.archive.values))
+            self.history.append((time.perf_counter() - self.start, self.points.archive.values))
         return True
-
-    def _open_corners(self) -> Array:
-        """The best that may still be found, by segment, or by design where it is one point."""
-        parts = [np.empty((0, len(self.axes)))]
-        for curves in self.curves:
-            a = curves.answers
-            if self._trades_power() and self.quality is not None:
-                corner = self._corner_values(curves)
-            else:
-                corner = self._values(curves.some, a.limit_w, a.bound, a.design)
-            corner = corner[np.isfinite(corner).all(axis=1)]
-            parts.append(corner[~self.archive.beats(corner)])
-        return np.concatenate(parts)
-
-    def _volumes(self) -> tuple[float, float]:
-        """Hypervolume of the points, and what no front can exceed."""
-        if len(self.archive.values) == 0:
-            return 0.0, 0.0
-        frame = Frame.of(self.axes, self.archive.values[clearly(self.archive.values, self.resolved_rel)])
-        lower = hypervolume(self.archive.values, frame)
-        return lower, max(
-            lower, hypervolume(np.concatenate([self.archive.values, self._open_corners()]), frame)
-        )
 
     # ------------------------------------------------------------ result
 
@@ -582,32 +464,20 @@ class FrontSearch:
         values, designs = [], []
         for curves in self.curves:
             for answers in (curves.answers, *curves.tried):
-                found = self._on_front(curves, answers)
-                values.append(self._answer_values(curves, answers, found))
+                found = self.points.on_front(curves, answers)
+                values.append(self.points.of_answers(curves, answers, found))
                 designs += [(curves.some, answers, int(place)) for place in found]
         every = np.concatenate(values) if values else np.empty((0, len(self.axes)))
-        kept = np.nonzero(clearly(every, self.resolved_rel))[0]
+        kept = np.nonzero(clearly(every, self.points.resolved_rel))[0]
         frame, lower, upper = None, 0.0, 0.0
         if len(kept):
             frame = Frame.of(self.axes, every[kept])
-            lower, upper = self._volumes()
+            lower, upper = self.points.volumes(self.curves)
             if len(open_ideals):
                 # both at once: what open segments and nodes that were not reached may add need not overlap
-                still = np.concatenate([every[kept], self._open_corners(), open_ideals])
+                still = np.concatenate([every[kept], self.points.open_corners(self.curves), open_ideals])
                 upper = max(upper, hypervolume(still, frame))
         return Front(
             self.axes, every[kept], [designs[i] for i in kept], frame, lower, upper, complete, interrupted,
             self.account, time.perf_counter() - self.start, self.history,
         )  # fmt: skip
-
-
-def quality_of(problem: Problem, axes: Axes) -> str | None:
-    """The one axis beside power that settings change; more than one has no exact front here."""
-    names = [*OF_SETTINGS, *(["contrast"] if any(s.sunlit for s in problem.scenes) else [])]
-    found = [name for name in axes.names if name in names]
-    if len(found) > 1:
-        raise MissionError(
-            f"objectives: {' and '.join(found)} both depend on the settings; the exact front knows one such quality "
-            "beside power, cost, mass and gsd_mm. Leave one out, or use a population solver such as nsga2."
-        )
-    return found[0] if found else None

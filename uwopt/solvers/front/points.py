@@ -1,0 +1,167 @@
+"""Points that a search for a front has found, and what they leave of curves that are not asked to their end."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.errors import MissionError
+from uwopt.forward.problem import Problem
+from uwopt.objectives.axes import OF_SETTINGS, Axes, Frame
+from uwopt.objectives.dominance import BestPoints, clearly, hypervolume
+from uwopt.solvers.front.curves import Curves
+from uwopt.solvers.front.trade_curves import Answers, Hopeful
+
+Array = NDArray[Any]
+RESOLVED_REL = {"information": 2e-4}  # of a quality that is found to a gap
+SAME_REL = 1e-6  # of the others: to this a requirement counts as met
+
+
+class PointsFound:
+    """Points of which none is dominated, by the axes of a front, one of which may be a quality that settings change."""
+
+    def __init__(self, axes: Axes, quality: str | None):
+        self.axes, self.quality = axes, quality
+        self.resolved_rel = np.array([RESOLVED_REL.get(name, SAME_REL) for name in axes.names])
+        self.archive = BestPoints(len(axes))
+
+    @property
+    def trades_power(self) -> bool:
+        """Whether settings of least power are on the front: power counts, or nothing that settings change does."""
+        return self.quality is None or "power" in self.axes.names
+
+    @property
+    def has_curves(self) -> bool:
+        """Whether a design has a curve of quality against power, not one point alone."""
+        return self.quality is not None and self.trades_power
+
+    # ------------------------------------------------------------ values
+
+    def values(self, some: Hopeful, power: Array, quality: Array, design: Array) -> Array:
+        """Values (n, n_axes), minimised, at powers and qualities of designs."""
+        values = some.fixed[design]
+        for name, numbers in (("power", power), (self.quality, quality)):
+            column = self.axes.index(str(name))
+            if column is not None:
+                values[:, column] = numbers * self.axes.signs[column]
+        return values
+
+    def of_answers(self, curves: Curves, answers: Answers, which: Array) -> Array:
+        """Values of some answers, (n, n_axes)."""
+        return self.values(
+            curves.some, answers.power_w[which], answers.quality[which], answers.design[which]
+        )
+
+    def of_segments(self, curves: Curves) -> Array:
+        """The best that each segment could hold, (n, n_axes)."""
+        lower, _ = curves.segments()
+        power, quality = curves.corners()
+        return self.values(curves.some, power, quality, curves.answers.design[lower])
+
+    def best_left(self, curves: Curves) -> tuple[Array, Array]:
+        """The best that each segment could hold, (n, n_axes), or each design where it is one point; whose it is."""
+        a = curves.answers
+        if not self.has_curves:
+            return self.values(curves.some, a.limit_w, a.bound, a.design), a.design
+        return self.of_segments(curves), a.design[curves.segments()[0]]
+
+    # ------------------------------------------------------------ what points leave
+
+    def may_be_new(self, values: Array) -> Array:
+        """Whether no point found is as good as each of these in every objective, (n,)."""
+        return np.asarray(np.isfinite(values).all(axis=1) & ~self.archive.beats(values))
+
+    def are_open(self, curves: Curves) -> Array:
+        """Whether each design may hold something new, by the bounds of its curve."""
+        open_ = np.zeros(len(curves.some), bool)
+        best, design = self.best_left(curves)
+        open_[design[self.may_be_new(best)]] = True
+        return open_
+
+    def add(self, curves: Curves, answers: Answers) -> None:
+        """Answers as points found."""
+        self.archive.add(self.of_answers(curves, answers, np.nonzero(answers.found)[0]))
+
+    def on_front(self, curves: Curves, answers: Answers) -> Array:
+        """Places of the answers that no point dominates."""
+        found = np.nonzero(answers.found)[0]
+        values = self.of_answers(curves, answers, found)
+        return np.asarray(found[~self.archive.dominates(values)])
+
+    def wanted(self, curves: Curves, which: Array) -> Array:
+        """The quality that each of these segments must exceed to hold something new."""
+        return self.better_than(self.of_segments(curves)[which])
+
+    def better_than(self, values: Array) -> Array:
+        """The best quality of the points that are as good as each of these in all else; -inf: there is none."""
+        axis = self.axes.names.index(str(self.quality))
+        best = self.archive.best(values, axis) * self.axes.signs[axis]
+        return np.where(np.isfinite(best), best, -np.inf)
+
+    def open_segments(self, curves: Curves, largest: float) -> tuple[Array, Array]:
+        """Segments whose corner no point beats and that span more than `largest` of the box around all, and spans."""
+        lower, upper = curves.segments()
+        if len(lower) == 0:
+            return np.empty(0, int), np.empty(0)
+        corner = self.of_segments(curves)
+        which = np.nonzero(self.may_be_new(corner))[0]
+        if len(which) == 0:
+            return which, np.empty(0)
+        a = curves.answers
+        frame = Frame.of(self.axes, np.concatenate([self.archive.values, corner[which]]))
+        # From the corner to what is known: the power at the upper end once it is asked, the best quality so far.
+        known = np.full(len(lower), -1e300)
+        known[which] = np.fmax(self.wanted(curves, which), known[which])
+        known = np.fmax(known, a.quality[lower])
+        far = np.fmax(np.fmin(a.power_w[upper], a.limit_w[upper]), a.limit_w[lower])
+        worst = self.values(
+            curves.some, np.where(a.asked[upper], far, 1e300)[which],
+            np.fmin(known, a.bound[upper])[which], a.design[lower][which],
+        )  # fmt: skip
+        # What is known to be there counts once it is asked: cuts do not close a bound that stays above it.
+        top = np.where(a.asked[upper] & a.found[upper], a.quality[upper], a.bound[upper])
+        reached = self.values(curves.some, a.limit_w[lower][which], top[which], a.design[lower][which])
+        best_unit = np.clip(frame.unit(reached), 0.0, None)
+        worst_unit = np.minimum(frame.unit(worst), frame.reference)
+        room = np.clip(frame.reference - best_unit, 1e-300, None)
+        p, q = self.axes.names.index("power"), self.axes.names.index(str(self.quality))
+        share = np.clip((worst_unit - best_unit)[:, [p, q]] / room[:, [p, q]], 0.0, 1.0).prod(axis=1)
+        spans = share * np.prod(room, axis=1) / np.prod(frame.reference)
+        stepped = curves.some.stepped[a.design[lower]][which]
+        narrow = a.asked[upper][which] & (stepped | ((worst_unit - best_unit)[:, p] < 1e-9))
+        wide = (spans > largest) & ~narrow
+        return which[wide], spans[wide]
+
+    # ------------------------------------------------------------ what is missed
+
+    def open_corners(self, every: Sequence[Curves]) -> Array:
+        """The best that may still be found, by segment, or by design where it is one point."""
+        parts = [np.empty((0, len(self.axes)))]
+        for curves in every:
+            best, _ = self.best_left(curves)
+            parts.append(best[self.may_be_new(best)])
+        return np.concatenate(parts)
+
+    def volumes(self, every: Sequence[Curves]) -> tuple[float, float]:
+        """Hypervolume of the points, and what no front can exceed."""
+        values = self.archive.values
+        if len(values) == 0:
+            return 0.0, 0.0
+        frame = Frame.of(self.axes, values[clearly(values, self.resolved_rel)])
+        lower = hypervolume(values, frame)
+        return lower, max(lower, hypervolume(np.concatenate([values, self.open_corners(every)]), frame))
+
+
+def quality_of(problem: Problem, axes: Axes) -> str | None:
+    """The one axis beside power that settings change; more than one has no exact front here."""
+    names = [*OF_SETTINGS, *(["contrast"] if any(s.sunlit for s in problem.scenes) else [])]
+    found = [name for name in axes.names if name in names]
+    if len(found) > 1:
+        raise MissionError(
+            f"objectives: {' and '.join(found)} both depend on the settings; the exact front knows one such quality "
+            "beside power, cost, mass and gsd_mm. Leave one out, or use a population solver such as nsga2."
+        )
+    return found[0] if found else None
