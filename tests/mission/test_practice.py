@@ -9,7 +9,7 @@ import pytest
 from uwopt.errors import MissionError
 from uwopt.mission.keys import Refusal
 from uwopt.mission.mission import Mission, load_mission, sections
-from uwopt.mission.practice import RECOMMENDED_KEYS
+from uwopt.mission.practice import RECOMMENDED_KEYS, with_practice
 from uwopt.mission.reserves import RECOMMENDED_RESERVE, Reserve
 
 
@@ -89,3 +89,14 @@ def test_each_key_that_is_filled_in_says_that_it_is_recommended() -> None:
 def test_another_word_is_told_with_those_there_are() -> None:
     with pytest.raises(MissionError, match=r"practice.*recommended"):
         mission("best")
+
+
+def test_band_of_altitudes_is_sharp_unless_something_is_said() -> None:
+    band: dict[str, Any] = {"scene": {"water": "II", "depth_m": 30.0}, "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.5}}
+    still, moved = with_practice(band), dict(band, vehicle=band["vehicle"] | {"altitude_tolerance_m": 0.25})
+    assert "min_dof_m" not in still["requirements"]
+    assert with_practice(moved)["requirements"]["min_dof_m"] == 0.0
+    assert with_practice(moved | {"requirements": {"min_dof_m": 0.6}})["requirements"]["min_dof_m"] == 0.6
+    assert "min_dof_m" not in with_practice(moved | {"practice": "bare"}).get("requirements", {})
+    scenes = [{"name": "a", "vehicle": {"altitude_tolerance_m": 0.5}}]
+    assert with_practice(band | {"scenes": scenes})["requirements"]["min_dof_m"] == 0.0

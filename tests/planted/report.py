@@ -8,6 +8,21 @@ SUNLIT = "tests/report/test_sunlit_pictures.py::"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="the same hardware is a choice", file="uwopt/report/text/words.py",
+        old="!= SAME_HARDWARE]", new="!= '']",
+        test="tests/report/test_short.py::test_same_hardware_set_otherwise_is_no_choice",
+    ),
+    Defect(
+        name="a band of altitudes need not be sharp", file="uwopt/mission/practice.py",
+        old="if _leaves_its_altitude(made):", new="if False:",
+        test="tests/mission/test_practice.py::test_band_of_altitudes_is_sharp_unless_something_is_said",
+    ),
+    Defect(
+        name="a tender heeds no time", file="uwopt/report/order/tender_lines.py",
+        old="            if deadline.passed():", new="            if False:",
+        test="tests/report/order/test_tender.py::test_a_tender_without_time_asks_without_limits_and_says_so",
+    ),
+    Defect(
         name="a lamp is drawn where there is none", file="uwopt/report/pictures/curves.py",
         old="places = () if model.unlit else tuple(", new="places = tuple(",
         test=f"{SUNLIT}test_no_lamp_is_drawn_or_told_of_where_there_is_none",

@@ -265,6 +265,18 @@ def test_what_the_estimates_cannot_tell_apart_is_called_equal(make_result: Make,
     assert said in text and "q-lens" not in text
 
 
+def test_same_hardware_set_otherwise_is_no_choice(make_result: Make, make_design: Make) -> None:
+    same, other = make_design(41.0), make_design(42.0, lens="r-lens")
+    both = {"equal": [{"runner_up": 0}, {"runner_up": 1}]}
+    text = text_of(make_result(runners_up=[same, other], robustness=both))
+    assert "the same with lens r-lens. Choose" in text and "other settings" not in text
+    assert "Equal within" not in text_of(make_result(runners_up=[same], robustness={"equal": [{"runner_up": 0}]}))
+
+
+def test_signal_to_noise_is_told_as_the_mean_that_it_is(make_result: Make) -> None:
+    assert "mean signal to noise 30.0 dB" in text_of(make_result())
+
+
 def test_moves_and_contradictions_are_told(make_result: Make) -> None:
     moves = [{"name": "speed_m_s", "asked": 1.5, "needed": 0.62, "unit": "m_s", "nearest": True},
              {"name": "water", "asked": "III", "needed": "IB", "unit": "", "nearest": False}]  # fmt: skip

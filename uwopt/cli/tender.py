@@ -7,15 +7,20 @@ from typing import Annotated
 
 import typer
 
-from uwopt.cli.options import MissionArgument, PhysicsOption, QuietOption
+from uwopt.cli.options import MissionArgument, PhysicsOption, QuietOption, checked_seconds
 from uwopt.cli.output import print_made
 from uwopt.cli.status import DONE, command, result_status, told
+from uwopt.deadline import Deadline
 
 
 @command
 def tender_command(
     result: Annotated[str, typer.Argument(metavar="RESULT.json", help="result.json, as --out wrote it.")],
     out: Annotated[str, typer.Option("--out", metavar="DIR", help="Write tender.xlsx and letter.txt into DIR.")],
+    seconds: Annotated[
+        float | None,
+        typer.Option(metavar="S", help="Stop after S seconds: parts that are not begun by then go without limits."),
+    ] = None,
     quiet: QuietOption = False,
 ) -> int:
     """Write what makers are asked: per part what it must fulfil, with cells for their answers, and a letter."""
@@ -25,16 +30,19 @@ def tender_command(
     from uwopt.report.write import check_folder, made_folder, write_files
     from uwopt.results.reading import read_solved
 
+    deadline = Deadline.after(checked_seconds(seconds))
     folder = check_folder(out)
     held = read_solved(result)
     with ProgressBar(quiet=quiet) as bar:
         if bar.report is not None:
             bar.report(0.1, "what each part must fulfil")
-        lines = lines_of(held, result)
+        lines = lines_of(held, result, deadline)
     files: dict[str, str | bytes] = {BOOK_FILE: tender_book(held, lines), LETTER_FILE: letter(held, lines)}
     written = write_files(made_folder(folder), files)
     if not quiet:
         told("written: " + ", ".join(map(str, written)), DONE)
+        if deadline.left_out:
+            told(f"no time was left for {', '.join(deadline.left_out)}; more --seconds find them", DONE)
     return DONE
 
 

@@ -24,6 +24,7 @@ RECOMMENDED_KEYS: Mapping[str, Mapping[str, Any]] = {
 }
 RECOMMENDED_CONFIDENCE = 0.9  # share of the scenarios of what is uncertain in which hardware must hold
 LEAST_UNIFORMITY = 0.3  # darkest over mean illuminance of the floor, where there are lamps
+SHARP_OVER_THE_BAND = 0.0  # least depth of field: no length of its own, but every altitude of the band is sharp
 HOUSING_WORDS = ("hous", "enclos", "hull", "pressure case", "canister")  # in the names of extras
 SLOW_LAMP_S, SLOW_CAMERA_S = 10.0, 60.0  # between images; from here on what is switched off between them saves much
 
@@ -39,6 +40,8 @@ def with_practice(data: Mapping[str, Any]) -> dict[str, Any]:
     vehicle, requirements, catalog = (_section(made, name) for name in ("vehicle", "requirements", "catalog"))
     if _most_lamps(vehicle.get("light_count")) > 0:
         filled["requirements"]["min_uniformity"] = LEAST_UNIFORMITY
+    if _leaves_its_altitude(made):
+        filled["requirements"]["min_dof_m"] = SHARP_OVER_THE_BAND
     if catalog.get("extras"):
         left_out = ["host", "rest", *(["housing"] if _names_a_housing(catalog["extras"]) else [])]
         for key in left_out:  # computer and cables may be among them, and would count twice
@@ -76,6 +79,14 @@ def is_wanted(practice: Any) -> bool:
 def _section(data: Mapping[str, Any], name: str) -> Mapping[str, Any]:
     given = data.get(name)
     return given if isinstance(given, Mapping) else {}
+
+
+def _leaves_its_altitude(data: Mapping[str, Any]) -> bool:
+    """Whether some scene has a band of altitudes; what is no number is told elsewhere."""
+    scenes = data.get("scenes")
+    places = [data, *(scenes if isinstance(scenes, (list, tuple)) else [data.get("scene")])]
+    bands = [_section(one, "vehicle").get("altitude_tolerance_m") for one in places if isinstance(one, Mapping)]
+    return any(isinstance(band, (int, float)) and band > 0 for band in bands)
 
 
 def _most_lamps(count: Any) -> float:

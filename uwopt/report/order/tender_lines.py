@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from uwopt.catalog.columns import COLUMNS, REQUIRED, Column
 from uwopt.catalog.parts.part import KINDS, Kind
+from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import ResultError
 from uwopt.evaluation.recompute import replay
 from uwopt.objectives.goal import goal_of
@@ -72,14 +73,17 @@ class TenderLine:
     facts: tuple[AskedFact, ...]
 
 
-def lines_of(result: Result, name: str) -> list[TenderLine]:
-    """The lines of a result's system; raises ResultError where it has none."""
+def lines_of(result: Result, name: str, deadline: Deadline = NEVER) -> list[TenderLine]:
+    """The lines of a result's system; raises ResultError where it has none.
+
+    Parts that are not begun in time go without limits; the deadline notes which.
+    """
     if result.best is None:
         raise ResultError(f"{name}: holds no system, so there is nothing to ask for; solve a mission that has one.")
-    return tender_lines(result, result.best)
+    return tender_lines(result, result.best, deadline)
 
 
-def tender_lines(result: Result, design: Design) -> list[TenderLine]:
+def tender_lines(result: Result, design: Design, deadline: Deadline = NEVER) -> list[TenderLine]:
     """A line a part that is to be bought, its limits found anew by the model."""
     made = replay(result.mission, design, physics=result.physics, mission_file=result.mission_file,
                   system=result.system if result.command == "evaluate" else None)  # fmt: skip
@@ -93,7 +97,10 @@ def tender_lines(result: Result, design: Design) -> list[TenderLine]:
         rival, name = nearest_rival(result, kind, goal)
         limits: list[PropertyLimit] = []
         if kind in VARIED and design.hardware.complete is None:
-            limits = specification(problem, hardware, goal, rival=rival, kinds=(kind,))[kind]
+            if deadline.passed():
+                deadline.left_out.append(f"the limits of the {kind}")
+            else:
+                limits = specification(problem, hardware, goal, rival=rival, kinds=(kind,))[kind]
         lines.append(line_of(result, design, row, kind, limits, name))
     return lines
 

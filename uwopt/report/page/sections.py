@@ -154,9 +154,9 @@ def cards(design: Design) -> list[Card]:
         if name == "dof_m" and any(scene.figures.get("dof_far_is_infinite") for scene in design.scenes):
             text = "infinite" if all(value is None for value in values) else f"{text} and more"
         if text:
-            shown.append(
-                Card(BY_NAME[name].words.capitalize(), text, "over all scenes" if " to " in text else "")
-            )
+            notes = ["mean over the frame"] if name == "snr_db" else []
+            notes += ["over all scenes"] if " to " in text else []
+            shown.append(Card(BY_NAME[name].words.capitalize(), text, ", ".join(notes)))
     if totals.mass_kg is not None:
         shown.append(Card("Mass", formats.quantity(totals.mass_kg, "kg")))
     for name, value, unit in (

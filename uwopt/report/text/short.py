@@ -171,7 +171,8 @@ def image_sentence(design: Design) -> str:
         known = [float(v) for v in values if isinstance(v, (int, float))]
         if known:
             low, high = (formats.quantity(end, BY_NAME[name].unit) for end in (min(known), max(known)))
-            shown.append(f"{BY_NAME[name].words} {low}" + (f" to {high}" if low != high else ""))
+            told = f"{'mean ' if name == 'snr_db' else ''}{BY_NAME[name].words}"  # others are of the whole image
+            shown.append(f"{told} {low}" + (f" to {high}" if low != high else ""))
     return f"Images: {', '.join(shown)}." if shown else ""
 
 

@@ -50,6 +50,9 @@ def part_id(part: UsedPart) -> str:
     return one_line(part.id or "inline", 60) + (" (to be made)" if part.generic else "")
 
 
+SAME_HARDWARE = "the same hardware, other settings"
+
+
 def differing_parts(design: Design, best: Design) -> str:
     """What a design has that the best one has not: `lens kowa-lm6hc, 3 lights`."""
     mine, other = design.hardware, best.hardware
@@ -61,17 +64,20 @@ def differing_parts(design: Design, best: Design) -> str:
         words.append(mine.orientation)
     if mine.light_mounts != other.light_mounts and mine.light_count == other.light_count:
         words.append(f"lights {mounts_text(mine.light_mounts)}")
-    return ", ".join(words) or "the same hardware, other settings"
+    return ", ".join(words) or SAME_HARDWARE
 
 
 def equal_sentence(result: Result, most: int = 2) -> str:
     """Which systems the estimates cannot tell from the recommendation, `most` of them; empty where there is none."""
     places = [item.get("runner_up") for item in (result.robustness or {}).get("equal") or []]
     others = [result.runners_up[place] for place in places if isinstance(place, int) and place < len(result.runners_up)]
-    if result.best is None or not others:
+    if result.best is None:
         return ""
-    instead = "; ".join(differing_parts(design, result.best) for design in others[:most])
-    more = f"; {len(others) - most} more" if len(others) > most else ""
+    told = [what for design in others if (what := differing_parts(design, result.best)) != SAME_HARDWARE]
+    if not told:  # the same parts set otherwise leave nothing to choose
+        return ""
+    instead = "; ".join(told[:most])
+    more = f"; {len(told) - most} more" if len(told) > most else ""
     return f"Equal within the estimates: this system, and the same with {instead}{more}. Choose by quote and delivery"
 
 
