@@ -62,8 +62,8 @@ Every mission in `problems/` and `problems/jobs/` is made impossible by each of 
 *answered* counts what the mission asks for: whether it alone, left out, would let something through is known. *keys* is
 the same of height, water, speed and time. A told change is tried by a search of its own: *does* is how many of those
 tried let something fit; *least* is how many of those that are told as the least do not do when they are 5 % smaller.
-Seconds are of the processor, in a process that has started, with no time given: the program's own patience ends it after
-9 s, or 5 s after the search that finds nothing, and it says what is open.
+Seconds are of the processor, in a process that has started, with no time given: the program's own patience ends it
+after 9 s, or 5 s after the search that finds nothing, and it says what is open.
 
 """
 
@@ -266,7 +266,8 @@ def page(rows: list[Row], every: int) -> str:
     """The whole page; `every`: how many there would be."""
     wrong = [f"- `{row.mission}` by {row.name} {row.limit:g}: {one}" for row in rows for one in row.wrong]
     after = ["", "## What does not hold", "", *wrong] if wrong else []
-    return "\n".join([HEAD + f"Asked of {len(rows)} of {every}{', drawn with the seed ' + str(SEED) if len(rows) < every else ''}. " + summary(rows), *table(rows), *after, ""])
+    drawn = f", drawn with the seed {SEED}" if len(rows) < every else ""
+    return "\n".join([HEAD + f"Asked of {len(rows)} of {every}{drawn}. " + summary(rows), *table(rows), *after, ""])
 
 
 def made(asked: list[tuple[str, str]], jobs: int, *, tried: bool) -> Iterator[Row]:

@@ -86,12 +86,19 @@ def test_the_word_recommended_gives_the_recommended_values():
         ({"reserve": {"depth": 1.25}, "limits": {"depth_rating_m": 100}}, 125.0),
         ({"wanted": {"refuse": "depth"}}, 44.0),
         ({"wanted": {"refuse": "depth"}, "reserve": {"depth": 1.25}}, 50.0),
+        ({"wanted": {"refuse": "depth"}, "reserve": {"depth": 1.0}}, 40.0),  # what is given decides
+        ({"wanted": {"refuse": "depth"}, "reserve": {"blur": 0.1}}, 44.0),
     ],
 )
 def test_depth_rating_is_asked_for_with_its_reserve(given, needed):
     made = mission(**given)
     assert made.required_depth_m == pytest.approx(needed)
     assert made.with_changes(physics="paper").required_depth_m == pytest.approx(needed)
+
+
+def test_a_mission_read_from_its_own_values_keeps_its_depth():
+    made = mission(wanted={"refuse": "depth"})
+    assert load_mission(made.to_dict()).required_depth_m == pytest.approx(44.0)
 
 
 def test_one_scene_may_refuse_for_the_whole_system():

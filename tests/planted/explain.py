@@ -25,6 +25,21 @@ DEFECTS = (
         test="tests/solvers/test_least_change.py::test_the_least_snr_is_that_of_the_pixel_that_is_asked_for",
     ),
     Defect(
+        name="a refusal of depth beats the reserve that is given",
+        file="uwopt/mission/reserves.py",
+        old="    if given is not None:\n        return given\n    return REFUSED_DEPTH if",
+        new="    return max(given or 1.0, REFUSED_DEPTH) if",
+        test="tests/mission/test_reserves.py::test_depth_rating_is_asked_for_with_its_reserve",
+    ),
+    Defect(
+        name="the reserve of depth that would do is told of the rating",
+        file="uwopt/report/text/helps.py",
+        old="math.floor(1e3 * needed_m * factor / asked_m)",
+        new="math.floor(1e3 * needed_m * factor / needed_m)",
+        test="tests/solvers/test_least_change.py"
+        "::test_a_reserve_of_depth_that_alone_keeps_all_ports_out_is_named_with_the_one_that_would_do",
+    ),
+    Defect(
         name="a figure that was reached is told with digits that nobody types",
         file="uwopt/solvers/explain/singles.py",
         old="            needed = rounded_away(needed, one.limit)\n",

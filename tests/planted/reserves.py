@@ -191,7 +191,7 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="one reserve that is given takes the others away",
         file="uwopt/mission/practice.py",
-        old="{**RECOMMENDED_RESERVE, **reserve}",
+        old="{**RECOMMENDED_RESERVE, **given}",
         new="dict(reserve)",
         test="tests/mission/test_practice.py::test_what_a_mission_says_stays",
     ),

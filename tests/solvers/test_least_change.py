@@ -8,12 +8,15 @@ from typing import Any
 
 import pytest
 
+from uwopt.api.solving import solve
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import NEVER
 from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.objectives.objective import Objective
+from uwopt.report.text.helps import depth_lines
 from uwopt.results.basis import WhyNothing
+from uwopt.results.result import Result
 from uwopt.solvers.exact.certificate import certificate
 from uwopt.solvers.explain import singles
 from uwopt.solvers.explain.infeasible import why_nothing
@@ -340,3 +343,16 @@ def test_the_least_budget_is_that_of_the_parts_whose_high_prices_are_least(parts
 
     assert told(within(1000.0), catalog)["cost"] == pytest.approx(least, rel=0.005)  # three digits
     assert fits(within(least), catalog) and not fits(within(least - 1.0), catalog)
+
+
+def test_a_reserve_of_depth_that_alone_keeps_all_ports_out_is_named_with_the_one_that_would_do(parts):
+    """The deepest port is rated for 500 m: 450 m times 1.25 are 562.5 m, and 500 / 450 = 1.111 would do."""
+
+    def within(depth: float) -> Result:
+        wanted = mission(parts, depth_m=450.0, refuse=["depth"]).with_changes(reserve={"depth": depth})
+        return solve(wanted, confidence="central", quick=True)
+
+    said = " ".join(str(line) for line in depth_lines(within(1.25)))
+    assert "No port that the mission allows otherwise reaches the 562.5 m" in said
+    assert "450.0 m asked for, times 1.25 kept in reserve" in said and "reserve.depth 1.111 would do" in said
+    assert within(1.111).recommendation is not None and within(1.112).recommendation is None

@@ -24,7 +24,7 @@ from uwopt.mission.doubt import Confidence, Doubt
 from uwopt.mission.fixed import Fixed
 from uwopt.mission.keys import OBJECTIVES
 from uwopt.mission.practice import DEFAULT_PRACTICE, Practice, with_practice
-from uwopt.mission.reserves import REFUSED_DEPTH, Reserve, ReserveOrWord, asked_of, held_of, kept_of
+from uwopt.mission.reserves import Reserve, ReserveOrWord, asked_of, depth_factor, held_of, kept_of
 from uwopt.mission.sections.catalog_choice import CatalogChoice
 from uwopt.mission.sections.limits import Limits
 from uwopt.mission.sections.requirements import Requirements
@@ -154,8 +154,8 @@ class Mission(WholeFile):
     def depth_factor(self) -> float:
         """Depth that ports and lights must be rated for, over the one asked for."""
         overrides = [scene.requirements for scene in self.scenes]
-        words = [self.requirements.refuse if own is None or own.refuse is None else own.refuse for own in overrides]
-        return max(self.reserve.depth, REFUSED_DEPTH if any("depth" in each for each in words) else 1.0)
+        refused = [self.requirements.refuse if own is None or own.refuse is None else own.refuse for own in overrides]
+        return depth_factor(self.reserve.depth, refused)
 
     @property
     def required_depth_m(self) -> float:

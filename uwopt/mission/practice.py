@@ -58,7 +58,8 @@ def with_practice(data: Mapping[str, Any]) -> dict[str, Any]:
     if reserve is None:
         made["reserve"] = RECOMMENDED
     elif isinstance(reserve, Mapping):  # one key changes one key; a highest gain that is left empty stays lifted
-        made["reserve"] = {**RECOMMENDED_RESERVE, **reserve}
+        given = {key: value for key, value in reserve.items() if value is not None or key == "max_gain_db"}
+        made["reserve"] = {**RECOMMENDED_RESERVE, **given}
     if made.get("confidence") is None:
         made["confidence"] = RECOMMENDED_CONFIDENCE
     return made

@@ -7,7 +7,7 @@ the latter alone. The former stay beside them, so that a margin can say how much
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field
@@ -41,8 +41,10 @@ class Reserve(Section):
     dof: Annotated[float, Field(ge=0, le=10), NUMBER] = Field(
         default=0.0, description="share by which the depth of field is longer than asked for, recommended 0.1"
     )
-    depth: Annotated[float, Field(ge=1, le=10), NUMBER] = Field(
-        default=1.0, description="depth rating over the depth that it is asked for, recommended 1.25"
+    depth: Annotated[float, Field(ge=1, le=10), NUMBER] | None = Field(
+        default=None,
+        description="depth rating over the depth that it is asked for, recommended 1.25; decides whatever is refused, "
+        "and left out it is 1, or 1.1 with refuse: depth",
     )
     tilt_deg: Annotated[float, Field(ge=0, le=30), NUMBER] = Field(
         default=0.0,
@@ -143,6 +145,13 @@ def held_of(asked: Requirements, reserve: Reserve) -> Requirements:
 def asked_when_held(reserve: Reserve, key: str, held: float) -> float:
     """What a mission asks for when this is what must be held: the reserve taken off again."""
     return held - reserve.snr_db if key in IN_DB else held / factors_of(reserve).get(key, 1.0)
+
+
+def depth_factor(given: float | None, refused: Iterable[Collection[str]]) -> float:
+    """Depth that parts must be rated for, over the one asked for: what is given, else as any scene refuses."""
+    if given is not None:
+        return given
+    return REFUSED_DEPTH if any("depth" in words for words in refused) else 1.0
 
 
 def kept_of(asked: Requirements, held: Requirements, key: str) -> float:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from uwopt.mission.reserves import REFUSED
 from uwopt.report.text import formats, vocabulary, words
-from uwopt.report.text.helps import contradiction_lines, move_lines
+from uwopt.report.text.helps import contradiction_lines, depth_lines, move_lines
 from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, sentence
 from uwopt.results.basis import Excluded, Relaxed
 from uwopt.results.result import Result
@@ -56,7 +56,7 @@ def helpful_lines(result: Result | FrontResult) -> list[Line]:
         lines.append(sentence(AT_CENTRAL_PRICES))
     if relaxations_of(result) and (smaller := together_of(result)):
         lines += [sentence(SMALLER), relaxation_table(result, smaller)]
-    return [*lines, *move_lines(result), *contradiction_lines(result)]
+    return [*lines, *depth_lines(result), *move_lines(result), *contradiction_lines(result)]
 
 
 def no_change_helps(result: Result | FrontResult) -> str:
