@@ -60,7 +60,7 @@ DEFECTS = (
     ),
     Defect(
         name="information of the best image counts as it is",
-        file="uwopt/solvers/settings/cells.py",
+        file="uwopt/solvers/settings/cell_pool.py",
         old='self.objective.counted("information", information)',
         new="information",
         test=f"{CELLS}::test_best_image_where_light_is_dear",

@@ -55,7 +55,7 @@ DEFECTS = (
     ),
     Defect(
         name="cells forget the energy over scenes",
-        file="uwopt/solvers/settings/cells.py",
+        file="uwopt/solvers/settings/cell_points.py",
         old="fits &= self.mean_limit.met_by(",
         new="fits |= self.mean_limit.met_by(",
         test=OVER_SCENES,

@@ -76,7 +76,7 @@ DEFECTS = (
     ),
     Defect(
         name="under the sun a cut flash is open for its time at its peak",
-        file="uwopt/solvers/settings/cells.py",
+        file="uwopt/solvers/settings/cell_points.py",
         old="np.where(free, np.maximum(wanted, least), scene.opened_s(d, time))",
         new="np.where(free, np.maximum(wanted, least), time)",
         test=f"{OF_CELLS}[snr_db-more3]",

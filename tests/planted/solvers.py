@@ -510,7 +510,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="cells lose f-numbers that still have light enough",
-        file="uwopt/solvers/settings/cells.py",
+        file="uwopt/solvers/settings/cell_pool.py",
         old="most = np.sqrt(light / reach.x_lo) * (1.0 + 1e-12)",
         new="most = np.sqrt(light / reach.x_lo) * 0.97",
         test="tests/solvers/test_cells.py::test_flash_and_lamp_with_steps",
@@ -566,7 +566,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="cells get ever thinner beside an f-number that is never halved",
-        file="uwopt/solvers/settings/cells.py",
+        file="uwopt/solvers/settings/cell_pool.py",
         old="tells |= lens & (scaled > THINNEST",
         new="tells |= lens & (scaled > np.inf",
         test=f"{CELLS}test_bounds_of_cells_close_the_gap_soon[hardly sharp by steps of light]",
