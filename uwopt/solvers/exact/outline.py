@@ -295,8 +295,11 @@ class Level:
                     gsd_m=self.gsd_m(index, some), pixel_along_m=pixel_along_m, pixel_across_m=pixel_across_m
                 )
             seen |= dict(tan_along=along, tan_across=across)
-            factor = self.lens_focus.factor[index][some.lens, some.group]
-            seen |= dict(zip(COVERED, covered_sides(scene, shape, along, across, factor, seen), strict=True))
+            sides = np.zeros((2, len(mine), 3))  # at least
+            if most:
+                factor = self.lens_focus.factor[index][some.lens, some.group]
+                sides = np.array(covered_sides(scene, shape, along, across, factor, seen))
+            seen |= dict(zip(COVERED, sides, strict=True))
             for name, column in columns.items():
                 column[mine] = seen[name]
         return empty_views(n, **columns)
