@@ -190,10 +190,10 @@ def test_wherever_time_ends_the_result_is_sound(readings: int, limited: Callable
 def test_an_interrupted_explanation_keeps_what_helps(monkeypatch: pytest.MonkeyPatch) -> None:
     honest = Relaxer.any_design
 
-    def any_design(*args: Any, depth_m: float | None = None) -> Any:
+    def any_design(*args: Any, depth_m: float | None = None, **more: Any) -> Any:
         if depth_m == 0.0:  # the last requirement that is dropped
             raise KeyboardInterrupt
-        return honest(*args, depth_m=depth_m)
+        return honest(*args, depth_m=depth_m, **more)
 
     monkeypatch.setattr(Relaxer, "any_design", any_design)
     result = api.solve(mission(catalog={**FEW_PARTS, "generic": "never"}, limits={"power_w": 0.001}))

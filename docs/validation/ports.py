@@ -104,7 +104,9 @@ def flat_rows() -> tuple[list[list[str]], float, float]:
         told = common.figures(*flat_case(*case))
         n_w = float(np.interp(550.0, common.WAVES_NM, common.index_of_water(10.0, 35.0)))
         ray = dict(gap=1e-3 * gap, glass=1e-3 * glass, range_m=range_m, n_g=1.5, n_w=n_w)
-        half = WIDTH * PITCH_M / (2e-3 * focal), HEIGHT * PITCH_M / (2e-3 * focal)
+        seen_m = flat_floor(1e-6, 0.0, **ray)[0] / 1e-6  # how far off the floor looks near the axis
+        image_m = 1.0 / (1e3 / focal - 1.0 / seen_m)  # where a thin lens images that: a whole lens stands so far off
+        half = WIDTH * PITCH_M / (2.0 * image_m), HEIGHT * PITCH_M / (2.0 * image_m)
         width, height = 2 * flat_floor(half[0], 0.0, **ray)[0], 2 * flat_floor(0.0, half[1], **ray)[1]
         foot = max(abs(told["fov_x_m"] / width - 1), abs(told["fov_y_m"] / height - 1))
         spread = colour_spread_px(*case)
@@ -239,7 +241,7 @@ def section() -> str:
 Independent of: uwopt's tangent forms, focus maps and Moebius algebra. Rays are traced by vectors through each surface
 (`docs/validation/ports.py`); the Fresnel side uses the sine and tangent forms.
 
-**Flat port**: footprint of `evaluate` [m], and lateral colour [px rms] of the corner's floor point: for each wavelength
+**Flat port**: footprint of `evaluate` [m], through a lens that moves as a whole to its focus, and lateral colour [px rms] of the corner's floor point: for each wavelength
 the ray that meets that point is sought by root finding; electrons as they arrive over range there and back.
 
 {common.table(["range, lens, port", "traced [m]", "uwopt [m]", "largest diff.", "traced [px]", "uwopt [px]", "diff."], flat)}
