@@ -99,8 +99,8 @@ def _of_class(prefix: str, lens: Lens) -> ClassEstimate:
 def bodies_of(cameras: Cameras, lenses: Lenses, spacers_m: Array | float, *, at_most: bool = False) -> Bodies:
     """What rows of cameras and lenses take up, with rings of these lengths between them; by high ends where asked."""
     if at_most:
-        wide, long = lenses.most_body_m.T
-        return Bodies(*cameras.most_body_m.T, wide, long + spacers_m, lenses.pupil_m)
+        (width, height, deep, plug), (wide, long) = cameras.most_body_m.T, lenses.most_body_m.T
+        return Bodies(width, height, deep, plug, wide, long + spacers_m, lenses.pupil_m)
     return Bodies(
         cameras.body_width_m, cameras.body_height_m, cameras.body_length_m, cameras.plug_m, lenses.diameter_m,
         lenses.length_m + spacers_m, lenses.pupil_m,
