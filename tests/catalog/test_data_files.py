@@ -126,7 +126,7 @@ CHOICES = {
     "interface": {
         "USB3", "GigE", "2.5GigE", "5GigE", "10GigE", "CSI-2", "Camera Link", "Ethernet RTSP", "coax", "",
     },
-    "perf_quality": {"A", "B", "C", "D", ""},
+    "perf_quality": {"A", "B", "C", "D", "E", ""},
     "aperture_control": {"manual", "motorised", "fixed", "unknown"},
     "is_zoom": {"yes", "no"},
     "kind": {"continuous", "pulsed_led", "flash"},

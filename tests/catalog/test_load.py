@@ -8,8 +8,8 @@ import pytest
 from uwopt.catalog.catalogue import plain_name
 from uwopt.catalog.load import build_rows, load_catalog
 from uwopt.catalog.parts.quantity import Quantity
-from uwopt.catalog.records import KINDS, exact
-from uwopt.catalog.tables import DATA_DIR, parse_table
+from uwopt.catalog.records import KINDS, Camera, exact
+from uwopt.catalog.tables import DATA_DIR, built_in_rows, parse_table
 from uwopt.catalog.userparts import typed_rows
 from uwopt.errors import CatalogError
 
@@ -269,3 +269,30 @@ def test_part_is_found_in_any_spelling_and_a_wrong_id_names_near_ones():
 
 def test_catalogue_is_read_once():
     assert load_catalog() is CATALOG
+
+
+@pytest.mark.parametrize(
+    ("camera", "noise_e", "saturation_e", "qe_share"),
+    [  # value, low, high by hand from cameras.csv and class_estimates.csv, of chip or else family
+        ("avt-alvium-1800-c-507m", (2.1, 2.0, 3.0), (10400.0, 10400.0, 10820.0), (0.6251 / 0.64, 0.68 / 0.64)),
+        ("avt-alvium-1800-c-240m", (2.1, 2.04, 3.06), (10400.0, 10400.0, 11120.0), (0.60 / 0.64, 1.0)),
+    ],
+)
+def test_figures_of_a_pixel_family_are_estimates_of_a_model(
+    camera: str, noise_e: tuple[float, ...], saturation_e: tuple[float, ...], qe_share: tuple[float, float]
+) -> None:
+    part = load_catalog().part(camera)
+    assert isinstance(part, Camera)
+    for quantity, ends in ((part.read_noise_e, noise_e), (part.saturation_e, saturation_e)):
+        assert quantity is not None
+        assert (quantity.value, quantity.low, quantity.high) == pytest.approx(ends)
+        assert quantity.estimated and "not of this model" in quantity.source
+    scale = part.qe_scale
+    assert scale is not None and scale.estimated
+    assert (scale.low / scale.value, scale.high / scale.value) == pytest.approx(qe_share)
+
+
+def test_every_note_of_a_family_s_figures_is_graded_so() -> None:
+    rows = [row for row in built_in_rows("cameras.csv") if "family, not of this model" in row["note"]]
+    assert len(rows) == 11  # counted by hand
+    assert {row["perf_quality"] for row in rows} == {"E"}

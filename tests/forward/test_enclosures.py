@@ -10,12 +10,20 @@ import pytest
 
 from uwopt.catalog.choose import select
 from uwopt.catalog.load import load_catalog
-from uwopt.catalog.records import Camera, Curve, Housing, Lens, Light, Port, exact
+from uwopt.catalog.records import Camera, Curve, Housing, Lens, Light, Port, Quantity, exact
 from uwopt.errors import MissionError
 from uwopt.evaluation.bill import bill_of_materials
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.designs import Hardware
-from uwopt.forward.enclosures import beaten, camera_with_size, enclosed, lens_with_size, takes
+from uwopt.forward.enclosures import (
+    beaten,
+    camera_with_size,
+    enclosed,
+    fits_inside,
+    lens_with_size,
+    takes,
+    tight_at_worst,
+)
 from uwopt.forward.problem import Parts, Problem
 from uwopt.mission.mission import load_mission
 from uwopt.mission.practice import with_practice
@@ -206,6 +214,31 @@ def test_a_dome_that_is_wider_than_its_tube_stands_on_a_flange_that_is_paid_for(
     assert extra == pytest.approx(flange_usd or 0.0)
     paid = [] if flange_usd is None else [(2, pytest.approx(flange_usd))]
     assert [(row.count, row.unit_price) for row in rows] == paid
+
+
+@pytest.mark.parametrize(("to_be_made", "width_mm", "length_mm"), [(False, 46.43, 111.0), (True, 56.31, 151.0)])
+def test_a_housing_to_be_made_is_ordered_for_the_largest_camera(
+    to_be_made: bool, width_mm: float, length_mm: float
+) -> None:
+    # by hand: 40 - 16 behind the pupil, body and plug, 2 of clearance: 24 + 40 + 45 + 2, at most 24 + 55 + 70 + 2;
+    # across sqrt(30^2 + 30^2) + 4, at most sqrt(37^2 + 37^2) + 4
+    tube = replace(TUBE, inner_length_mm=150.0, generic=to_be_made)
+    built = model(replace(PORT, housing=tube))
+    parts = built.problem.parts
+    camera = replace(
+        parts.cameras[0], body_width_mm=Quantity(30.0, 29.0, 37.0), body_height_mm=Quantity(30.0, 29.0, 37.0),
+        body_length_mm=Quantity(40.0, 30.0, 55.0), plug_mm=Quantity(45.0, 25.0, 70.0),
+    )  # fmt: skip
+    lens = replace(parts.lenses[0], length_mm=exact(40.0), diameter_mm=exact(30.0), pupil_mm=exact(16.0))
+    problem = Problem(built.problem.mission, replace(parts, cameras=(camera,), lenses=(lens,)), paper=True)
+    sized = DesignModel(problem, built.hardware)
+    needed = {row.requirement: float(row.value[0]) for row in sized.housing_margins()}
+    assert needed["housing_length_mm"] == pytest.approx(length_mm)
+    assert needed["housing_diameter_mm"] == pytest.approx(width_mm, abs=0.02)
+    fits = fits_inside(problem.cameras, problem.lenses, 0.0, problem.ports)
+    assert fits.item() is not to_be_made  # 151 mm do not go into 150
+    told = tight_at_worst(camera, lens, 0.0, problem.ports)
+    assert told["housing_length_mm"] == pytest.approx((0.151, 0.15))
 
 
 def test_a_flange_weighs_in_air_and_in_water() -> None:

@@ -6,6 +6,13 @@ from planted.defect import Defect
 
 DEFECTS = (
     Defect(
+        name="figures of a pixel family count as published for a model",
+        file="uwopt/catalog/readers/read_camera.py",
+        old='row.text("perf_quality") == OF_FAMILY',
+        new='row.text("perf_quality") == "F"',
+        test="tests/catalog/test_load.py::test_figures_of_a_pixel_family_are_estimates_of_a_model",
+    ),
+    Defect(
         name="a list of numbers may hold what is none",
         file="uwopt/catalog/userparts.py",
         old="return sorted(numbers) if all(map(math.isfinite, numbers)) else []",

@@ -13,6 +13,22 @@ FIT = "tests/solvers/test_nearest_fit.py::"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="a housing to be made is ordered for the middle of what a camera may be",
+        file="uwopt/forward/enclosures.py",
+        old="at_most=bool(port.to_be_made[0])",
+        new="at_most=False",
+        test="tests/forward/test_enclosures.py::"
+        "test_a_housing_to_be_made_is_ordered_for_the_largest_camera[True-56.31-151.0]",
+    ),
+    Defect(
+        name="all housings are held to the largest camera",
+        file="uwopt/forward/enclosures.py",
+        old="at_most=bool(port.to_be_made[0])",
+        new="at_most=True",
+        test="tests/forward/test_enclosures.py::"
+        "test_a_housing_to_be_made_is_ordered_for_the_largest_camera[False-46.43-111.0]",
+    ),
+    Defect(
         name="a fit is refused though something fits",
         file="uwopt/solvers/explain/nearest_fit.py",
         old="        if short_m <= 0.0:\n            return None\n",

@@ -470,13 +470,13 @@ DEFECTS = (
     Defect(
         name="lumens of a profile in candela are ignored",
         file="uwopt/forward/part_columns.py",
-        old='output[row] = measured_lumens(part.beam_profile) / known["flux_lm"][row]',
+        old='output[row] = measured_lumens(part.beam_profile.x, part.beam_profile.y) / known["flux_lm"][row]',
         new="output[row] = 1.0",
         test="tests/forward/test_hardware.py::test_lamp_measured_in_candela_gives_the_lumens_of_its_profile",
     ),
     Defect(
         name="a profile's lumens without the ring's sine",
-        file="uwopt/forward/part_columns.py",
+        file="uwopt/model/light.py",
         old="np.trapezoid(intensity * np.sin(fine), fine)",
         new="np.trapezoid(intensity * fine, fine)",
         test="tests/forward/test_hardware.py::test_lamp_measured_in_candela_gives_the_lumens_of_its_profile",

@@ -8,6 +8,11 @@ SUNLIT = "tests/report/test_sunlit_pictures.py::"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="a wide column beside the ids of a bill breaks them", file="uwopt/report/text/tables.py",
+        old="Text(line.kind), Text(line.id))", new='Text(line.kind.ljust(60, "-")), Text(line.id))',
+        test="tests/report/test_tables.py::test_no_line_breaks_an_id_of_a_bill",
+    ),
+    Defect(
         name="the same hardware is a choice", file="uwopt/report/text/words.py",
         old="!= SAME_HARDWARE]", new="!= '']",
         test="tests/report/test_short.py::test_same_hardware_set_otherwise_is_no_choice",

@@ -41,6 +41,18 @@ def test_every_part_of_a_result_is_shown(make_result: Make) -> None:
         assert words in text
 
 
+@pytest.mark.parametrize("length", [12, 50, 80])
+def test_no_line_breaks_an_id_of_a_bill(make_result: Make, length: int) -> None:
+    # what is copied from a line must be a whole id; prices of both lamps are as long as they come
+    result = make_result()
+    long = "arctic-rays-dragonfish-mini-strobe-65deg-10hz-".ljust(length, "z")[:length]
+    rows = [replace(row, id=long, count=3, unit_price=45_000.0, unit_price_low=12_345.0, unit_price_high=99_999.0)
+            if row.kind == "light" else row for row in result.best.bom]  # fmt: skip
+    text = text_of(replace(result, recommendation=replace(result.best, bom=rows)))
+    bill = text.partition("Bill of materials")[2].partition("Runners-up")[0]
+    assert any(line.split()[-1:] == [long] for line in bill.splitlines())
+
+
 def test_cost_line_reads_as_asked_for(make_result: Make) -> None:
     # the wording that the task gives as its example, in ranges without digits that nobody knows
     assert "cost 3 600 to 5 300 USD, of which 1 700 to 3 400 estimated" in flat(text_of(make_result()))
@@ -115,7 +127,7 @@ def test_account_that_does_not_add_up_is_told(make_result: Make) -> None:
 
 def test_estimates_are_marked_with_a_legend(make_result: Make) -> None:
     text = flat(text_of(make_result()))
-    assert "1 700 to 3 400 USD 1 700 to 3 400 USD no quote, 1 owned" in text
+    assert "1 700 to 3 400 USD to pay, no quote, 1 owned" in text
     assert "no quote: the range is that of parts of its class" in text
     assert "~0.700" in text
 

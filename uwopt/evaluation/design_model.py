@@ -16,7 +16,7 @@ from uwopt.catalog.records import Housing, Light, Port
 from uwopt.evaluation.design_light import DesignLight
 from uwopt.forward.breathing import at_focus
 from uwopt.forward.designs import Hardware, SceneSettings
-from uwopt.forward.enclosures import bodies_of, housing_size_mm, mass_in_water_kg, room_needed_m
+from uwopt.forward.enclosures import bodies_in, housing_size_mm, mass_in_water_kg, room_needed_m
 from uwopt.forward.figures import (
     DesignRows,
     Figures,
@@ -350,7 +350,7 @@ class DesignModel(DesignLight):
         if not port.housed[0]:
             return []
         limits = self.problem.mission.limits
-        bodies = bodies_of(self.cameras, self.lenses, self.spacer_m)
+        bodies = bodies_in(self.cameras, self.lenses, self.spacer_m, port)
         corner = 0.0 if self.problem.paper else widest_corner(self.views)
         rooms = room_needed_m(bodies, port, corner) if port.roomy[0] else {}
         margins = []

@@ -96,12 +96,23 @@ def _of_class(prefix: str, lens: Lens) -> ClassEstimate:
     return required_class(prefix, "body-s-mount" if board else f"body-{circle_class(lens.image_circle_mm)}", "body-any")
 
 
-def bodies_of(cameras: Cameras, lenses: Lenses, spacers_m: Array | float) -> Bodies:
-    """What rows of cameras and lenses take up, with rings of these lengths between them."""
+def bodies_of(cameras: Cameras, lenses: Lenses, spacers_m: Array | float, *, at_most: bool = False) -> Bodies:
+    """What rows of cameras and lenses take up, with rings of these lengths between them; by high ends where asked."""
+    if at_most:
+        (width, height, deep, plug), (wide, long) = cameras.most_body_m.T, lenses.most_body_m.T
+        return Bodies(width, height, deep, plug, wide, long + spacers_m, lenses.pupil_m)
     return Bodies(
         cameras.body_width_m, cameras.body_height_m, cameras.body_length_m, cameras.plug_m, lenses.diameter_m,
         lenses.length_m + spacers_m, lenses.pupil_m,
     )  # fmt: skip
+
+
+def bodies_in(cameras: Cameras, lenses: Lenses, spacers_m: Array | float, port: Ports) -> Bodies:
+    """What one enclosure must have room for: in a housing to be made, the high ends of what is estimated.
+
+    It is cut to measure before anybody holds camera, plug and lens in hand; a housing off the shelf can be tried.
+    """
+    return bodies_of(cameras, lenses, spacers_m, at_most=bool(port.to_be_made[0]))
 
 
 def room_needed_m(bodies: Bodies, port: Ports, tan_corner: Array | float = 0.0) -> dict[str, tuple[Array, Array]]:
@@ -165,11 +176,12 @@ def sizes_m(
 
     Bare ports have no size that counts.
     """
-    bodies = bodies_of(cameras, lenses, spacers_m)
     kinds: dict[tuple[float, ...], list[int]] = {}  # what is needed differs by shape and port, not by housing
     for p in np.flatnonzero(ports.roomy).tolist():
-        kinds.setdefault((ports.is_sphere[p], ports.is_dome[p], ports.rim_gap_m[p]), []).append(p)
+        kind = (ports.is_sphere[p], ports.is_dome[p], ports.rim_gap_m[p], ports.to_be_made[p])
+        kinds.setdefault(kind, []).append(p)
     for alike in kinds.values():
+        bodies = bodies_in(cameras, lenses, spacers_m, ports.take(np.array(alike[:1])))
         room = room_m(ports.take(np.array(alike)))
         for name, needed in needed_m(bodies, ports.take(np.array(alike[:1])), tan_corner).items():
             yield name, alike, needed, room[name]

@@ -27,7 +27,7 @@ from uwopt.model import flash as flash_model
 from uwopt.model.aberration import aberration_at_f1, aberration_exponent
 from uwopt.model.f_stops import f_number_closed
 from uwopt.model.hull import SEAWATER_KG_M3
-from uwopt.model.light import flash_light_lm_s
+from uwopt.model.light import flash_light_lm_s, measured_lumens
 from uwopt.units import convert, db_to_ratio
 
 Array = NDArray[Any]
@@ -74,6 +74,7 @@ class Cameras(PartColumns):
     body_height_m: Array
     body_length_m: Array
     plug_m: Array
+    most_body_m: Array  # (n, 4), high ends of these sizes, for which a housing that is to be made is ordered
     storage_gb: Array  # of its own card; inf where a computer takes the images
     fires_lamps: Array  # with the image
 
@@ -97,6 +98,7 @@ class Lenses(PartColumns):
     length_m: Array  # 0 where it is not known
     diameter_m: Array
     pupil_m: Array
+    most_body_m: Array  # (n, 2), high ends of diameter and length
     price: Array
     limit_price: Array  # what counts against a budget: the price, or its high end
     mass_kg: Array
@@ -130,6 +132,7 @@ class Ports(PartColumns):
     housed: Array  # whether it is built into a housing
     roomy: Array  # a housing that camera and lens must fit into; that of a complete camera has them inside
     is_sphere: Array  # the housing
+    to_be_made: Array  # the housing: it is ordered for the high ends of the sizes that it must hold
     room_diameter_m: Array  # inside the housing; inf where there is none
     room_length_m: Array
     outer_diameter_m: Array  # of the housing with its port
@@ -212,6 +215,12 @@ def columns_of(record: type[Part], parts: Sequence[Part], end: End) -> dict[str,
         for field in kept_fields(record)
         if field.form == "number" and field.name != "price"
     }
+
+
+def high_ends(record: type[Part], parts: Sequence[Part], names: Sequence[str]) -> Array:
+    """Sizes at the high ends of their doubt [m], (n, n_names), 0 where they are not known."""
+    fields_by_name = {field.name: field for field in kept_fields(record)}
+    return np.stack([column(parts, fields_by_name[name], "bad") for name in names], axis=1)
 
 
 def of_table(table: type[Columns], known: Mapping[str, Array]) -> dict[str, Array]:
@@ -298,6 +307,7 @@ def camera_rows(
             "readout_s": np.where(rolling & np.isfinite(rate), 1.0 / np.maximum(rate, 1e-9), 0.0),
             "frame_mb": frame_mb,
             "qe_index": np.array(qe_index, int),
+            "most_body_m": high_ends(Camera, parts, ("body_width_mm", "body_height_mm", "body_length_mm", "plug_mm")),
             "fires_lamps": np.array([part.fires_lamps for part in parts], bool),
         }
     )
@@ -334,6 +344,7 @@ def lens_rows(
             ),
             "aberration_exponent": aberration_exponent(known["f_number_min"]),
             "spacers_m": _spacers(parts),
+            "most_body_m": high_ends(Lens, parts, ("diameter_mm", "length_mm")),
             "rated_pitch_m": np.array([(rated_pitch_um(part) or 0.0) * 1e-6 for part in parts], float),
             "motorised": np.array([part.aperture_control == "motorised" for part in parts], bool),
         }
@@ -423,20 +434,13 @@ def housing_columns(
         "housed": housed,
         "roomy": housed & np.array([not part.complete for part in parts], bool),
         "is_sphere": sphere,
+        "to_be_made": np.array([hull.generic for hull in hulls], bool),
         "room_diameter_m": inner,
         "room_length_m": np.where(sphere, inner, known["inner_length_m"]),
         "outer_diameter_m": np.maximum(diameter, 2.0 * np.sqrt(radius_m**2 - inset_m**2)),
         "outer_length_m": length + stands_out,
         "displaced_kg": displaced_kg + 1e-3 * flange_displaced_g,
     }
-
-
-def measured_lumens(profile: Curve) -> float:
-    """Flux of a profile of absolute intensity [cd] over the angle from the axis: 2 pi integral of I sin."""
-    angle = np.deg2rad(np.asarray(profile.x, float))
-    fine = np.linspace(angle[0], angle[-1], 4001)
-    intensity = np.interp(fine, angle, np.asarray(profile.y, float))
-    return float(2.0 * np.pi * np.trapezoid(intensity * np.sin(fine), fine))
 
 
 def light_rows(
@@ -491,5 +495,5 @@ def _output(parts: Sequence[Light], known: Mapping[str, Array]) -> Array:
     output = known["output_factor"].copy()
     for row, part in enumerate(parts):
         if part.beam_profile_is_candela and part.beam_profile is not None and part.flux_lm is not None:
-            output[row] = measured_lumens(part.beam_profile) / known["flux_lm"][row]
+            output[row] = measured_lumens(part.beam_profile.x, part.beam_profile.y) / known["flux_lm"][row]
     return output

@@ -81,3 +81,11 @@ def flash_power_w(
 def flash_light_lm_s(energy_j: Symbolic, *, efficacy_lm_s_per_j: Symbolic) -> Symbolic:
     """Light of one flash from its electrical energy [lm s]; xenon tubes give 30-40 lm s per joule."""
     return energy_j * efficacy_lm_s_per_j
+
+
+def measured_lumens(angle_deg: ArrayLike, intensity_cd: ArrayLike) -> float:
+    """Flux of a lamp [lm] by its intensity over the angle from its axis, both (n,): 2 pi integral of I sin."""
+    angle = np.deg2rad(np.asarray(angle_deg, float))
+    fine = np.linspace(angle[0], angle[-1], 4001)
+    intensity = np.interp(fine, angle, np.asarray(intensity_cd, float))
+    return float(2.0 * np.pi * np.trapezoid(intensity * np.sin(fine), fine))

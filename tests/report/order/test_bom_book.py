@@ -15,6 +15,7 @@ openpyxl = pytest.importorskip("openpyxl")
 from uwopt.documents.files import FORMULA_SIGNS  # noqa: E402
 from uwopt.report import write  # noqa: E402
 from uwopt.report.order.bom_book import bom_book  # noqa: E402
+from uwopt.report.order.not_counted import not_counted, supply_voltages  # noqa: E402
 from uwopt.results.design import BillRow  # noqa: E402
 from uwopt.results.result import Result  # noqa: E402
 
@@ -105,6 +106,32 @@ def test_what_the_bill_holds_is_not_among_what_it_lacks(make_result: Make) -> No
     held = replace(result, recommendation=replace(result.best, bom=[*result.best.bom, row]))
     lacking = [[cell.value for cell in opened(one)["Order"]["B"]] for one in (result, held)]
     assert ["computer with storage" in names for names in lacking] == [True, False]
+
+
+def test_voltages_are_those_of_the_maker_s_sheet_and_all_others_are_to_be_asked(make_result: Make) -> None:
+    # the maker's sheet of the lamp: 9 to 35 VDC
+    rows = [
+        replace(row, id="arctic-rays-dragonfish-mini-strobe") if row.kind == "light" else row
+        for row in make_result().best.bom
+    ]
+    computer = replace(rows[0], kind="extra", id="host-computer")
+    told = supply_voltages([*rows, computer])
+    assert told == (
+        "arctic-rays-dragonfish-mini-strobe: 9 to 35 V; supply voltage not known: ask, for acme-cam, host-computer"
+    )
+    result = make_result()
+    known = replace(result, recommendation=replace(result.best, bom=rows))
+    assert "supply voltages" in [cell.value for cell in opened(known)["Order"]["B"]]
+
+
+def test_a_computer_needs_a_place_that_nobody_counted(make_result: Make) -> None:
+    result = make_result()
+    computer = replace(result.best.bom[0], kind="extra", id="host-computer", model="computer that takes the images")
+    held = replace(result, recommendation=replace(result.best, bom=[*result.best.bom, computer]))
+    told = [{one.what: one.known for one in not_counted(each, each.best)} for each in (result, held)]
+    place = "a place for computer and electronics"
+    assert place not in told[0]
+    assert told[1][place].startswith("computer that takes the images: neither size nor mass is counted")
 
 
 def test_book_without_a_design_holds_no_old_lines(make_result: Make) -> None:

@@ -191,7 +191,7 @@ class Camera(Part):
     min_interval_s: Annotated[Known, Cell(in_files=False, favours="low")] = None  # of its own timer
     fires_lamps: Annotated[bool, UNSEEN] = True  # with the image; a complete camera may not
     tethered: Annotated[bool, UNSEEN] = True  # needs a cable; a complete camera with battery and card does not
-    perf_quality: ClassVar[Annotated[Literal["A", "B", "C", "D"], Cell("grade of the sensor's figures")]]
+    perf_quality: ClassVar[Annotated[Literal["A", "B", "C", "D", "E"], Cell("grade of the sensor's figures")]]
     snr_max_db: ClassVar[
         Annotated[float, Cell("best ratio of signal to noise, as EMVA 1288 measures it", POSITIVE)]
     ]

@@ -33,6 +33,7 @@ from uwopt.errors import CatalogError
 
 CHANNELS = {"mono": ("mono",), "colour": ("red", "green", "blue")}
 REFERENCE_CHANNEL = {"mono": "mono", "colour": "green"}  # the channel that makers state
+OF_FAMILY = "E"  # grade of figures that are the maker's for a pixel family, not for the model
 FLAT_NM = (200.0, 1200.0)  # span of an efficiency that is one number
 BITS_PER_BYTE = 8
 PIXELS_PER_MP = 1e6
@@ -50,6 +51,8 @@ def from_row(row: PartRow, origin: Origin) -> Built:
     made |= _efficiency_of_row(row, origin, family, classes)
     if (derived := _saturation_by_snr(row)) is not None:
         made["saturation_e"] = derived
+    if row.text("perf_quality") == OF_FAMILY:
+        made |= _by_family(made, row, classes)
     if "max_frame_rate_hz" not in made:
         made["max_frame_rate_hz"] = _rate_by_interface(
             made.get("bandwidth_mb_s"), _pixels(row), made["bit_depth"]
@@ -94,6 +97,30 @@ def _saturation_by_snr(row: PartRow) -> Quantity | None:
     if row.number("saturation_e") is not None or snr_max_db is None:
         return None
     return exact(10.0 ** (snr_max_db / 10.0), "derived", f"10^(snr_max_db / 10), snr_max_db = {snr_max_db:g}")
+
+
+def _by_family(made: Mapping[str, Any], row: PartRow, classes: tuple[str, ...]) -> dict[str, Quantity]:
+    """Sensor figures that the maker states of a family only: estimates, between the ends of the family's class."""
+    mono_or_colour = row.text("colour") or "mono"
+    by_class = {
+        "read_noise_e": first_class("camera-read-noise-e", *classes),
+        "saturation_e": first_class("camera-saturation-e", *classes),
+        "qe_scale": first_class("camera-qe", *(f"{name}-{mono_or_colour}" for name in classes if name)),
+    }
+    stated = {"read_noise_e": "read_noise_e", "saturation_e": "saturation_e", "qe_scale": "qe"}
+    return {
+        name: _spread(made[name], row.number(stated[name]), estimate)
+        for name, estimate in by_class.items()
+        if estimate is not None and row.number(stated[name]) is not None
+    }
+
+
+def _spread(quantity: Quantity, stated: float | None, estimate: ClassEstimate) -> Quantity:
+    """A number that is stated of a family, with the shares by which the ends of a class lie off it; it stays within."""
+    share = quantity.value / (stated or quantity.value)
+    source = f"the maker's figure of the pixel family, not of this model; range of {estimate.key}: {estimate.basis}"
+    low, high = min(quantity.value, share * estimate.low), max(quantity.value, share * estimate.high)
+    return Quantity(quantity.value, low, high, "estimated", source)
 
 
 def _rate_by_interface(bandwidth: Quantity | None, pixels: float, bits: int) -> Quantity | None:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from uwopt.report.order.stated import supply_volts
 from uwopt.report.text import formats, words
-from uwopt.results.design import Design
+from uwopt.results.design import BillRow, Design
 from uwopt.results.result import Result
 
 
@@ -49,8 +50,35 @@ def _not_counted(result: Result, best: Design) -> Iterator[NotCounted]:
         mean, peak = formats.quantity(totals.power_w, "w"), formats.quantity(totals.light_peak_power_w, "w")
         drawn = f"{mean} on average, lamps {peak} while they burn{energy}"
         yield NotCounted("batteries", f"{drawn}; none where the vehicle feeds the system")
+    if inside := [row.model for row in best.bom if row.id in UNHOUSED]:
+        yield NotCounted("a place for computer and electronics", place_needed(inside, depth))
+    if fed := supply_voltages(best.bom):
+        yield NotCounted("supply voltages", fed)
     yield NotCounted("spares", "O-rings and fuses are a line above" if "rest-spares" in ids else "none is counted")
     yield NotCounted("shipping and insurance", "not known")
+
+
+#: Lines of a bill that have neither size nor mass there, and are no cable.
+UNHOUSED = ("host-computer", "rest-lamp-control", "rest-synchronisation", "rest-link")
+FED = ("camera", "complete", "light")  # kinds of parts that take power; so does the computer
+
+
+def place_needed(names: Sequence[str], depth: str) -> str:
+    """Where what has no size and no mass in the bill must go."""
+    return (
+        f"{', '.join(names)}: neither size nor mass is counted, nor a housing for them; the cameras' housings are "
+        "chosen for camera and lens alone. Ask whether a housing of the vehicle has room; else one more is to be "
+        f"bought, rated {depth} or more"
+    )
+
+
+def supply_voltages(rows: Sequence[BillRow]) -> str:
+    """At what voltage each part that takes power is fed, and what is to be asked; empty where none takes any."""
+    fed = {row.id: supply_volts(row.id) for row in rows if row.kind in FED or row.id == "host-computer"}
+    known = [f"{name}: {volts}" for name, volts in fed.items() if volts]
+    unknown = [name for name, volts in fed.items() if not volts]
+    ask = f"supply voltage not known: ask, for {', '.join(unknown)}" if unknown else ""
+    return "; ".join(text for text in (*known, ask) if text)
 
 
 def depth_m(result: Result) -> float | None:

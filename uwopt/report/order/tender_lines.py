@@ -18,6 +18,7 @@ from uwopt.objectives.goal import goal_of
 from uwopt.objectives.objective import Objective
 from uwopt.report.order.not_counted import depth_m
 from uwopt.report.order.other_parts import AS_GOOD, other_systems
+from uwopt.report.order.stated import cells_of
 from uwopt.results.design import BillRow, Design
 from uwopt.results.result import Result
 from uwopt.solvers.explain.one_hardware import KINDS as VARIED
@@ -38,7 +39,7 @@ ALWAYS = ("depth_rating_m", "mass_g", "trigger_delay_us", "trigger_jitter_us")
 VITAL: dict[str, tuple[str, ...]] = {
     "camera": ("shutter", "colour", "mounts", "interface", "max_frame_rate_hz"), "lens": ("mounts", "image_circle_mm"),
     "port": ("mount", "outer_radius_mm", "thickness_mm"),
-    "light": ("beam_angle_deg", "beam_medium", "supply", "trigger"),
+    "light": ("beam_angle_deg", "beam_medium", "supply", "trigger", "supply_v_min", "supply_v_max"),
 }  # fmt: skip
 LOOSE = 5.0  # times worse than the named part: no part that is offered comes near to it
 OF_FIELDS = {"qe_scale": "qe"}  # the record's field by the column that states it
@@ -155,18 +156,6 @@ def facts_of(result: Result, kind: Kind, part_id: str, limits: Sequence[Property
         meaning = column.meaning or key.replace("_", " ")
         loose = bool(ends) and all(abs(math.log(one.together / one.value)) > math.log(LOOSE) for one in ends)
         yield AskedFact(key, meaning, unit_of(column), needed, best, together, value, known, loose)
-
-
-def cells_of(part_id: str) -> dict[str, str]:
-    """The cells of a part of the catalogue as they stand in its table; none of a part of one's own."""
-    from uwopt.catalog.catalogue import plain_name
-    from uwopt.catalog.changes import built_in_cells
-
-    for origin in ("published", "generic"):
-        found = built_in_cells(origin).get(plain_name(part_id))
-        if found is not None:
-            return {name: text for name, text in found[1].cells.items() if text}
-    return {}
 
 
 def unit_of(column: Column) -> str:

@@ -307,33 +307,25 @@ def totals_block(design: Design) -> Block:
 
 
 def bom_block(design: Design) -> Block:
-    """What to order, with prices and how they are known."""
-    table = columns(
-        ("", "right"),
-        ("part", "left"),
-        ("id", "left"),
-        ("each", "right"),
-        ("to pay", "right"),
-        ("price", "left"),
-    )
+    """What to order; below each id its price and how that is known, so that the line never breaks an id."""
+    table = columns(("", "right"), ("part", "left"), ("id, and what it costs below it", "left"))
     for row in design.bom:
         line = bom_line(row)
-        table.add_row(
-            Text(line.number),
-            Text(line.kind),
-            Text(line.id),
-            Text(line.each),
-            Text(line.due),
-            Text(line.known),
-        )
+        each = f"{line.each} each" if row.to_buy != 1 else ""
+        costs = [each, f"{line.due} to pay" if row.to_buy else "", line.known]
+        if row.unit_price is None:
+            costs = ["price unknown", f"{row.owned} owned" if row.owned else ""]
+        table.add_row(Text(line.number), Text(line.kind), Text(line.id))
+        table.add_row(Text(""), Text(""), Text(", ".join(word for word in costs if word), "dim"))
     noted = [row for row in design.bom if row.note]
-    notes = [sentence(f"{formats.one_line(row.id, 60)}: {formats.one_line(row.note, 600)}") for row in noted]
-    if unsure := [formats.one_line(row.id, 60) for row in design.bom if row.availability == "unknown"]:
+    notes = [sentence(f"{formats.one_line(row.id, ID_LENGTH)}: {formats.one_line(row.note, 600)}") for row in noted]
+    if unsure := [formats.one_line(row.id, ID_LENGTH) for row in design.bom if row.availability == "unknown"]:
         notes.append(sentence(f"Ask whether it is still sold, nobody says so: {', '.join(unsure)}."))
     legend = [sentence(ESTIMATED_LEGEND, "dim")] if any(row.estimated for row in design.bom) else []
     return block("Bill of materials", [table, *legend, *notes])
 
 
+ID_LENGTH = 200  # of an id that is copied: longer than any
 ESTIMATED_LEGEND = "no quote: the range is that of parts of its class"
 
 
@@ -357,7 +349,7 @@ def bom_line(row: BillRow) -> BomLine:
     return BomLine(
         str(row.count),
         formats.one_line(row.kind, 12),
-        formats.one_line(row.id, 60),
+        formats.one_line(row.id, ID_LENGTH),
         "unknown" if ends is None else formats.price(*ends, row.currency),
         formats.due_text(row),
         formats.one_line(", ".join(word for word in known if word), 60),

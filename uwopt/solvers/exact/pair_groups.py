@@ -27,15 +27,15 @@ ALIKE = (  # cameras of a group agree in these
 )  # fmt: skip
 LEAST_OF_CAMERAS = (
     "read_noise_e", "prnu_frac", "min_exposure_s", "readout_s", "frame_mb", "price", "limit_price", "mass_kg",
-    "power_w", "standby_w", "on_s", "body_width_m", "body_height_m", "body_length_m", "plug_m",
+    "power_w", "standby_w", "on_s", "body_width_m", "body_height_m", "body_length_m", "plug_m", "most_body_m",
 )  # fmt: skip
 MOST_OF_CAMERAS = (
     "saturation_e", "gain_dn_per_e", "max_gain", "max_exposure_s", "exposure_offset_s", "dark_current_e_s",
     "max_rate_hz", "qe_scale", "storage_gb",
 )  # fmt: skip
 LEAST_OF_LENSES = (
-    "f_number_min", "min_object_distance_m", "rated_pitch_m", "length_m", "diameter_m", "price", "limit_price",
-    "mass_kg",
+    "f_number_min", "min_object_distance_m", "rated_pitch_m", "length_m", "diameter_m", "most_body_m", "price",
+    "limit_price", "mass_kg",
 )  # fmt: skip
 MOST_OF_LENSES = ("focal_length_m", "f_number_max", "transmission", "pupil_m")
 

@@ -1,0 +1,23 @@
+"""What the catalogue's tables state of a part that an order names."""
+
+from __future__ import annotations
+
+
+def cells_of(part_id: str) -> dict[str, str]:
+    """The cells of a part of the catalogue as they stand in its table; none of a part of one's own."""
+    from uwopt.catalog.catalogue import plain_name
+    from uwopt.catalog.changes import built_in_cells
+
+    for origin in ("published", "generic"):
+        found = built_in_cells(origin).get(plain_name(part_id))
+        if found is not None:
+            return {name: text for name, text in found[1].cells.items() if text}
+    return {}
+
+
+def supply_volts(part_id: str) -> str:
+    """The voltage that a part is fed with in words, `12 to 24 V`; empty where the catalogue does not state it."""
+    low, high = (cells_of(part_id).get(name, "") for name in ("supply_v_min", "supply_v_max"))
+    if low and high:
+        return f"{low} V" if low == high else f"{low} to {high} V"
+    return f"at least {low} V" if low else f"at most {high} V" if high else ""
