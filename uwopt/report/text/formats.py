@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import unicodedata
-from typing import TYPE_CHECKING
 
+from uwopt.report.text.vocabulary import SETTINGS
 from uwopt.results.design import BillRow, Cost, Margin
 from uwopt.units import (
     SLOW_HZ,
@@ -21,11 +21,6 @@ from uwopt.units import (
     without_zeros,
 )
 
-if TYPE_CHECKING:
-    pass
-
-from uwopt.report.text.vocabulary import SETTINGS
-
 #: What stands for signs that a terminal without Unicode cannot show.
 PLAIN_SIGNS = str.maketrans(
     {
@@ -37,8 +32,6 @@ PLAIN_SIGNS = str.maketrans(
 #: Information per area of floor, as objectives and figures name it, and the prefixes that it is read with.
 BITS = ("bit/m2", "bit/m²", "bit_per_m2", "_bit_per_m2")
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
-
-
 
 
 def in_encoding(text: str, encoding: str) -> str:
