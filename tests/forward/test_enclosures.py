@@ -10,6 +10,7 @@ import pytest
 
 from uwopt.catalog.choose import select
 from uwopt.catalog.load import load_catalog
+from uwopt.catalog.parts.doubts import taken_as
 from uwopt.catalog.records import Camera, Curve, Housing, Lens, Light, Port, Quantity, exact
 from uwopt.errors import MissionError
 from uwopt.evaluation.bill import bill_of_materials
@@ -252,3 +253,9 @@ def test_a_flange_weighs_in_air_and_in_water() -> None:
     assert in_water_kg == pytest.approx(2 * (0.6228 - 0.18684))
     rows = {row.id: row.unit_mass_kg for row in bill_of_materials(built.problem, built.hardware)}
     assert rows["adapter-flange"] == pytest.approx(0.6228)
+
+
+def test_a_size_that_is_drawn_smaller_orders_no_shorter_housing() -> None:
+    # a plug of 25 to 70 mm, drawn as 30 mm: the housing was ordered for 70 mm before anybody knew
+    drawn = taken_as("plug_mm", Quantity(45.0, 25.0, 70.0, "estimated"), 30.0)
+    assert (drawn.value, drawn.high) == (30.0, 70.0)

@@ -343,7 +343,7 @@ DEFECTS = (
     Defect(
         name="a budget counts a price as it is drawn",
         file="uwopt/catalog/parts/doubts.py",
-        old="    if name in PRICES:",
+        old="    if name in PRICES or name in SIZES:",
         new="    if not name:",
         test=f"{DRAWS}::test_a_budget_counts_what_may_have_to_be_paid[high]",
     ),
