@@ -382,4 +382,11 @@ DEFECTS = (
         new="if worse > 1.0:",
         test=f"{PROOF}::test_where_nothing_fits_no_worse_numbers_are_searched",
     ),
+    Defect(
+        name="the pixel that decides under two lamps decides under three",
+        file="uwopt/solvers/confidence/together.py",
+        old="* (int(self.count.max(initial=0)) + 1) + self.count, []",
+        new=", []",
+        test="tests/solvers/test_confidence_deciding.py::test_numbers_of_one_lamp_count_together_as_alone",
+    ),
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.mission.doubt import Doubt
 from uwopt.solvers.confidence.counted import Counted
 from uwopt.solvers.confidence.deciding import decided_by, nearest, shares, would_hold
-from uwopt.solvers.confidence.outcomes import outcomes
+from uwopt.solvers.confidence.outcomes import outcomes, outcomes_of_each
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.recommend import Sought
 
@@ -121,3 +122,19 @@ def test_where_time_runs_out_the_nearest_that_was_counted_is_told() -> None:
     assert told == counts[-1] >= 6.9 and all(value < 6.9 for value in counts[:-1])
     counts[:] = [0.0] * 4
     assert nearest(4.0, 16.0, holds) == 16.0
+
+
+def test_numbers_of_one_lamp_count_together_as_alone() -> None:
+    """Two lamps light other pixels than three: which of them decides is not the same."""
+    wanted = {"max_blur_px": 1.0, "min_snr_db": 20.0, "snr_at": "worst"}
+    vehicle = {"light_count": [2, 3], "light_baseline_m": 0.9}
+    case_ = one(wanted=wanted, vehicle=vehicle)
+    problem = case_.problem()
+    scenarios = Scenarios.drawn(problem.mission, problem.scenes, Doubt(), seed=3, count=24)
+    outcome = case_.solve(top=5)[1]
+    few = [replace(outcome.best[0], count=count) for count in (2, 3)]
+    together = outcomes_of_each(problem, few, case_.objective, scenarios)
+    for found, made in zip(few, together, strict=True):
+        (alone,) = outcomes_of_each(problem, [found], case_.objective, scenarios)
+        assert np.isfinite(alone.value).any()
+        assert made.value == pytest.approx(alone.value, rel=1e-6)

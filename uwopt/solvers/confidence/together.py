@@ -185,7 +185,8 @@ class Together:
     def _lit(self, problem: Problem, objective: Objective, deadline: Deadline) -> list[SceneRows]:
         """Rows in the light of some water, by scene, each under its own light."""
         made = node_rows(problem, self.imagers, objective, deadline)
-        image, parts = made.tables.images[1], []
+        # of one image under as many lamps: each number of them shares its light out otherwise over the pixels
+        image, parts = made.tables.images[1] * (int(self.count.max(initial=0)) + 1) + self.count, []
         for lighting, mine in self._under_each(made.tables.lightings):
             rows = rows_under(made, mine, self.light[mine], self.count[mine], lighting)
             parts.append((mine, [of_deciding_pixels(one, image[mine]) for one in rows]))
