@@ -57,7 +57,7 @@ from uwopt.solvers.settable.rounding import given_of
 from uwopt.tolerances import PROVEN_GAP_REL
 from uwopt.units import format_quantity
 
-EXPLAIN_S = 9.3  # of the processor, for a mission that nothing meets and what would help, where no time is given
+EXPLAIN_S = 9.0  # of the processor, for a mission that nothing meets and what would help, where no time is given
 LEAST_EXPLAIN_S = 5.0  # for what would help, however long the search took: in less hardly any is found
 DOUBTS_S = 6.0  # of the processor, for how firm a proven answer is, likewise
 SEARCH_SHARE = 0.9  # of the time that is given: the rest is for settings that can be set
