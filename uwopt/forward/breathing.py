@@ -63,6 +63,11 @@ def extension(scene: SceneOptics, view: Views, dioptre_per_m: Array) -> Array:
     """1 + m at a focus, (n,): how much longer than its focal length a lens that moves stands before the sensor."""
     with np.errstate(divide="ignore", invalid="ignore"):
         factor = working_factor(scene, view.focal_length_m, np.broadcast_to(dioptre_per_m, view.focal_length_m.shape))
+    return surely(factor)
+
+
+def surely(factor: Array) -> Array:
+    """The factor by which a lens is surely extended: 1 where a focus leaves no image."""
     return np.where(np.isfinite(factor) & (factor > 1.0), factor, 1.0)
 
 
@@ -76,8 +81,8 @@ def covered_sides(
     """
     if scene.paper or scene.slope:
         return at_infinity["footprint_along_m"], at_infinity["footprint_across_m"]
-    sure, ranges = np.where(np.isfinite(factor) & (factor > 1.0), factor, 1.0), altitudes_m(scene)
-    one, other = (2.0 * edge_m(scene, shape, side / sure, ranges) for side in (along, across))
+    sure, ranges_m = surely(factor), altitudes_m(scene)
+    one, other = (2.0 * edge_m(scene, shape, side / sure, ranges_m) for side in (along, across))
     return one, other
 
 
