@@ -98,9 +98,25 @@ DEFECTS = (
     Defect(
         name="hardware is ranked by its median alone",
         file=f"{ROOM}/counted.py",
-        old="    return (not holds, one.quantile(0.5) if holds else -one.held,",
-        new="    return (False, one.quantile(0.5),",
+        old="    return (not holds, median if holds else -one.held,",
+        new="    return (False, median,",
         test=f"{TESTS}::test_a_sure_camera_is_bought_where_the_other_holds_too_seldom",
+    ),
+    Defect(
+        name="of what is tied the dearest is bought",
+        file=f"{ROOM}/counted.py",
+        old="-one.held, one.outcomes.price)",
+        new="-one.held, -one.outcomes.price)",
+        test="tests/solvers/test_confidence_proof.py"
+        "::test_of_what_further_scenarios_cannot_tell_apart_the_cheapest_is_bought",
+    ),
+    Defect(
+        name="of what is still tied the dearest is bought",
+        file=f"{ROOM}/search.py",
+        old="return (least, one.outcomes.price, own) if own <= still",
+        new="return (least, -one.outcomes.price, own) if own <= still",
+        test="tests/solvers/test_confidence_proof.py"
+        "::test_of_what_further_scenarios_cannot_tell_apart_the_cheapest_is_bought",
     ),
     Defect(
         name="no hardware with room is looked for",
@@ -210,8 +226,8 @@ DEFECTS = (
     Defect(
         name="luck decides between what is as good as tied",
         file=f"{ROOM}/search.py",
-        old="sorted(tied, key=lambda one: median[id(one)])",
-        new="tied",
+        old="*sorted(tied, key=order)",
+        new="*tied",
         test=f"{PROOF}::test_what_is_as_good_as_tied_is_told_apart_by_further_scenarios",
     ),
     Defect(

@@ -168,6 +168,29 @@ def test_what_is_as_good_as_tied_is_told_apart_by_further_scenarios(monkeypatch:
     assert search_module.without_luck(problem, objective, seen, [best, worst], NEVER) == [best, worst]  # not tied
 
 
+def test_of_what_further_scenarios_cannot_tell_apart_the_cheapest_is_bought(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same hardware with a lens that costs 100 USD less: it is priced as itself, not as what it was made from."""
+    case_ = with_parts(
+        one(wanted={"max_blur_px": 1.0, "min_snr_db": 25.0}, lens={"price": 400.0}), lenses=[{"price": 300.0}]
+    )
+    sought = sought_of(case_)
+    problem, objective, dear = sought.problem, sought.search.objective, sought.outcome.best[0]
+    dear = replace(dear, lens=0)
+    pair = [dear, replace(dear, lens=1)]
+    scenarios = search_module.scenarios_of(problem, 0.5, 0, 32)
+    counted_ = [
+        Counted(found, made, made.best(0.5))
+        for found, made in zip(pair, outcomes_of_each(problem, pair, objective, scenarios), strict=True)
+    ]
+    assert counted_[0].outcomes.price - counted_[1].outcomes.price == pytest.approx(100.0)
+    assert best_of(counted_, 0.5) is counted_[1]
+    monkeypatch.setattr(search_module, "TIES", 32)
+    told = search_module.without_luck(
+        problem, objective, search_module.Looked(0.5, scenarios, counted_, True), counted_, NEVER
+    )
+    assert told == counted_[::-1]
+
+
 def test_no_time_is_lost_on_a_panel_that_leaves_nearly_all(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where the best known is far better in the panel, as here; not of few parts, nor without a limit of time."""
     sought, certain = known()
@@ -243,7 +266,8 @@ def test_what_fresh_scenarios_refute_is_not_certain_enough() -> None:
     """All of the scenarios of a choice flatter it: with 95 % confidence fresh ones tell less than was asked."""
     sought, certain = known()
     first, objective = certain.tried[0], sought.search.objective
-    flattering = SimpleNamespace(held=1.0, outcomes=certain.best.outcomes, settings=None)
+    best = certain.best
+    flattering = SimpleNamespace(held=1.0, outcomes=best.outcomes, settings=None, quantile=best.quantile)
     stops = [Counted(first.found, first.outcomes, k) for k in range(len(first.outcomes.f_numbers))]
     seen = min(stops, key=lambda one: one.held)
     assert wilson(seen.held, 48)[1] < 1.0

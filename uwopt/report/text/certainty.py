@@ -90,12 +90,7 @@ def facts(result: Result, known: Confidence) -> Iterator[tuple[str, str]]:
             "there are no settings to tell"
         )
     if known.central_objective is not None and known.central_held is not None:
-        value = words.objective_text(result, known.central_objective)
-        parts = words.listed([formats.one_line(part, 60) for part in known.central_hardware])
-        text = f"{value} with {parts}, which holds in {percent(known.central_held)} of the scenarios"
-        if known.central_p50 is not None:
-            text += f", in half of them with {words.objective_text(result, known.central_p50)}"
-        yield "by central numbers", text
+        yield "by central numbers", central_text(result, known)
     if known.proof is not None:
         yield "proven", proof_text(result, known.proof)
     short = [] if known.complete else ["not all hardware with room was looked for"]
@@ -107,6 +102,20 @@ def facts(result: Result, known: Confidence) -> Iterator[tuple[str, str]]:
             f"exposure, gain and light level, once the water is seen; the iris stays at f/{known.f_number:.3g}"
         )
     yield "drawn", "; ".join(map(formats.one_line, known.drawn)) or "nothing"
+
+
+def central_text(result: Result, known: Confidence) -> str:
+    """What is best by central numbers, and what it does where the choice was made, beside what is recommended."""
+    value = words.objective_text(result, known.central_objective)
+    parts = words.listed([formats.one_line(part, 60) for part in known.central_hardware])
+    text = f"{value} with {parts}; of the {formats.count_text(known.scenarios_in_choice)} scenarios of the choice"
+
+    def does(held: float, median: float | None) -> str:
+        told = f"holds in {percent(held)}"
+        return told if median is None else f"{told}, in half of all with {words.objective_text(result, median)}"
+
+    theirs, ours = does(known.central_held, known.central_p50), does(known.held_in_choice, known.p50_in_choice)
+    return f"{text} it {theirs}; what is recommended {ours}"
 
 
 def proof_text(result: Result, proof: CertaintyProof) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 from uwopt.forward.problem import Problem
 from uwopt.solvers.confidence.fixed import Settings
 from uwopt.solvers.confidence.outcomes import Outcomes
-from uwopt.solvers.exact.ranking import Found
+from uwopt.solvers.exact.ranking import Found, told_apart
 from uwopt.solvers.explain.one_hardware import parts_of
 
 
@@ -45,9 +45,10 @@ class Counted:
 
 
 def rank(one: Counted, share: float) -> tuple[Any, ...]:
-    """Hardware that holds by its median; behind it, what holds most often."""
-    holds = one.held >= share
-    return (not holds, one.quantile(0.5) if holds else -one.held, one.quantile(0.9), one.found.cost)
+    """Hardware that holds by its median; behind it, what holds most often. Of what is alike, the cheapest first."""
+    holds, median = one.held >= share, one.quantile(0.5)
+    median = float(told_apart(median)) if np.isfinite(median) else median
+    return (not holds, median if holds else -one.held, one.outcomes.price)
 
 
 def best_of(tried: Sequence[Counted], share: float) -> Counted | None:

@@ -53,6 +53,7 @@ class Outcomes:
     short: list[dict[str, int]] = field(default_factory=list)
     fixed: list[Settings] = field(default_factory=list)  # by stop, where settings are fixed before the water is seen
     meant_m: float | None = None  # where the lens is focused in the first scene; None: where each scenario wants it
+    price: float = np.inf  # of all that is to buy, in half of the scenarios no more
 
     def missed(self, stop: int) -> dict[str, int]:
         """What is missed first in how many scenarios at one stop, the most frequent first."""
@@ -172,7 +173,8 @@ def outcomes_together(
             filled = np.full((len(own), count), np.inf)
             filled[:, group.scenario[imager[h][: value.shape[1]]]] = value
             short = [{name: n for name, n in Counter(row.tolist()).items() if name} for row in first]
-            made[h] = Outcomes(np.array(own), filled, group.lost[h], short, fixed[h], meant_m[h])
+            price = float(np.median(judge.cost[mine]))
+            made[h] = Outcomes(np.array(own), filled, group.lost[h], short, fixed[h], meant_m[h], price)
     return made
 
 

@@ -44,8 +44,10 @@ ENOUGH = 3  # hardware that holds: no further search is made
 POLISH_S = 2.0  # that a round of it may last where there is a limit
 PROVEN_REST, UNPROVEN_REST = 0.6, 0.2  # of the time that is left, for what comes after it: a proof, or none
 PROOF_SHARE = 0.6  # of the time that is left: the rest is for what is told of the choice, or to count what is known
-TIED_REL, MOST_TIED = 0.02, 3  # of the median, about what luck makes of it in 256 scenarios, and hardware at most
+TIED_REL = 0.02  # of the median, about what luck makes of it in 256 scenarios
+TIED_BEST, TIED_CHEAPEST = 2, 2  # hardware of what is as good as tied that is compared anew
 TIES, TIES_SEED = 1024, 2_000_003  # scenarios in which what is as good as tied is compared
+STILL_TIED_REL = 0.01  # of the median, what luck makes of it in these: less is not worth a dearer system
 FRESH = 1024  # scenarios that the choice has not seen
 FRESH_SEED = 1_000_003
 Report = Callable[[float, str], None]  # takes how much is done, and of what
@@ -162,13 +164,18 @@ def chosen(
 def without_luck(
     problem: Problem, objective: Objective, seen: Looked, ranked: list[Counted], deadline: Deadline
 ) -> list[Counted]:
-    """Hardware best first, where medians are as good as tied by those in further scenarios, if there is time."""
+    """Hardware best first, where medians are as good as tied by those in further scenarios, if there is time.
+
+    What these cannot tell from the best of them either is ranked by price.
+    """
     share = seen.share
     most = ranked[0].quantile(0.5)
-    tied = [
-        one for one in ranked[:MOST_TIED]
+    close = [
+        one for one in ranked
         if one.held >= share and one.quantile(0.5) <= most + TIED_REL * abs(most) and one.settings is None
     ]  # fmt: skip
+    cheap = sorted(close[TIED_BEST:], key=lambda one: one.outcomes.price)[:TIED_CHEAPEST]
+    tied = [*close[:TIED_BEST], *cheap]
     if len(tied) < 2 or deadline.passed():
         return ranked
     seed = (problem.mission.seed + TIES_SEED) % 2**32
@@ -180,7 +187,15 @@ def without_luck(
         made = outcomes_of_each(problem, [one.found for one in some], objective, scenarios, f_numbers=stops)
         for one, seen_in in zip(some, made, strict=True):
             median[id(one)] = float(seen_in.quantile(0.5)[0]) if seen_in.held[0] >= share else np.inf
-    return [*sorted(tied, key=lambda one: median[id(one)]), *ranked[len(tied) :]]
+    least = min(median.values())
+    still = least + STILL_TIED_REL * abs(least) if np.isfinite(least) else least
+
+    def order(one: Counted) -> tuple[float, float, float]:
+        """What is still tied with the best first, by price."""
+        own = median[id(one)]
+        return (least, one.outcomes.price, own) if own <= still else (own, one.outcomes.price, own)
+
+    return [*sorted(tied, key=order), *(one for one in ranked if all(one is not other for other in tied))]
 
 
 def check_fixed(problem: Problem, objective: Objective) -> None:

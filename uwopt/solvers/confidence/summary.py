@@ -106,6 +106,7 @@ def counted(
         asked=asked, enough=bool(chosen.held >= share <= max(seen.held, high)), held=seen.held, held_low=low,
         held_high=high, scenarios=count,
         held_in_choice=chosen.held, scenarios_in_choice=chosen.outcomes.value.shape[1],
+        p50_in_choice=reported(objective, chosen.quantile(0.5)),
         objective_p50=reported(objective, seen.quantile(0.5)), objective_p90=reported(objective, seen.quantile(0.9)),
         f_number=seen.f_number, lost_to=[LostTo(name, number / count) for name, number in missed],
         fixed=[
