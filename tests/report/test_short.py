@@ -265,6 +265,16 @@ def test_what_the_estimates_cannot_tell_apart_is_called_equal(make_result: Make,
     assert said in text and "q-lens" not in text
 
 
+def test_of_equal_systems_the_cheapest_are_told_with_what_they_save(make_result: Make, make_design: Make) -> None:
+    best, dear, cheap, like = (
+        replace(made, totals=replace(made.totals, cost=replace(made.totals.cost, value=cost)))
+        for cost, made in ((cost, make_design(lens=f"{cost:g}-lens")) for cost in (5000.0, 5600.0, 4600.0, 5040.0))
+    )
+    equal = {"equal": [{"runner_up": place} for place in range(3)]}
+    text = " ".join(text_of(make_result(recommendation=best, runners_up=[dear, cheap, like], robustness=equal)).split())
+    assert "the same with lens 4600-lens, 400 USD less; lens 5040-lens; 1 more." in text
+
+
 def test_same_hardware_set_otherwise_is_no_choice(make_result: Make, make_design: Make) -> None:
     same, other = make_design(41.0), make_design(42.0, lens="r-lens")
     both = {"equal": [{"runner_up": 0}, {"runner_up": 1}]}

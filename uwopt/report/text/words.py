@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from uwopt.report.text.formats import cost_text, count_text, one_line, quantity
+from uwopt.report.text.formats import cost_text, count_text, money, one_line, quantity
 from uwopt.report.text.vocabulary import PARTS_OF_THE_SEARCH, PIECES, REQUIREMENTS, RULES, STATUS_SENTENCES
 from uwopt.results.design import BillRow, Cost, Design, LampPlace, Totals, UsedHardware, UsedPart
 from uwopt.results.result import Certificate, Result
@@ -51,6 +51,7 @@ def part_id(part: UsedPart) -> str:
 
 
 SAME_HARDWARE = "the same hardware, other settings"
+WORTH_TELLING = 0.01  # of a price: less is no reason to choose
 
 
 def differing_parts(design: Design, best: Design) -> str:
@@ -68,17 +69,30 @@ def differing_parts(design: Design, best: Design) -> str:
 
 
 def equal_sentence(result: Result, most: int = 2) -> str:
-    """Which systems the estimates cannot tell from the recommendation, `most` of them; empty where there is none."""
+    """Which systems the estimates cannot tell from the recommendation, the cheapest `most`; empty: there is none."""
     places = [item.get("runner_up") for item in (result.robustness or {}).get("equal") or []]
     others = [result.runners_up[place] for place in places if isinstance(place, int) and place < len(result.runners_up)]
     if result.best is None:
         return ""
-    told = [what for design in others if (what := differing_parts(design, result.best)) != SAME_HARDWARE]
+    told = [
+        what + dearer_by(design, result.best)
+        for design in sorted(others, key=lambda one: one.totals.cost.value)
+        if (what := differing_parts(design, result.best)) != SAME_HARDWARE
+    ]
     if not told:  # the same parts set otherwise leave nothing to choose
         return ""
     instead = "; ".join(told[:most])
     more = f"; {len(told) - most} more" if len(told) > most else ""
     return f"Equal within the estimates: this system, and the same with {instead}{more}. Choose by quote and delivery"
+
+
+def dearer_by(design: Design, best: Design) -> str:
+    """How much more or less a design most likely costs than the best one: `, 400 USD less`; empty: about the same."""
+    cost, ours = design.totals.cost, best.totals.cost
+    more = cost.value - ours.value
+    if cost.currency != ours.currency or abs(more) < WORTH_TELLING * ours.value:
+        return ""
+    return f", {money(abs(more), cost.currency)} {'more' if more > 0 else 'less'}"
 
 
 def camera_stand(hardware: UsedHardware) -> str:
