@@ -14,8 +14,13 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="the same hardware is a choice", file="uwopt/report/text/words.py",
-        old="!= SAME_HARDWARE]", new="!= '']",
+        old="!= SAME_HARDWARE\n    ]", new="!= ''\n    ]",
         test="tests/report/test_short.py::test_same_hardware_set_otherwise_is_no_choice",
+    ),
+    Defect(
+        name="the dearest of equal systems come first", file="uwopt/report/text/words.py",
+        old="key=lambda one: one.totals.cost.value)", new="key=lambda one: -one.totals.cost.value)",
+        test="tests/report/test_short.py::test_of_equal_systems_the_cheapest_are_told_with_what_they_save",
     ),
     Defect(
         name="a band of altitudes need not be sharp", file="uwopt/mission/practice.py",

@@ -98,7 +98,6 @@ class Confidence(Record):
     scenarios: Whole = Field(description="in which it was counted: of solve fresh ones, unless time was short (fresh)")
     held_in_choice: Number = Field(description="share of the scenarios that the choice was made on")
     scenarios_in_choice: Whole = Field(description="how many those are")
-    p50_in_choice: Number | None = Field(description="kept or bettered in half of those; null: not held in as many")
     objective_p50: Number | None = Field(description="kept or bettered in half of them; null: not held in as many")
     objective_p90: Number | None = Field(description="kept or bettered in nine of ten; null: not held in as many")
     f_number: Number | None = Field(description="where the iris stands in all of them; null: moved at sea")
@@ -109,6 +108,9 @@ class Confidence(Record):
     central_hardware: list[str] = Field(default_factory=list, description="the hardware that reaches it")
     central_held: Number | None = Field(default=None, description="share of the choice's scenarios in which that holds")
     central_p50: Number | None = Field(default=None, description="objective that it keeps or betters in half of those")
+    p50_in_choice: Number | None = Field(
+        default=None, description="the same of what is recommended: kept or bettered in half of the choice's scenarios"
+    )
     fixed: list[FixedSettings] = Field(
         default_factory=list, description="by scene what is set before the water is seen; none: set once it is seen"
     )

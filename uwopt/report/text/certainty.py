@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from uwopt.report.text import formats, words
-from uwopt.report.text.doubts import number_name
+from uwopt.report.text.doubts import drawn_text, number_name
 from uwopt.report.text.helps import move_text
 from uwopt.report.text.layout import Block, Line, block, columns, fact_lines, sentence
 from uwopt.report.text.layout import Text as Cell
@@ -101,13 +101,13 @@ def facts(result: Result, known: Confidence) -> Iterator[tuple[str, str]]:
         yield "set at sea", (
             f"exposure, gain and light level, once the water is seen; the iris stays at f/{known.f_number:.3g}"
         )
-    yield "drawn", "; ".join(map(formats.one_line, known.drawn)) or "nothing"
+    if result.command == "evaluate":  # else with all that was assumed
+        yield "drawn", drawn_text(known)
 
 
 def central_text(result: Result, known: Confidence) -> str:
     """What is best by central numbers, and what it does where the choice was made, beside what is recommended."""
-    value = words.objective_text(result, known.central_objective)
-    parts = words.listed([formats.one_line(part, 60) for part in known.central_hardware])
+    value, parts = words.objective_text(result, known.central_objective), with_parts(result, known.central_hardware)
     text = f"{value} with {parts}; of the {formats.count_text(known.scenarios_in_choice)} scenarios of the choice"
 
     def does(held: float, median: float | None) -> str:
@@ -116,6 +116,16 @@ def central_text(result: Result, known: Confidence) -> str:
 
     theirs, ours = does(known.central_held, known.central_p50), does(known.held_in_choice, known.p50_in_choice)
     return f"{text} it {theirs}; what is recommended {ours}"
+
+
+def with_parts(result: Result, ids: Sequence[str]) -> str:
+    """Hardware by what it has that the recommendation has not: `acme-cam-2 and acme-lens-3 instead`."""
+    design = result.best
+    ours = set(design.hardware.ids) if design is not None else set()
+    others = [formats.one_line(part, 60) for part in ids if part not in ours]
+    if not others:
+        return "the same parts"
+    return words.listed(others) + (" instead" if len(others) < len(ids) else "")
 
 
 def proof_text(result: Result, proof: CertaintyProof) -> str:
@@ -146,8 +156,8 @@ def curve_table(result: Result, known: Confidence) -> Line:
     for point, after in zip(known.curve, [*known.curve[1:], None], strict=True):
         if after is not None and after.hardware == point.hardware:
             continue
-        parts = ", ".join(formats.one_line(part, 40) for part in point.hardware)
-        table.add_row(*map(Cell, (percent(point.confidence), words.objective_text(result, point.objective_p50), parts)))
+        median, parts = words.objective_text(result, point.objective_p50), with_parts(result, point.hardware)
+        table.add_row(*map(Cell, (percent(point.confidence), median, parts)))
     return table
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from uwopt.report.text import formats, words
 from uwopt.report.text.layout import Block, Line, Text, block, columns, fact_lines, sentence
 from uwopt.results.basis import Assumption
+from uwopt.results.certainty import Confidence
 from uwopt.results.result import Certificate, Result
 from uwopt.units import format_within, split_unit
 
@@ -68,6 +69,8 @@ def robustness_block(result: Result) -> Block:
                           "where settings have no closed form single quotes were not tried"))  # fmt: skip
     facts.append(("rival", rival_text(doubt.get("rival"))))
     facts.append(("a toss", words.equal_sentence(result, most=9)))
+    if result.confidence is not None:
+        facts.append(("scenarios draw", drawn_text(result.confidence)))
     facts.append(("at the bad ends", bad_ends_text(doubt)))
     facts += [("other water", water_text(other, result)) for other in doubt.get("waters") or []]
     advice = dict.fromkeys(water.advice for water in result.physics.waters)
@@ -84,6 +87,11 @@ def robustness_block(result: Result) -> Block:
         )
         lines += [sentence("- " + quote_text(item, result)) for item in quotes]
     return block("How firm this is", lines)
+
+
+def drawn_text(known: Confidence) -> str:
+    """What the scenarios of a confidence draw."""
+    return "; ".join(map(formats.one_line, known.drawn)) or "nothing"
 
 
 def regret_text(result: Result) -> str:
