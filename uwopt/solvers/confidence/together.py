@@ -96,7 +96,7 @@ class Together:
         problem = Problem(
             base.mission, Parts(tuple(cameras.parts), tuple(lenses.parts), tuple(ports.parts), tuple(lights.parts)),
             paper=base.paper, owned_lights=base.owned_lights, counts=(int(counts.min()), int(counts.max())),
-            mounts=mounts, scenes=base.scenes, effects=base.effects,
+            mounts=mounts, scenes=base.scenes, effects=base.effects, have_estimates=True,
         )  # fmt: skip
         meant_m = np.full(len(found), np.nan) if in_focus else meant_foci_m(base, found, scenarios)
         if not in_focus:
@@ -157,14 +157,15 @@ class Together:
         if rows.sharp is None or rows.sharp.detail is None:
             return rows
         scene, which = self.problem.scenes[index], np.unique(self.scenario)
-        every = [self.scenarios.scenes[int(k)][index].particles_per_m() for k in which]
+        waters, states = self.scenarios.waters.nodes_of[index], self.scenarios.states
+        every = waters.particles_per_m([states[int(k)] for k in which])
         green, known = (
             np.array([np.interp(DESIGN_WAVELENGTH_NM, scene.wavelength_nm, one) for one in some])
             for some in (every, [scene.particles_per_m()])
         )
         place = np.searchsorted(which, self.scenario)
         seen = np.maximum(rows.sharp.detail.scattered[:, 1] / scene.range_m[scene.nominal], TINY)
-        most = np.array([one.max() for one in every])[place] / seen
+        most = every.max(axis=1)[place] / seen
         ratio = np.minimum(green[place] / np.maximum(known, TINY), most)
         return replace(rows, sharp=replace(rows.sharp, detail=rows.sharp.detail.hazier(ratio)))
 
