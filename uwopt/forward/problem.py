@@ -122,9 +122,11 @@ class Problem:
         scenes: list[SceneOptics] | None = None,
         effects: Effects = FULL,
         fineness: fine.Fineness = fine.DEFAULT,
+        have_estimates: bool = False,
     ):
-        self.mission, self.parts, self.paper, self.end = mission, estimated(mission, parts), paper, end
-        parts = self.parts
+        """Tabulate them; `have_estimates`: the parts are another such problem's, or states of those."""
+        parts = parts if have_estimates else estimated(mission, parts)
+        self.mission, self.parts, self.paper, self.end = mission, parts, paper, end
         self.known_models: dict[Any, Any] = {}  # by hardware; see `design_model.design_model`
         self.known_light: dict[Any, Any] = {}  # of hardware in these scenes, whatever is asked of it there
         fixed = mission.fixed

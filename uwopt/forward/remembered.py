@@ -86,6 +86,11 @@ class RememberedField(LampField):
         """As `LampField`."""
         return self.once(("backscatter", self.lamps), view, super().mean_backscatter)
 
+    def mean_background(self, view: Views, order: int | None = None) -> Array:
+        """As `LampField`."""
+        make = super().mean_background
+        return self.once(("background", self.lamps, order), view, lambda new: make(new, order))
+
     def coarse_backscatter(self, view: Views, altitudes: list[int]) -> Array:
         """As `LampField`."""
         make = super().coarse_backscatter

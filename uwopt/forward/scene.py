@@ -435,7 +435,7 @@ def lamp_attenuation(
     )
 
 
-def geometric(central: Array, end: Array, share: float) -> Array:
+def geometric(central: Array, end: Array, share: Array | float) -> Array:
     """Between two spectra: the central one at 0, the end at 1, even in their logarithms."""
     low, high = np.maximum(central, FAINT), np.maximum(end, FAINT)
     return np.asarray(low * (high / low) ** share)

@@ -51,7 +51,7 @@ def worse_problem(base: Problem, scenarios: Scenarios, share: float) -> Problem:
     )
     worse = Problem(
         base.mission, made, paper=base.paper, owned_lights=base.owned_lights, counts=base.count_range,
-        mounts=base.mounts, scenes=scenarios.scenes_at(share), effects=base.effects,
+        mounts=base.mounts, scenes=scenarios.scenes_at(share), effects=base.effects, have_estimates=True,
     )  # fmt: skip
     foci = np.array([1.0, *np.quantile(scenarios.focus, [0.5 * (1.0 - share), 0.5 * (1.0 + share)])])
     shares = np.repeat(foci[:, None], len(parts.cameras), axis=1)

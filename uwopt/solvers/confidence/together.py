@@ -31,7 +31,16 @@ from uwopt.solvers.confidence.scenarios import SAME_FIELD, Scenarios
 from uwopt.solvers.confidence.waters import may_leave_band, over_band_of
 from uwopt.solvers.exact.candidates import Candidates
 from uwopt.solvers.exact.design_rows import NodeRows
-from uwopt.solvers.exact.imagers import IMAGER_RULES, Imagers, PortBlock, imagers_behind, joined
+from uwopt.solvers.exact.imager_rules import Tally, only_tied
+from uwopt.solvers.exact.imagers import (
+    IMAGER_RULES,
+    Imagers,
+    PortBlock,
+    housed,
+    imagers_behind,
+    joined,
+    sharp_behind,
+)
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.explain.one_hardware import parts_of
@@ -96,7 +105,7 @@ class Together:
         problem = Problem(
             base.mission, Parts(tuple(cameras.parts), tuple(lenses.parts), tuple(ports.parts), tuple(lights.parts)),
             paper=base.paper, owned_lights=base.owned_lights, counts=(int(counts.min()), int(counts.max())),
-            mounts=mounts, scenes=base.scenes, effects=base.effects,
+            mounts=mounts, scenes=base.scenes, effects=base.effects, have_estimates=True,
         )  # fmt: skip
         meant_m = np.full(len(found), np.nan) if in_focus else meant_foci_m(base, found, scenarios)
         if not in_focus:
@@ -113,10 +122,14 @@ class Together:
             mine = np.flatnonzero((views[:, 0] == orientation) & (views[:, 1] == port))
             discarded = dict.fromkeys(IMAGER_RULES, 0)
             aimed = problem if in_focus else problem.focused_on(by_pair(views[mine], meant_m[first[mine]], scenarios))
-            for state, band, which in different(scenarios, ports.parts, int(port)):
+            tally = Tally(bool(orientation), discarded, {})
+            made: dict[tuple[int, float], PortBlock] = {}
+            for band, states in different(scenarios, problem, int(port)):
+                seen, which = over_band_of(aimed, band), np.concatenate(list(states.values()))
                 camera, lens = (np.add.outer(views[mine, k], which).ravel() for k in (2, 3))
-                seen = over_band_of(aimed, band)
-                blocks += imagers_behind(seen, camera, lens, np.array([state]), bool(orientation), discarded, {})
+                for state, block in behind_states(seen, camera, lens, states, tally, scenarios.count):
+                    made[state, band] = block
+            blocks += [made[place] for place in sorted(made)]
             if len(mine) == 1:
                 lost[mine[0]] = dict(Counter({rule: n for rule, n in discarded.items() if n}).most_common())
         imagers = joined(problem, blocks, {}, {})
@@ -157,14 +170,15 @@ class Together:
         if rows.sharp is None or rows.sharp.detail is None:
             return rows
         scene, which = self.problem.scenes[index], np.unique(self.scenario)
-        every = [self.scenarios.scenes[int(k)][index].particles_per_m() for k in which]
+        waters, states = self.scenarios.waters.nodes_of[index], self.scenarios.states
+        every = waters.particles_per_m([states[int(k)] for k in which])
         green, known = (
             np.array([np.interp(DESIGN_WAVELENGTH_NM, scene.wavelength_nm, one) for one in some])
             for some in (every, [scene.particles_per_m()])
         )
         place = np.searchsorted(which, self.scenario)
         seen = np.maximum(rows.sharp.detail.scattered[:, 1] / scene.range_m[scene.nominal], TINY)
-        most = np.array([one.max() for one in every])[place] / seen
+        most = every.max(axis=1)[place] / seen
         ratio = np.minimum(green[place] / np.maximum(known, TINY), most)
         return replace(rows, sharp=replace(rows.sharp, detail=rows.sharp.detail.hazier(ratio)))
 
@@ -299,18 +313,32 @@ def by_pair(views: Array, meant_m: Array, scenarios: Scenarios) -> MeantFocus:
     return lambda cameras, lenses: table[cameras // count, lenses // count]
 
 
-def different(scenarios: Scenarios, parts: Sequence[Any], begin: int) -> list[tuple[int, float, Array]]:
-    """The states of a port that differ, by their places, and of the band of altitudes, each with its scenarios."""
+def different(scenarios: Scenarios, problem: Problem, begin: int) -> Iterator[tuple[float, dict[int, Array]]]:
+    """The states of a port that share their optics over each band of altitudes: by place, with their scenarios."""
+    parts = problem.parts.ports
     states = [parts[begin + state] for state in range(int(scenarios.port.max()) + 1)]
     first = {id(part): begin + state for state, part in reversed(list(enumerate(states)))}
     of = np.array([first[id(part)] for part in states])[scenarios.port]
+    like = problem.like_port[of]
     beyond = np.array([state.beyond for state in scenarios.states])
-    found = []
-    for state, band in product(np.unique(of), np.unique(beyond)):
-        which = np.flatnonzero((of == state) & (beyond == band))
-        if len(which):
-            found.append((int(state), float(band), which))
-    return found
+    for optics, band in product(np.unique(like), np.unique(beyond)):
+        here = (like == optics) & (beyond == band)
+        which = {int(state): np.flatnonzero(here & (of == state)) for state in np.unique(of[here])}
+        if which:
+            yield float(band), which
+
+
+def behind_states(
+    problem: Problem, camera: Array, lens: Array, states: dict[int, Array], tally: Tally, count: int
+) -> Iterator[tuple[int, PortBlock]]:  # fmt: skip
+    """Cameras with lenses, each in one of so many scenarios, behind that state of a port which stands there."""
+    one = np.array([next(iter(states))])  # as all are, for what is seen and what goes together
+    camera, lens = only_tied(problem, camera, lens, one, tally.landscape, tally.discarded, tally.samples)
+    sharp = sharp_behind(problem, camera, lens, one, tally)
+    for state, which in states.items():
+        own = sharp if len(states) == 1 else sharp.take(np.isin(sharp.camera % count, which))
+        if len(own.camera) and (block := housed(problem, own, np.array([state]), tally)) is not None:
+            yield state, block
 
 
 def over_wider_band(rows: SceneRows, beyond: Array) -> SceneRows:

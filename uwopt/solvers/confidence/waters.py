@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -33,6 +34,8 @@ from uwopt.solvers.confidence.draws import even_points, probabilities, shuffled,
 from uwopt.solvers.explain.waters import OTHER
 
 Array = NDArray[Any]
+OPTICAL = 3  # columns before those of scattering: c, K of the lamps' way, K_d
+TOWARD: dict[ClarityEnd, int] = {"low": -1, "central": 0, "high": 1}  # sign of the clarity
 ENDS: tuple[LampLeg, LampLeg, LampLeg] = ("least", "diffuse", "most")
 BANDS = 16  # states of the band of altitudes, over each of which all that is geometric is worked out: a limit that is
 # crossed beyond the band is lost in one scenario of sixteen too many or too few, at most
@@ -93,6 +96,7 @@ class KnownWaters:
     def __init__(self, mission: Mission, view: SceneView, scene: SceneOptics):
         self.mission, self.view, self.scene = mission, view, scene
         self.known: dict[tuple[bool, ClarityEnd, LampLeg], SceneOptics] = {}
+        self.known_columns: dict[tuple[bool, ClarityEnd, LampLeg], list[Array]] = {}
 
     def at(self, state: WaterState) -> SceneOptics:
         """The scene in one state."""
@@ -117,19 +121,44 @@ class KnownWaters:
 
     def between(self, other: bool, leg: LampLeg, clarity: float) -> list[Array]:
         """c, K of the lamps' way, K_d and the scattering of each kind, between the ends of a reading."""
+        if not clarity:
+            return self.columns(other, "central", leg)
+        return self.toward(other, leg, "low" if clarity < 0 else "high", abs(clarity))
+
+    def toward(self, other: bool, leg: LampLeg, end: ClarityEnd, share: Array | float) -> list[Array]:
+        """The same at so much of the way from the central water to one end of a reading."""
         central = self.columns(other, "central", leg)
-        if not clarity or self.scene.clarity is None:
+        if self.scene.clarity is None:
             return central
-        ends = self.columns(other, "low" if clarity < 0 else "high", leg)
-        return [geometric(one, end, abs(clarity)) for one, end in zip(central, ends, strict=True)]
+        return [geometric(one, last, share) for one, last in zip(central, self.columns(other, end, leg), strict=True)]
+
+    def particles_per_m(self, states: Sequence[WaterState]) -> Array:
+        """What particles scatter in each of these states, (n, n_wavelengths); as of the scene in it."""
+        scene = self.scene
+        made = np.zeros((len(states), len(scene.wavelength_nm)))
+        if scene.paper:
+            return made + scene.particles_per_m()
+        kinds = [OPTICAL + k for k, one in enumerate(scene.scattering) if one.table is not None]
+        clarity = np.array([state.clarity for state in states])
+        other = np.array([state.other_table for state in states], bool) & (self.other_table() is not None)
+        for table, end in product((False, True), TOWARD) if kinds else ():
+            mine = np.flatnonzero((other == table) & (np.sign(clarity) == TOWARD[end]))
+            if len(mine):
+                columns = self.toward(table, "diffuse", end, np.abs(clarity[mine])[:, None])
+                made[mine] = sum(columns[k] for k in kinds)
+        return made
 
     def columns(self, other: bool, end: ClarityEnd, leg: LampLeg) -> list[Array]:
         """The same of one known water, on the scene's own wavelengths."""
-        made, grid = self.node(other, end, leg), self.scene.wavelength_nm
-        daylight = made.attenuation_per_m if made.diffuse_attenuation_per_m is None else made.diffuse_attenuation_per_m
-        columns = [made.attenuation_per_m, made.lamp_attenuation_per_m, daylight]
-        columns += [one.scattering_per_m for one in made.scattering]
-        return [np.interp(grid, made.wavelength_nm, column) for column in columns]
+        key = (other, end, leg)
+        if key not in self.known_columns:
+            made, grid = self.node(other, end, leg), self.scene.wavelength_nm
+            daylight = made.diffuse_attenuation_per_m
+            columns = [made.attenuation_per_m, made.lamp_attenuation_per_m]
+            columns += [made.attenuation_per_m if daylight is None else daylight]
+            columns += [one.scattering_per_m for one in made.scattering]
+            self.known_columns[key] = [np.interp(grid, made.wavelength_nm, column) for column in columns]
+        return self.known_columns[key]
 
     def node(self, other: bool, end: ClarityEnd, leg: LampLeg) -> SceneOptics:
         """One known water."""

@@ -220,44 +220,65 @@ def imagers_behind(
 
     ports : indices of ports that share their optics: what is seen through one is seen through all
     """
-    port = int(ports[0])
     camera, lens = only_tied(problem, camera, lens, ports, landscape, discarded, samples)
-    if len(camera) == 0:
-        return
     tally = Tally(landscape, discarded, samples)
+    sharp = sharp_behind(problem, camera, lens, ports, tally)
+    if len(sharp.camera) and (block := housed(problem, sharp, ports, tally)) is not None:
+        yield block
+
+
+@dataclass(frozen=True)
+class SharpPairs(Columns):
+    """Cameras with lenses behind a port whose view and focus keep every rule, with what they see by scene."""
+
+    camera: Array
+    lens: Array
+    spacers_m: Array
+    scenes: list[SceneImagers]
+
+
+def sharp_behind(problem: Problem, camera: Array, lens: Array, ports: Array, tally: Tally) -> SharpPairs:
+    """The pairs that pass the rules that ports of the same optics share; each that does not counts behind them all."""
+    if len(camera) == 0:
+        return SharpPairs(camera, lens, np.empty(0), [])
+    port, landscape = int(ports[0]), tally.landscape
     seen, dioptre, spacers_m = seen_behind(problem, camera, lens, port, landscape)
     left = tally.passing(view_rules(problem, port, seen, spacers_m), camera, lens, ports)
-    if len(left) == 0:
-        return
-    if len(left) < len(camera):
+    if 0 < len(left) < len(camera):
         camera, lens, dioptre, spacers_m = camera[left], lens[left], dioptre[left], spacers_m[left]
         seen = [view.take(left) for view in seen]
+    if len(left) == 0:
+        return SharpPairs(camera[left], lens[left], spacers_m[left], [])
     focused = focused_behind(problem, camera, lens, port, seen, stands(problem, camera, lens, dioptre), spacers_m)
     left = tally.passing(focus_rules(problem, camera, lens, focused), camera, lens, ports)
-    if len(left) == 0:
-        return
-    alive = np.ones((len(left), len(ports)), bool)
+    scenes = [SceneImagers(view, extra) for view, extra in zip(seen, focused, strict=True)]
+    made = SharpPairs(camera, lens, spacers_m, scenes)
+    return made if len(left) == len(camera) else made.take(left)
+
+
+def housed(problem: Problem, sharp: SharpPairs, ports: Array, tally: Tally) -> PortBlock | None:
+    """Those of the pairs that also keep the rules on housing, cost, mass and power behind these ports, if any."""
+    count = len(sharp.camera)
+    alive = np.ones((count, len(ports)), bool)
 
     def drop(rule: str, passes: Array) -> None:
         lost = np.flatnonzero(alive & ~(passes if passes.ndim == 2 else passes[:, None]))
         pair, of = np.divmod(lost[some_of(len(lost))], len(ports))
-        tally.count(rule, len(lost), camera[left[pair]], lens[left[pair]], ports[of])
+        tally.count(rule, len(lost), sharp.camera[pair], sharp.lens[pair], ports[of])
         alive.ravel()[lost] = False
 
-    rates = [extra.rate_hz[left] for extra in focused]
-    own = problem.cameras.take(camera[left]), problem.lenses.take(lens[left])
-    corner = np.zeros(len(left)) if problem.paper else widest_corner(seen)[left]
-    for rule, passes in own_rules(problem, *own, spacers_m[left], ports, rates, corner):
+    rates = [scene.focused.rate_hz for scene in sharp.scenes]
+    own = problem.cameras.take(sharp.camera), problem.lenses.take(sharp.lens)
+    corner = np.zeros(count) if problem.paper else widest_corner([scene.view for scene in sharp.scenes])
+    for rule, passes in own_rules(problem, *own, sharp.spacers_m, ports, rates, corner):
         drop(rule, passes)
     if len(ports) > 1:
         drop("better_housing", ~beaten_housings(problem, ports, alive))
-    if alive.any():
-        row, of = np.nonzero(alive)
-        keep = left[row]
-        scenes = [
-            SceneImagers(view.take(keep), extra.take(keep)) for view, extra in zip(seen, focused, strict=True)
-        ]
-        yield PortBlock(camera[keep], lens[keep], ports[of], landscape, scenes)
+    if not alive.any():
+        return None
+    row, of = np.nonzero(alive)
+    kept = [scene.take(row) for scene in sharp.scenes]
+    return PortBlock(sharp.camera[row], sharp.lens[row], ports[of], tally.landscape, kept)
 
 
 def seen_behind(
