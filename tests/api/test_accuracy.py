@@ -46,14 +46,15 @@ ABE = (ROOT / "problems" / "whoi-abe.yaml", ROOT / "problems" / "whoi-abe.system
 PARTS = Fineness.names()
 REFERENCE = Fineness(*[FINEST] * len(PARTS))
 HALF = coarsest(PARTS)
-#: Random cases by seed, in groups; by default those that are quick and whose errors come near to what is claimed.
+#: Random cases by seed, in groups; by default those that are quick and whose errors come near to what is claimed, one
+#: without the sun and one in it.
 GROUPS = drawn(
-    [[(0, 3), (8, 1), (11, 2)]], [[(chunk, number) for number in range(4)] for chunk in range(60)]
+    [[(0, 3), (3, 3)]], [[(chunk, number) for number in range(4)] for chunk in range(60)]
 )  # fmt: skip
 NO_TRANSFER = 5e-2  # an image so blurred has none to speak of, and these digits of it do not matter:
 OF_TRANSFER = ("mtf_half_nyquist", "resolution_10_mm")
 OF_CORNER = ("mtf_half_nyquist_corner", "resolve_mm")
-LEAST_COVER = 0.99  # the issue's share of claims that must hold
+LEAST_COVER = drawn(1.0, 0.99)  # the issue's share of claims that must hold is 0.99; so few cases must all
 DEFAULT_ERROR = 1e-4  # and what every figure must be known to by default
 
 

@@ -46,10 +46,10 @@ LED = lamp(
 def world(objective: str, scenes: str = "one") -> Case:
     """Two cameras, three lenses, two ports and two lamps that all fit: what wins depends on the objective.
 
-    Under the sun and in two scenes two lenses alone, as searches take longer there.
+    Under the sun, in two scenes and for information two lenses alone, as searches take longer there.
     """
     wanted = {"sum": SUM, "money": {"power": 1.0, "cost": 0.01}}.get(objective, objective)
-    alone = scenes != "one"
+    alone = scenes != "one" or (objective == "information" and not THOROUGH)
     lamps = (LED,) if alone else (BURNING, LED)
     own = {"one": ({},), "sun": SUN, "two": TWO}[scenes]
     made = planted(wanted, lamps, WANTED, scenes=own)

@@ -43,6 +43,7 @@ NOTHING: dict[str, Any] = {
     "beyond_band": 0, "focus": [1, 1], "focus_px": 1e6,
 }  # fmt: skip
 KNOWN = Doubt.model_validate(NOTHING)
+FEW = 64  # scenarios, where no share is measured
 FAST = {"max_blur_px": 1.0, "min_snr_db": 20.0}
 
 
@@ -211,9 +212,10 @@ def test_the_focus_is_where_most_scenarios_are_sharp() -> None:
     assert at_focus(sought, central_m, f_number).held[0] < ours - 0.04
 
 
-def test_the_scenarios_to_come_are_counted_at_the_focus_that_is_told() -> None:
+def test_the_scenarios_to_come_are_counted_at_the_focus_that_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     """Half as far, none is sharp."""
-    sought = over_a_band(0.1, focus=[0.98, 1.02])
+    monkeypatch.setattr(search_module, "FRESH", FEW)
+    sought = over_a_band(0.1, focus=[0.98, 1.02], scenarios=FEW)
     certain, objective = judged(sought, 0.9), sought.search.objective
     focus_m = certain.best.outcomes.meant_m
     assert focus_m is not None and certain.fresh is not None and certain.fresh.held >= 0.9
@@ -370,7 +372,7 @@ def test_no_hardware_of_a_small_catalogue_holds_and_is_better() -> None:
         lenses=[{"f_number_min": 1.4, "price": 700.0}],
         lights=[{"flux_lm": 3.4e4, "power_w": 330.0}],
     )  # fmt: skip
-    sought = sought_of(case_, floor=[0.6, 1.6], lamp_output=[0.8, 1.1])
+    sought = sought_of(case_, floor=[0.6, 1.6], lamp_output=[0.8, 1.1], scenarios=FEW)
     objective = sought.search.objective
     certain = most_certain(sought, objective, 0.9)
     assert certain is not None and certain.enough
@@ -419,7 +421,7 @@ def test_pieces_of_one_name_are_each_drawn_as_what_they_are() -> None:
 
 def test_what_holds_more_often_but_not_by_central_numbers_is_named() -> None:
     """Of two cameras the one that is fast enough in more scenarios, where the other is recommended."""
-    sought = sought_of(rivals())
+    sought = sought_of(rivals(), scenarios=FEW)
     problem, objective = sought.problem, sought.search.objective
     certain = most_certain(sought, objective, 0.5)
     assert certain is not None
@@ -434,7 +436,7 @@ def test_what_holds_more_often_but_not_by_central_numbers_is_named() -> None:
 
 def test_what_was_chosen_is_kept_when_time_is_over() -> None:
     """Nothing is solved again for the choice itself; what it was made on is told as such."""
-    sought = sought_of(one(wanted=FAST))
+    sought = sought_of(one(wanted=FAST), scenarios=FEW)
     objective = sought.search.objective
     certain = most_certain(sought, objective, 0.9)
     assert certain is not None

@@ -20,7 +20,7 @@ from uwopt.api.solving import solve  # noqa: E402
 from uwopt.catalog.answers import read_answers  # noqa: E402
 from uwopt.catalog.offers import MakerAnswers, offers_of  # noqa: E402
 from uwopt.cli.app import app  # noqa: E402
-from uwopt.deadline import NEVER, Deadline  # noqa: E402
+from uwopt.deadline import Deadline  # noqa: E402
 from uwopt.errors import CatalogError, ResultError  # noqa: E402
 from uwopt.mission.mission import Mission, load_mission  # noqa: E402
 from uwopt.report.order import tender_lines  # noqa: E402
@@ -121,9 +121,11 @@ def test_sheets_ask_what_is_needed_and_what_is_not_known(book: bytes) -> None:
 
 def test_a_tender_without_time_asks_without_limits_and_says_so(result: Result) -> None:
     none = Deadline.after(0.0)
-    hurried, whole = (lines_of(result, "x", deadline) for deadline in (none, NEVER))
-    assert [line.part_id for line in hurried] == [line.part_id for line in whole]
-    assert none.left_out and {f"the limits of the {line.kind}" for line in whole}.issuperset(none.left_out)
+    hurried = lines_of(result, "x", none)
+    kinds = ["camera", "lens", "port", "light"]
+    bought = [FEW[named][0] for named in ("cameras", "lenses", "ports", "lights")]
+    assert [(line.kind, line.part_id) for line in hurried] == list(zip(kinds, bought, strict=True))
+    assert none.left_out and {f"the limits of the {kind}" for kind in kinds}.issuperset(none.left_out)
 
 
 def test_limits_are_rounded_to_the_safe_side() -> None:
