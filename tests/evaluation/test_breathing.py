@@ -12,6 +12,8 @@ import uwopt
 from uwopt.evaluation.breathing import breathing_notes
 from uwopt.forward.scene import scene_optics
 from uwopt.mission.mission import load_mission
+from uwopt.report.pictures.design_pictures import view_pictures
+from uwopt.report.pictures.photograph import whole_view
 from uwopt.results.design import Design
 from uwopt.results.result import Result
 
@@ -64,6 +66,14 @@ def test_images_overlap_through_a_lens_that_moves_as_a_whole() -> None:
     figures = design_of(behind_dome()).scenes[0].figures
     assert figures["frame_rate_min_hz"] == pytest.approx(0.5 / (along_m * (1.0 - 0.6)), rel=1e-9)
     assert figures["overlap"] == pytest.approx(0.6, rel=1e-9)
+
+
+@pytest.mark.parametrize("orientation", ["landscape", "portrait"])
+def test_the_simulated_photograph_is_as_wide_as_the_image_surely_covers(orientation: str, replayed: Any) -> None:
+    design, _ = replayed(MISSION, SYSTEM | {"orientation": orientation})
+    width_m = 1000 * 2.05 * 5e-6 / FOCAL_M * closer()
+    assert whole_view(design).width_mm == pytest.approx(1e3 * width_m, rel=1e-9)
+    assert f"{width_m:.3g} m of floor lie on 1000 px" in view_pictures(whole_view(design), "whole", "")[0].caption
 
 
 def test_what_is_counted_is_told_behind_a_dome() -> None:

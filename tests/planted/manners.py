@@ -44,6 +44,20 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/test_structure.py::test_import_loads_nothing_heavy[uwopt.api.evaluating]",
     ),
     Defect(
+        name="who solves waits for what a system file may hold to load",
+        file="uwopt/forward/assembly.py",
+        old="if TYPE_CHECKING:",
+        new="if True:",
+        test="tests/test_structure.py::test_import_loads_nothing_heavy[uwopt.api.solving]",
+    ),
+    Defect(
+        name="types of records are made of texts at every start",
+        file="uwopt/results/basis.py",
+        old='of all."""\n\n',
+        new='of all."""\n\nfrom __future__ import annotations\n\n',
+        test="tests/test_structure.py::test_the_types_of_checked_records_are_no_texts[results.basis]",
+    ),
+    Defect(
         name="evaluation has no end of time",
         file="uwopt/api/evaluating.py",
         old="start, deadline = time.perf_counter(), Deadline.after(seconds)",

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import io
+import re
 import sys
 from collections.abc import Callable
 
 import pytest
 
-from uwopt.report.text.console import ProgressBar
+from uwopt.report.text.console import ProgressBar, print_blocks
+from uwopt.report.text.layout import Joined, Text, fact_lines, sentence
 
 
 class Timer:
@@ -96,3 +98,15 @@ def test_a_log_gets_a_line_a_stage_but_no_two_within_a_second(capsys: Log) -> No
             now_s[0] = at_s
             bar.report(0.0, stage)
     assert capsys.readouterr().err.splitlines() == ["uwopt: two, 1 s", "uwopt: four, 2 s"]
+
+
+@pytest.mark.parametrize("style", ["", "bold"])
+def test_no_line_of_the_terminal_ends_within_an_amount_of_money(style: str) -> None:
+    for before in range(60, 88):
+        said, out = f"{'n' * before} of 4 000 to 18 000 USD each.", io.StringIO()
+        joined = Joined((Text(said[: before + 9], style), Text(said[before + 9 :])))
+        print_blocks([sentence(said, style), joined, fact_lines([("price", said)])], out)
+        lines = out.getvalue().splitlines()
+        assert max(map(len, lines)) <= 100
+        assert not [line for line in lines if re.match(r" *(\d\d\d|[A-Z]{3})\b", line)]
+        assert " ".join(out.getvalue().split()) == " ".join(f"{said} {said} price {said}".split())

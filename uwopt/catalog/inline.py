@@ -10,8 +10,6 @@ What it leaves out is not checked against anything (`inline=True`), and these de
     light   continuous, all nameplate lumens leave the window (output_factor 1), generic white LED
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path

@@ -296,6 +296,7 @@ def main() -> None:
     """The program `uwopt`."""
     # Its products of matrices are small: threads would wait for each other, on a busy machine a hundred times as long.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # to find them it reads every installed package's list
     gc.set_threshold(GARBAGE_AFTER)
     if not sys.warnoptions and os.environ.get("UWOPT_DEBUG") != "1":
         import warnings

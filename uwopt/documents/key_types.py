@@ -4,8 +4,6 @@ A type says what is wrong in words that fit behind `key = value`; `uwopt.documen
 the way out. Nothing here knows a mission.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Mapping

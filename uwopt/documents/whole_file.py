@@ -1,7 +1,5 @@
 """What missions and systems share as whole files: where they came from, and the paths that they name."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import TypeVar
 

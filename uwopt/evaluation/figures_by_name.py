@@ -79,7 +79,7 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
     """Figures at the nominal altitude, by the names that reports use."""
     scene, view = model.problem.scenes[index], model.view_at(index, float(settings.dioptre_per_m[0]))
     landscape, at = model.hardware.landscape, scene.nominal
-    along, across = float(view.covered_along_m[0, 1]), float(view.covered_across_m[0, 1])
+    fov_x_m, fov_y_m = field_of_view_m(view, landscape)
     snr = float(figures.snr[0, at])
     needs = scene.view.requirements
     speed = scene.view.vehicle.speed_m_s
@@ -92,12 +92,12 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
     most, worst = (model.snr_at(pixels, index, settings) for pixels in ("frame", "darkest"))
     plain, totals = plain_settings(model, settings, figures), model.totals(figures)
     out: dict[str, Any] = {
-        "fov_x_m": across if landscape else along,
-        "fov_y_m": along if landscape else across,
+        "fov_x_m": fov_x_m,
+        "fov_y_m": fov_y_m,
         "gsd_mm": float(view.gsd_m[0, 1]) * 1e3,
         "blur_px": float(figures.blur_px[0, 1]),
         "skew_px": float(figures.skew_px[0, 1]),
-        "swath_m": across,
+        "swath_m": float(view.covered_across_m[0, 1]),
         **oblique_figures(model, index, float(settings.dioptre_per_m[0])),
         **pair_figures(scene, view),
         "line_spacing_m": float(view.common_across_m[0, 1]) * (1.0 - needs.sidelap),
@@ -180,6 +180,12 @@ def with_flags(figures: dict[str, Any]) -> dict[str, Any]:
         if wild and value == math.inf:
             out[f"{split_unit(key)[0]}_is_infinite"] = True
     return out
+
+
+def field_of_view_m(view: Views, landscape: bool) -> tuple[float, float]:
+    """Width and height of the floor that the image surely covers at the nominal altitude, of views at a focus [m]."""
+    along, across = float(view.covered_along_m[0, 1]), float(view.covered_across_m[0, 1])
+    return (across, along) if landscape else (along, across)
 
 
 def oblique_figures(model: DesignModel, index: int, dioptre_per_m: float) -> dict[str, float]:

@@ -25,7 +25,6 @@ from uwopt.forward.lamps import Mount, mission_mounts
 from uwopt.forward.problem import Parts, Problem
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.mission.sections.vehicle import LightMount
-from uwopt.mission.system import load_system
 from uwopt.model.effects import Effects
 from uwopt.model.fineness import Fineness
 from uwopt.model.port import lens_dioptre_per_m
@@ -178,6 +177,7 @@ def evaluated_problem(
 ) -> tuple[Problem, Hardware]:
     """Tables of the system that was evaluated, without the effects that physics `auto` left out."""
     from uwopt.forward.assembly import system_problem
+    from uwopt.mission.system import load_system
 
     problem, hardware = system_problem(mission, load_system(system))
     if mission.physics == "auto":

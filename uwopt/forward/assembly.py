@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -24,8 +24,10 @@ from uwopt.forward.spacers import ring_behind_m
 from uwopt.forward.views import focus_map, views
 from uwopt.mission.mission import Mission
 from uwopt.mission.sections.requirements import Requirements
-from uwopt.mission.system import System
 from uwopt.model.port import lens_dioptre_per_m
+
+if TYPE_CHECKING:
+    from uwopt.mission.system import System
 
 
 def select_problem_mission(mission: Mission) -> dict[str, str]:

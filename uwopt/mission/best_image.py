@@ -1,7 +1,5 @@
 """The objective `best_image`: which quality it is of, and what a watt and 100 USD must buy of it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -42,7 +40,7 @@ class BestImageGoal(Section):
     )
 
 
-def why_no_information(mission: Mission) -> list[str]:
+def why_no_information(mission: "Mission") -> list[str]:
     """What keeps a mission from asking for information; nothing where it may."""
     if mission.physics == "paper":
         return ["information needs sharpness, which physics paper does not know; use auto or full"]

@@ -1,7 +1,5 @@
 """How certain a recommendation is to be, and what is uncertain beside the numbers of the parts."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field

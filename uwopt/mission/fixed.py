@@ -1,7 +1,5 @@
 """Settings that stay as they are given, while the search chooses the rest."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Annotated
 

@@ -4,12 +4,10 @@
 every fault. Units are those of the keys; converting to SI is the caller's step into the model.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 from pydantic_core import PydanticCustomError
@@ -122,7 +120,7 @@ class Mission(WholeFile):
         return with_practice(plain)
 
     @model_validator(mode="after")
-    def _keys_agree(self) -> Mission:
+    def _keys_agree(self) -> Self:
         scenes = [
             given_values(scene)
             | {name: given_values(getattr(scene, name)) for name in ("vehicle", "requirements")}
@@ -185,7 +183,7 @@ class Mission(WholeFile):
             index, scene, carried, held_of(asked, self.reserve), self.time_shares[index], asked
         )
 
-    def with_changes(self, **changes: Any) -> Mission:
+    def with_changes(self, **changes: Any) -> "Mission":
         """The same mission with other top-level values, checked: `with_changes(physics="paper")`.
 
         `practice="recommended"` fills what was left out; what it has filled in stays with `practice="bare"`.
@@ -200,7 +198,7 @@ class Mission(WholeFile):
         return made
 
     @property
-    def without_gain_cap(self) -> Mission:
+    def without_gain_cap(self) -> "Mission":
         """The same without the cap of gain that yields where nothing fits below it; itself where it has none."""
         if self.reserve.max_gain_db is None:
             return self

@@ -4,8 +4,6 @@ Here and nowhere else do requirements as asked become requirements as held: sear
 the latter alone. The former stay beside them, so that a margin can say how much of its limit is reserve.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Iterable, Mapping
 from typing import Annotated, Any

@@ -3,11 +3,9 @@
 `load_system` is the door, as `load_mission` is for missions.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Discriminator, Field, PrivateAttr, Tag, model_validator
 from pydantic_core import PydanticCustomError
@@ -174,7 +172,7 @@ class System(WholeFile):
         return _in_one_form(data) if isinstance(data, Mapping) else data
 
     @model_validator(mode="after")
-    def _keys_agree(self) -> System:
+    def _keys_agree(self) -> Self:
         parts = {kind: getattr(self, kind) for kind in self.kinds}
         faults = _cross_faults(
             given_values(self)

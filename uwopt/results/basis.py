@@ -1,7 +1,5 @@
 """What a result rests on: objective, physics, assumptions; what stood in the way of others, or of all."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from pydantic import Field

@@ -1,7 +1,5 @@
 """How certain it is that a system does what is asked, as results tell it."""
 
-from __future__ import annotations
-
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 

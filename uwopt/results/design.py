@@ -1,10 +1,8 @@
 """One system with its settings: parts, settings, figures, margins, totals and bill, as results hold it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import asdict, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 from pydantic import Field
 from pydantic.dataclasses import dataclass
@@ -247,7 +245,7 @@ class Design(Record):
         return self.rounded is None or self.rounded.feasible
 
     @property
-    def as_set(self) -> Design:
+    def as_set(self) -> Self:
         """This design at the settings that a person sets: its settings, figures, margins, totals and objective.
 
         The design itself where none are to set, or where its file is of before their figures were kept.
@@ -287,15 +285,15 @@ class Design(Record):
             },
         }  # fmt: skip
 
-    def margins_frame(self) -> pd.DataFrame:
+    def margins_frame(self) -> "pd.DataFrame":
         """All margins as a table, one row a requirement and scene."""
         return frame_of({"margins": lambda: margin_rows(self)}, "margins")
 
-    def figures_frame(self) -> pd.DataFrame:
+    def figures_frame(self) -> "pd.DataFrame":
         """All figures as a table, one column a scene."""
         return frame_of({"figures": lambda: figure_rows(self)}, "figures").set_index("figure")
 
-    def bom_frame(self) -> pd.DataFrame:
+    def bom_frame(self) -> "pd.DataFrame":
         """The bill of materials as a table."""
         return frame_of({"bill": lambda: bill_rows(self)}, "bill")
 

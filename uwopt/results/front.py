@@ -4,8 +4,6 @@ A front is a list of points, none of which is better than another in every objec
 whole design; those that share hardware lie on one curve of settings.
 """
 
-from __future__ import annotations
-
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
@@ -116,7 +114,7 @@ class FrontResult(Shown, FiledRecord):
         wanted = next((pick.point for pick in self.picks if pick.name == name), name)
         return next(point for point in self.points if point.id == wanted)
 
-    def frame(self, name: str = "points") -> pd.DataFrame:
+    def frame(self, name: str = "points") -> "pd.DataFrame":
         """A table of the front: points, picks, methods, assumptions or warnings."""
         return frame_of(
             {

@@ -4,8 +4,6 @@ A record is a pydantic dataclass: `@dataclass(frozen=True, config=RECORD)`, a li
 the program's own values or of those read from a file by the same checks, so that both ways know one layout.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import fields
 from typing import Annotated, Any, Self

@@ -4,8 +4,6 @@ Absent figures are None, never missing; infinite ones are None with a companion 
 that of the documented result file, schema `uwopt.result/1`.
 """
 
-from __future__ import annotations
-
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
@@ -113,7 +111,7 @@ class Result(Shown, FiledRecord):
         """The recommendation, or the design that was evaluated."""
         return self.recommendation or self.design
 
-    def frame(self, name: str = "margins") -> pd.DataFrame:
+    def frame(self, name: str = "margins") -> "pd.DataFrame":
         """A table of the result: margins, bill, settings, figures, designs, certificate, assumptions or warnings."""
         best, proof = self.best, self.certificate
         return frame_of(

@@ -3,8 +3,6 @@
 What `sweep` returns and sweep.json holds, schema `uwopt.sweep/1`; its rows lie beside it as Parquet.
 """
 
-from __future__ import annotations
-
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -110,7 +108,7 @@ class SweepSummary(FiledRecord):
     def __repr__(self) -> str:
         return f"<SweepSummary of {self.missions} missions: {self.status}, {len(self.kits)} kits>"
 
-    def frame(self, name: str = "rows") -> pd.DataFrame:
+    def frame(self, name: str = "rows") -> "pd.DataFrame":
         """A table: rows (one a mission), kits, portfolio, failed or warnings."""
         if name == "rows":
             import pandas as pd

@@ -3,8 +3,6 @@
 What `whatif` returns and whatif.json holds, schema `uwopt.whatif/1`.
 """
 
-from __future__ import annotations
-
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
@@ -128,7 +126,7 @@ class WhatIf(FiledRecord):
         row |= {} if system is None else asdict(system)
         return row | {name: value for name, value in point.figures.items() if name not in row}
 
-    def frame(self, name: str = "points") -> pd.DataFrame:
+    def frame(self, name: str = "points") -> "pd.DataFrame":
         """A table: points, systems, switches, spider or warnings."""
         return frame_of(
             {
@@ -150,7 +148,7 @@ class WhatIf(FiledRecord):
             for point in line.points
         ]  # fmt: skip
 
-    def report(self, path: Any) -> Path:
+    def report(self, path: Any) -> "Path":
         """Write the page, one HTML file that works offline; returns its path."""
         from importlib import import_module
 

@@ -1,7 +1,5 @@
 """Camera bodies with their sensors: what is stated of one, and what the model reads."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import field
 from typing import Annotated, Any, ClassVar, Literal

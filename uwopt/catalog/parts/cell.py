@@ -5,15 +5,13 @@ part lies, what favours a design, and how an inline record of a system file stat
 `Cell` is stated in files only: fields of the record are made from it.
 """
 
-from __future__ import annotations
-
 import math
 import types
 from dataclasses import MISSING, dataclass
 from dataclasses import fields as dataclass_fields
 from functools import cache, cached_property
 from inspect import get_annotations
-from typing import Any, ClassVar, Literal, Union, get_args, get_origin, get_type_hints
+from typing import Any, ClassVar, Literal, Union, get_args, get_origin
 
 from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
@@ -175,10 +173,9 @@ def _kept(record: type) -> tuple[Field, ...]:
 
 @cache
 def _declared(record: type) -> tuple[Field, ...]:
-    hints = get_type_hints(record, include_extras=True)
     defaults = {f.name: f.default for f in dataclass_fields(record)}
-    names = dict.fromkeys(name for base in reversed(record.__mro__) for name in get_annotations(base))
-    return tuple(_field(name, hints[name], defaults.get(name, MISSING)) for name in names)
+    hints = {n: hint for base in reversed(record.__mro__) for n, hint in get_annotations(base, eval_str=True).items()}
+    return tuple(_field(name, hint, defaults.get(name, MISSING)) for name, hint in hints.items())
 
 
 def _field(name: str, hint: Any, default: Any) -> Field:

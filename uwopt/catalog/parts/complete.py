@@ -4,8 +4,6 @@ A row states the numbers of its camera, lens and port beside its own. The search
 a lens and a port that go with each other alone. Price, mass and depth rating are those of the whole.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Annotated, ClassVar, Literal, TypeVar
 

@@ -1,7 +1,5 @@
 """Housings behind ports, dry inside: what is stated of one, and what the model reads."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Literal
 

@@ -1,7 +1,5 @@
 """Lenses: what is stated of one, and what the model reads."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, ClassVar, Literal
 

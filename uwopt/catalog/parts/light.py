@@ -1,7 +1,5 @@
 """Lamps: what is stated of one, and what the model reads."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, ClassVar, Literal
 

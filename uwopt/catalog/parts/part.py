@@ -1,7 +1,5 @@
 """What every part has, and what a kind of part brings along."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass as plain_dataclass
 from dataclasses import field

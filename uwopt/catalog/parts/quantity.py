@@ -1,7 +1,5 @@
 """Numbers with their doubt, and tabulated curves: what the fields of parts hold."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal
 

@@ -1,7 +1,5 @@
 """Which parts may be used, and what else is bought: the section `catalog` of a mission."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field

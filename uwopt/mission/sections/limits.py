@@ -1,7 +1,5 @@
 """What the system may cost, draw and weigh: the section `limits` of a mission."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field

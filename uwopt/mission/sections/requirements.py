@@ -1,7 +1,5 @@
 """What the images must be: the section `requirements` of a mission."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field

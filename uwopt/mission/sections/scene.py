@@ -1,7 +1,5 @@
 """Water, floor and light of one place: a scene of a mission."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import BeforeValidator, Field

@@ -1,7 +1,5 @@
 """How the camera is carried: the section `vehicle` of a mission."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from uwopt.report.page.style import DARK, LIGHT, tokens
-from uwopt.report.text import words
+from uwopt.report.text import formats, words
 from uwopt.report.text.layout import Facts, Grid, Joined, Line, Text
 
 
@@ -53,18 +53,13 @@ def environment() -> Any:
     made.filters["line_kind"] = line_kind
     made.filters["anchor"] = safe_id
     made.filters["capital"] = words.capital
-    made.filters["tied"] = tied
+    made.filters["tied"] = formats.tied
     return made
 
 
 def line_kind(line: Line) -> str:
     """Which of the kinds of lines one is."""
     return {Text: "text", Joined: "joined", Grid: "grid", Facts: "facts"}[type(line)]
-
-
-def tied(text: str) -> str:
-    """Text whose numbers and their ranges do not break at the blank between thousands."""
-    return re.sub(r"(?<=\d) (?=\d{3}\b)", "\u00a0", text)
 
 
 def safe_id(text: object) -> str:

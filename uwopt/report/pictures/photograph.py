@@ -18,6 +18,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.evaluation.figures_by_name import field_of_view_m
 from uwopt.evaluation.recompute import Replay
 from uwopt.forward.sharpness import unfocused
 from uwopt.model import sensor, sharpness
@@ -94,13 +95,17 @@ class View:
 
 
 def whole_view(design: Replay, scene_index: int = 0, *, width_px: int = WHOLE_WIDTH_PX) -> View:
-    """The whole image, shrunk: each pixel shown is the mean of a block, and its noise that of the mean."""
-    cam, view = design.model.cameras, design.model.views[scene_index]
+    """The whole image, shrunk: each pixel shown is the mean of a block, and its noise that of the mean.
+
+    It is as wide as the design's figures say: what a lens that moves as a whole still sees at this focus.
+    """
+    cam, settings = design.model.cameras, design.settings[scene_index]
+    view = design.model.view_at(scene_index, float(settings.dioptre_per_m[0]))
     full_x, full_y = float(cam.resolution_x_px[0]), float(cam.resolution_y_px[0])
     width = int(min(width_px, full_x))
     height = max(round(width * full_y / full_x), 1)
     block_px = full_x / width
-    step_mm = float(view.gsd_m[0, 1]) * 1e3 * block_px
+    step_mm = field_of_view_m(view, design.model.hardware.landscape)[0] * 1e3 / width
     unit_mm = nice_unit_mm(WHOLE_BOARD_SHARE * width * step_mm / BOARD_WIDTH)
     fine = rendered(width, height, step_mm, unit_mm, 2)
     chart = fine.reshape(height, 2, width, 2, 3).mean(axis=(1, 3))

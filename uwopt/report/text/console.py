@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 from uwopt.errors import OutputError
 from uwopt.report.text import formats
+from uwopt.report.text.layout import SOLID
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -50,7 +51,8 @@ def print_blocks(
     )
     for block in blocks:
         console.print(block)
-    lines = [line.rstrip() for line in said(rendered.getvalue()).split("\n")]
+    text = rendered.getvalue().replace(SOLID, " ")
+    lines = [line.rstrip() for line in said(text).split("\n")]
     print_text("\n".join(lines).rstrip("\n"), out)
 
 

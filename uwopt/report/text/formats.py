@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import unicodedata
 
 from uwopt.report.text.vocabulary import SETTINGS
@@ -29,6 +30,8 @@ PLAIN_SIGNS = str.maketrans(
         "\u00a0": " ", "\u202f": " ",
     }
 )  # fmt: skip
+NO_BREAK = "\u00a0"
+WITHIN_NUMBER = re.compile(r"(?<=\d) (?=\d{3}\b|[A-Z]{3}\b)")
 #: Information per area of floor, as objectives and figures name it, and the prefixes that it is read with.
 BITS = ("bit/m2", "bit/m²", "bit_per_m2", "_bit_per_m2")
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
@@ -50,6 +53,8 @@ def in_encoding(text: str, encoding: str) -> str:
 
 def printable(text: str) -> str:
     """Text from files without control signs, which could steer a terminal; line ends stay."""
+    if text.isprintable():
+        return text
     return "".join(c if c in "\n\t" or not unicodedata.category(c).startswith("C") else "?" for c in text)
 
 
@@ -57,6 +62,11 @@ def one_line(text: object, longest: int = 400) -> str:
     """Text from files on one line, shortened."""
     line = " ".join(printable(str(text)).split())
     return line if len(line) <= longest else line[: longest - 3] + "..."
+
+
+def tied(text: str, blank: str = NO_BREAK) -> str:
+    """Text in which no line ends within a number, at the blank between thousands, or before its currency."""
+    return WITHIN_NUMBER.sub(blank, text)
 
 
 def quantity(value: float | None, unit: str = "", digits: int = 3) -> str:

@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
 INDENT = 2
+#: Stands for a blank at which no line ends. Rich ends lines at no-break spaces too; a sign of nobody's it takes for a
+#: letter, and `formats.printable` lets none through from a file.
+SOLID = "\ue000"
 UNBROKEN = ("id", "field")  # titles of columns whose text is copied, and must stay on one line
 
 
@@ -29,7 +32,7 @@ class Text:
     def __rich__(self) -> text.Text:
         from rich.text import Text as RichText
 
-        return RichText(self.plain, self.style)
+        return RichText(formats.tied(self.plain, SOLID), self.style)
 
 
 @dataclass
@@ -87,7 +90,7 @@ class Joined:
     def __rich__(self) -> text.Text:
         from rich.text import Text as RichText
 
-        return RichText.assemble(*((piece.plain, piece.style) for piece in self.pieces))
+        return RichText.assemble(*(piece.__rich__() for piece in self.pieces))
 
 
 Line: TypeAlias = Text | Joined | Grid | Facts
