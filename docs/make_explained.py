@@ -38,14 +38,12 @@ from make_certain import mission_names  # noqa: E402
 
 import uwopt  # noqa: E402
 from uwopt.api.common import prepared  # noqa: E402
-from uwopt.api.searching import searched  # noqa: E402
 from uwopt.deadline import Deadline  # noqa: E402
 from uwopt.errors import UwoptError  # noqa: E402
-from uwopt.forward.assembly import load_catalog  # noqa: E402
+from uwopt.forward.assembly import Generic, load_catalog  # noqa: E402
 from uwopt.mission.mission import Mission, load_mission  # noqa: E402
 from uwopt.mission.varying import Value, Varied, VariedMission, rounded  # noqa: E402
-from uwopt.model.fineness import DEFAULT  # noqa: E402
-from uwopt.objectives.goal import goal_of  # noqa: E402
+from uwopt.objectives.objective import Objective  # noqa: E402
 from uwopt.results.basis import Relaxed  # noqa: E402
 from uwopt.results.result import Result  # noqa: E402
 from uwopt.solvers.explain.weakened import (  # noqa: E402
@@ -56,6 +54,7 @@ from uwopt.solvers.explain.weakened import (  # noqa: E402
     with_limit,
     without,
 )
+from uwopt.solvers.recommend import seek  # noqa: E402
 
 PROBLEMS = ROOT / "problems"
 PAGE = ROOT / "docs" / "explained.md"
@@ -65,7 +64,8 @@ STEPS_DB = (10.0, 25.0, 60.0)
 SHORT = 0.05  # of a told change: that much less must not do; the search for the least knows it to 0.02
 NO_LADDER = ("mean_level", "lens_stop_down")  # stricter in no one direction; a count of stops
 WITHIN_S = 10.0
-TRY_S = 60.0  # of the processor, for one question whether something fits: beyond, it is not known
+ANY = Objective.of("power")  # any design will do
+TRY_S = 30.0  # of the processor, for one question whether something fits: beyond, it is not known
 FITS = "always fits"
 SEED = 16  # of the order in which they are asked
 
@@ -140,11 +140,12 @@ def requirements_of(mission: Mission) -> dict[str, float]:
 
 
 def fits(mission: Mission) -> bool | None:
-    """Whether something fits; None where no mission can ask for that, or where it takes too long to say."""
+    """Whether something fits, of all parts that `solve` would come to; None where that is not known."""
     try:
-        wanted = prepared(mission, None, None, "central")
+        wanted = prepared(mission, None, None, "central").without_gain_cap
+        generic: Generic = "never" if wanted.catalog.generic == "never" else "allow"
         deadline = Deadline.after(TRY_S, time.process_time)
-        found, _ = searched(wanted, load_catalog(wanted), goal_of(wanted), 1, deadline, None, {}, DEFAULT)
+        found = seek(wanted, load_catalog(wanted), ANY, generic=generic, top=1, deadline=deadline, enough=True)
     except UwoptError:
         return None
     return True if found.outcome.best else False if found.outcome.complete else None
