@@ -1,22 +1,28 @@
 """Ask of missions that nothing meets why, and try what is told: docs/explained.md.
 
-    python docs/make_explained.py [--write] [--only NAME ...] [--sample N] [--jobs N] [--rows FILE] [--untried]
+    python docs/make_explained.py [--write] [--only NAME ...] [--sample N] [--seed S] [--within S] [--again] [--jobs N]
 
 Every mission in problems/ and problems/jobs/ is made impossible by each of its requirements in turn: the requirement
 grows stricter by the steps of a ladder until nothing fits. Of each the program is asked why, as `uwopt explain` asks,
 and whatever change it tells is tried by a search of its own: something fits with it, and nothing does where the change
-is smaller by a few hundredths of itself. All of them take two hours on a core; `--sample` draws some, always in the
-same order, and what is known by then is told when it is interrupted.
+is smaller by a few hundredths of itself.
+
+All of them take hours on a core. `--sample` draws some, a requirement of each mission before the second of any, always
+in the same order for a seed; `--within` begins no other one after so many seconds of the processor. Rows are kept in
+docs/explained_rows.jsonl with the commit that they were made by, so that runs add up; `--again` asks anew of those
+that were made by other commits, with the limits that are known to be impossible. The page is of all that are kept.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import math
 import os
+import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, dataclass, field
 from functools import partial
 from multiprocessing import get_context
@@ -31,9 +37,14 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command line does
 from make_certain import mission_names  # noqa: E402
 
 import uwopt  # noqa: E402
+from uwopt.api.common import prepared  # noqa: E402
+from uwopt.deadline import Deadline  # noqa: E402
 from uwopt.errors import UwoptError  # noqa: E402
+from uwopt.forward.assembly import Generic, load_catalog  # noqa: E402
 from uwopt.mission.mission import Mission, load_mission  # noqa: E402
 from uwopt.mission.varying import Value, Varied, VariedMission, rounded  # noqa: E402
+from uwopt.objectives.objective import Objective  # noqa: E402
+from uwopt.results.basis import Relaxed  # noqa: E402
 from uwopt.results.result import Result  # noqa: E402
 from uwopt.solvers.explain.weakened import (  # noqa: E402
     RELAXABLE,
@@ -41,31 +52,40 @@ from uwopt.solvers.explain.weakened import (  # noqa: E402
     is_from_above,
     with_central_prices,
     with_limit,
+    without,
 )
+from uwopt.solvers.recommend import seek  # noqa: E402
 
 PROBLEMS = ROOT / "problems"
 PAGE = ROOT / "docs" / "explained.md"
+ROWS = ROOT / "docs" / "explained_rows.jsonl"
 STEPS = (2.0, 10.0, 100.0)  # times as strict
 STEPS_DB = (10.0, 25.0, 60.0)
 SHORT = 0.05  # of a told change: that much less must not do; the search for the least knows it to 0.02
 NO_LADDER = ("mean_level", "lens_stop_down")  # stricter in no one direction; a count of stops
 WITHIN_S = 10.0
+ANY = Objective.of("power")  # any design will do
+TRY_S = 30.0  # of the processor, for one question whether something fits: beyond, it is not known
+FITS = "always fits"
 SEED = 16  # of the order in which they are asked
 
 HEAD = """\
 # Why nothing fits, asked of missions made impossible
 
 Every mission in `problems/` and `problems/jobs/` is made impossible by each of its requirements in turn, by a step of
-2, 10 or 100 times (10, 25 or 60 dB) until nothing fits. `python docs/make_explained.py --write` makes this page,
-`--sample N` with some of them drawn.
+2, 10 or 100 times (10, 25 or 60 dB) until nothing fits. `python docs/make_explained.py --write` makes this page of the
+rows in `explained_rows.jsonl`, to which `--sample N` adds, drawn a requirement of each mission in turn.
 
 *answered* counts what the mission asks for: whether it alone, left out, would let something through is known. *keys* is
 the same of height, water, speed and time. A told change is tried by a search of its own: *does* is how many of those
 tried let something fit; *least* is how many of those that are told as the least do not do when they are 5 % smaller.
 Seconds are of the processor, in a process that has started, with no time given: the program's own patience ends it
-after 9 s, or 5 s after the search that finds nothing, and it says what is open.
+after 9 s, or 5 s after the search that finds nothing, and it says what is open. *told* counts single changes, and *+ n*
+changes that help together.
 
 """
+
+Asked = tuple[str, str]  # mission and requirement
 
 
 @dataclass
@@ -89,6 +109,11 @@ class Row:
     wrong: list[str] = field(default_factory=list)
     together: int = 0
     contradiction: list[str] = field(default_factory=list)
+    spent_s: float = 0.0  # of the processor, for all of the row
+    commit: str = ""  # of the code that answered
+
+
+Ask = Callable[[tuple[Asked, float | None]], Row]
 
 
 # ---------------------------------------------------------------- impossible missions
@@ -115,26 +140,32 @@ def requirements_of(mission: Mission) -> dict[str, float]:
 
 
 def fits(mission: Mission) -> bool | None:
-    """Whether something fits; None where no mission can ask for that, or where it takes too long to say."""
+    """Whether something fits, of all parts that `solve` would come to; None where that is not known."""
     try:
-        status = uwopt.solve(mission, confidence="central", quick=True, explain=False).status
+        wanted = prepared(mission, None, None, "central").without_gain_cap
+        generic: Generic = "never" if wanted.catalog.generic == "never" else "allow"
+        deadline = Deadline.after(TRY_S, time.process_time)
+        found = seek(wanted, load_catalog(wanted), ANY, generic=generic, top=1, deadline=deadline, enough=True)
     except UwoptError:
         return None
-    return None if status == "stopped" else status != "infeasible"
+    return True if found.outcome.best else False if found.outcome.complete else None
 
 
-def made_impossible(mission: Mission, name: str) -> tuple[Mission, float] | None:
-    """The mission with one requirement so strict that nothing fits; None where the ladder is too short."""
+def made_impossible(mission: Mission, name: str, known: float | None = None) -> tuple[Mission, float] | None:
+    """The mission with one requirement so strict that nothing fits; None where the ladder is too short.
+
+    known : a limit at which nothing fitted before
+    """
     section, key, _ = RELAXABLE[name]
     asked = asked_value(mission, section, key)
     assert asked is not None
     base = VariedMission(mission, {})
-    for value in strict(name, asked):
+    for value in (known,) if known is not None else strict(name, asked):
         try:
             harder = base.with_values({Varied(key, section, key, (value,)): value})
         except UwoptError:
             continue
-        if fits(harder) is False:
+        if known is not None or fits(harder) is False:
             return harder, value
     return None
 
@@ -142,17 +173,24 @@ def made_impossible(mission: Mission, name: str) -> tuple[Mission, float] | None
 # ---------------------------------------------------------------- one of them, explained and tried
 
 
-def explained(name: str, requirement: str, tried: bool) -> Row:
+def explained(name: str, requirement: str, known: float | None, commit: str, tried: bool) -> Row:
     """One mission made impossible by one requirement."""
     mission = load_mission(PROBLEMS / f"{name}.yaml")
-    harder = made_impossible(mission, requirement)
+    harder = made_impossible(mission, requirement, known)
     if harder is None:
-        return Row(name, requirement, requirements_of(mission)[requirement], "always fits")
-    impossible, limit = harder
+        return Row(name, requirement, requirements_of(mission)[requirement], FITS, commit=commit)
+    row = asked_why(name, requirement, *harder, commit, tried)
+    if known is not None and row.status not in ("infeasible", "stopped"):  # the code has changed its mind
+        return explained(name, requirement, None, commit, tried)
+    return row
+
+
+def asked_why(name: str, requirement: str, impossible: Mission, limit: float, commit: str, tried: bool) -> Row:
+    """Ask why nothing fits, and try what is told."""
     since_s = time.process_time()
     result = uwopt.solve(impossible, confidence="central", quick=True, ranges=True)
     seconds = time.process_time() - since_s
-    row = Row(name, requirement, limit, result.status, seconds, len(requirements_of(impossible)))
+    row = Row(name, requirement, limit, result.status, seconds, len(requirements_of(impossible)), commit=commit)
     for text in texts_left_out(result):
         if text.startswith("whether it could be met without "):
             row.open_asked.append(text.rpartition(" ")[2])
@@ -163,6 +201,9 @@ def explained(name: str, requirement: str, tried: bool) -> Row:
     if result.infeasible is not None:
         row.together, row.contradiction = len(result.infeasible.together), list(result.infeasible.contradiction)
         try_changes(row, impossible, result, tried=tried)
+        if tried and result.infeasible.together:
+            together = ", ".join(f"{one.name} {one.needed}" for one in result.infeasible.together)
+            check(row, changed(impossible, result.infeasible.together), None, f"{together} together")
     return row
 
 
@@ -205,6 +246,21 @@ def try_changes(row: Row, mission: Mission, result: Result, *, tried: bool) -> N
         )  # fmt: skip
 
 
+def changed(mission: Mission, together: list[Relaxed]) -> Mission:
+    """The mission with all changes that are told together."""
+    for one in together:
+        if one.name not in RELAXABLE:
+            moved = Varied(one.name, "vehicle", one.name, ())
+            mission = VariedMission(mission, {}).with_values({moved: one.needed or 0.0})
+            continue
+        section, key, _ = RELAXABLE[one.name]
+        if one.needed is None:
+            mission = without(mission, section, key) or mission
+        elif one.limit is not None:
+            mission = with_limit(mission, section, key, one.limit, one.needed)
+    return mission
+
+
 def relaxed(mission: Mission, section: str, key: str, asked: float, value: float) -> Mission:
     """The mission with a weaker limit; a rating of depth is asked for by the limits, whatever the depth."""
     if key == "depth_rating_m":
@@ -239,7 +295,7 @@ def table(rows: list[Row]) -> Iterator[str]:
             continue
         seconds = f"{row.seconds:.1f}" if row.seconds <= WITHIN_S else f"**{row.seconds:.1f}**"
         known = f"{row.asked - len(row.open_asked)} of {row.asked}"
-        told = len(row.told)
+        told = f"{len(row.told)}" + (f" + {row.together}" if row.together else "")
         yield (
             f"| `{row.mission}` | {row.name} {row.limit:g} | {seconds} | {known} | {', '.join(row.open_keys)} | {told} "
             f"| {row.does} of {row.tried} | {row.least} of {row.least_tried} |"
@@ -249,6 +305,8 @@ def table(rows: list[Row]) -> Iterator[str]:
 def summary(rows: list[Row]) -> str:
     """What all of them say."""
     shown = [row for row in rows if row.status == "infeasible"]
+    if not shown:
+        return "None of them is impossible.\n"
     seconds = sorted(row.seconds for row in shown)
     in_time = sum(one <= WITHIN_S for one in seconds)
     return (
@@ -263,25 +321,70 @@ def summary(rows: list[Row]) -> str:
 
 
 def page(rows: list[Row], every: int) -> str:
-    """The whole page; `every`: how many there would be."""
+    """The whole page; `every`: how many rows there could be."""
     wrong = [f"- `{row.mission}` by {row.name} {row.limit:g}: {one}" for row in rows for one in row.wrong]
     after = ["", "## What does not hold", "", *wrong] if wrong else []
-    drawn = f", drawn with the seed {SEED}" if len(rows) < every else ""
-    return "\n".join([HEAD + f"Asked of {len(rows)} of {every}{drawn}. " + summary(rows), *table(rows), *after, ""])
+    commits = ", ".join(f"`{one}`" for one in dict.fromkeys(row.commit for row in rows if row.commit))
+    made_by = f" by the code of {commits}" if commits else ""
+    said = f"Asked of {len(rows)} of {every}{made_by}: "
+    return "\n".join([HEAD + said + summary(rows), *table(rows), *after, ""])
 
 
-def made(asked: list[tuple[str, str]], jobs: int, *, tried: bool) -> Iterator[Row]:
-    """Rows as they come, until a person wants no more."""
+# ---------------------------------------------------------------- which, and by what code
+
+
+def commit_of_code() -> str:
+    """The commit of the program that answers, with a + where files of it have changed since."""
+
+    def git(*words: str) -> str:
+        done = subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True, check=False)
+        return done.stdout.strip()
+
+    return git("log", "-1", "--format=%h", "--", "uwopt") + ("+" if git("status", "--porcelain", "--", "uwopt") else "")
+
+
+def in_turn(asked: list[Asked], seed: int) -> list[Asked]:
+    """A requirement of each mission, drawn, before the second of any."""
+    Random(seed).shuffle(asked)
+    turns, many = dict[Asked, int](), dict[str, int]()
+    for one in asked:
+        turns[one] = many[one[0]] = many.get(one[0], 0) + 1
+    return sorted(asked, key=lambda one: turns[one])
+
+
+def kept_rows(file: Path) -> dict[Asked, Row]:
+    """Rows of earlier runs; of those of the same requirement the last."""
+    lines = file.read_text(encoding="utf-8").splitlines() if file.exists() else []
+    return {(row.mission, row.name): row for row in (Row(**json.loads(line)) for line in lines)}
+
+
+def keep_rows(file: Path, rows: Iterable[Row]) -> None:
+    """All rows, in the order of their names."""
+    in_order = sorted(rows, key=lambda row: (row.mission, row.name))
+    lines = (json.dumps(asdict(row), ensure_ascii=False) for row in in_order)
+    file.write_text("".join(line + "\n" for line in lines), encoding="utf-8")
+
+
+def made(asked: list[tuple[Asked, float | None]], jobs: int, within_s: float, ask: Ask) -> Iterator[Row]:
+    """Rows as they come, until the time is over or a person wants no more."""
+    spent_s = 0.0
     with get_context("spawn").Pool(jobs, maxtasksperchild=8) as pool:
         try:
-            yield from pool.imap_unordered(partial(explained_one, tried=tried), asked)
+            while asked and spent_s < within_s:
+                some, asked = asked[:jobs], asked[jobs:]
+                for row in pool.imap_unordered(ask, some):
+                    spent_s += row.spent_s
+                    yield row
         except KeyboardInterrupt:
             pool.terminate()
 
 
-def explained_one(asked: tuple[str, str], *, tried: bool) -> Row:
+def explained_one(asked: tuple[Asked, float | None], *, commit: str, tried: bool) -> Row:
     """One mission and requirement of a list."""
-    return explained(*asked, tried)
+    since_s = time.process_time()
+    row = explained(*asked[0], asked[1], commit, tried)
+    row.spent_s = time.process_time() - since_s
+    return row
 
 
 def main() -> None:
@@ -289,33 +392,35 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--write", action="store_true")
     parser.add_argument("--only", nargs="*", choices=mission_names(), help="missions, as problems/NAME.yaml")
-    parser.add_argument("--sample", type=int, help="only so many, drawn")
-    parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--rows", type=Path, help="a file of rows, to which is added what it does not have yet")
+    parser.add_argument("--key", nargs="*", choices=RELAXABLE, help="requirements")
+    parser.add_argument("--sample", type=int, help="only so many, drawn; 0: the page of what is kept")
+    parser.add_argument("--seed", type=int, default=SEED, help="of the order in which they are drawn")
+    parser.add_argument("--within", type=float, default=math.inf, help="seconds of the processor")
+    parser.add_argument("--again", action="store_true", help="ask anew where another commit answered")
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--rows", type=Path, default=ROWS, help="the file of rows")
     parser.add_argument("--untried", action="store_true", help="tell without trying what is told")
     given = parser.parse_args()
-    asked = [
+    every = [
         (name, requirement)
         for name in mission_names()
         for requirement in requirements_of(load_mission(PROBLEMS / f"{name}.yaml"))
         if requirement not in NO_LADDER
     ]
-    every = len(asked)
-    Random(SEED).shuffle(asked)
-    asked = [one for one in asked if not given.only or one[0] in given.only][: given.sample]
-    known = {}
-    if given.rows and given.rows.exists():
-        lines = given.rows.read_text(encoding="utf-8").splitlines()
-        known = {(row.mission, row.name): row for row in (Row(**json.loads(line)) for line in lines)}
-    new = [one for one in asked if one not in known]
-    for row in made(new, given.jobs, tried=not given.untried):
-        known[row.mission, row.name] = row
-        told = f"{row.mission} {row.name}: {row.status} {row.seconds:.1f} s {row.wrong}"
+    asked = [
+        one for one in in_turn([*every], given.seed)
+        if (not given.only or one[0] in given.only) and (not given.key or one[1] in given.key)
+    ][: given.sample]  # fmt: skip
+    commit, kept = commit_of_code(), kept_rows(given.rows)
+    new = [one for one in asked if one not in kept or (given.again and kept[one].commit != commit)]
+    known = {one: row.limit for one, row in kept.items() if row.status == "infeasible"}
+    ask = partial(explained_one, commit=commit, tried=not given.untried)
+    for row in made([(one, known.get(one)) for one in new], given.jobs, given.within, ask):
+        kept[row.mission, row.name] = row
+        told = f"{row.mission} {row.name}: {row.status} {row.seconds:.1f} s {row.told} + {row.together} {row.wrong}"
         print(told, file=sys.stderr, flush=True)
-        if given.rows:
-            with given.rows.open("a", encoding="utf-8") as file:
-                file.write(json.dumps(asdict(row)) + "\n")
-    text = page([known[one] for one in asked if one in known], every)
+        keep_rows(given.rows, kept.values())
+    text = page([row for one, row in kept.items() if one in every], len(every))
     if given.write:
         PAGE.write_text(text, encoding="utf-8")
     else:

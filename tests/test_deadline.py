@@ -150,7 +150,7 @@ def test_what_requirements_cost_has_the_time_that_the_search_leaves(
     ends_with_search: Clock, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     given: list[float | None] = []
-    monkeypatch.setattr(pricing, "range_prices", lambda *_, deadline, **more: given.append(deadline.left_s) or [])
+    monkeypatch.setattr(pricing, "every_price", lambda *told: (given.append(told[3].left_s) or [], True))
     assert CliRunner().invoke(app, ["explain", str(TANK), "--seconds", "5", "--quiet"]).exit_code == 0
     assert given == [0.0]
 

@@ -9,7 +9,37 @@ TESTS = "tests/solvers/test_moves.py"
 
 PRICES, PRICED = "uwopt/solvers/explain/prices.py", "tests/solvers/test_prices.py"
 
+EVERY = "tests/solvers/test_every_price.py"
+
 DEFECTS = (
+    Defect(
+        name="evenness is asked of the fewest lamps alone before there is light",
+        file="uwopt/solvers/exact/evaluation.py",
+        old="        for item in first:",
+        new="        for item in first[:1]:",
+        test="tests/solvers/test_exact.py::test_evenness_asked_before_light_loses_nothing",
+    ),
+    Defect(
+        name="what a figure reaches is told as free though the key counts for more",
+        file=PRICES,
+        old="    if is_free(reach):",
+        new="    if True:",
+        test=f"{EVERY}::test_up_to_where_it_is_said_to_cost_nothing_it_costs_nothing",
+    ),
+    Defect(
+        name="without a requirement the best is told that is best with it",
+        file="uwopt/solvers/explain/spared.py",
+        old="found.best[0].minimised if found.best else best",
+        new="best",
+        test=f"{EVERY}::test_what_is_told_to_do_without_a_requirement_is_the_optimum_without_it",
+    ),
+    Defect(
+        name="only what binds has a price where all are asked for",
+        file=PRICES,
+        old="if every and key not in binding]",
+        new="if False]",
+        test=f"{EVERY}::test_every_requirement_has_a_price",
+    ),
     Defect(
         name="a price is that of the mission solved before it",
         file=PRICES,

@@ -67,8 +67,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="what requirements cost is given the whole time once more",
         file="uwopt/api/solving.py",
-        old="made, deadline=deadline, progress=progress, sought=sought",
-        new="made, progress=progress, sought=sought",
+        old="result = priced(result, central, goal, timing, deadline, progress, since_s)",
+        new="result = priced(result, central, goal, timing, Deadline(), progress, since_s)",
         test=f"{DEADLINE}::test_what_requirements_cost_has_the_time_that_the_search_leaves",
     ),
     Defect(

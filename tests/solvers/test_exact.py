@@ -27,6 +27,7 @@ from uwopt.forward.designs import SceneSettings
 from uwopt.forward.focus import place_focus
 from uwopt.forward.part_columns import CONTINUOUS
 from uwopt.forward.problem import Parts
+from uwopt.solvers.exact import evaluation
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.recommend import hardware_of
 from uwopt.solvers.settable.rounding import exact_settings
@@ -90,6 +91,9 @@ PLANTED = {
     "flash far too bright": planted("power", (FLASH_STEPS,), {"min_snr_db": 20.0, "mean_level": 0.1}, camera=ROLLING),
     "pulses in steps with gaps": planted(SNR_AND_POWER, (PULSED_STEPS, BURNING_STEPS), {"max_blur_px": 1.0}),
     "hovering without an interval": planted("power", (PULSED_STEPS, BURNING), {"min_snr_db": 20.0}, speed_m_s=0.0),
+    "even in the light of two lamps alone": planted(
+        "power", (BURNING,), {"min_snr_db": 10.0, "min_uniformity": 0.5}, light_count=[1, 3], light_baseline_m=2.0,
+    ),
     "one lamp's power alone": planted("gsd_mm", (BURNING, FLASH_STEPS, PULSED_STEPS), {"min_snr_db": 20.0}),
 }  # fmt: skip
 
@@ -102,6 +106,16 @@ def test_planted_cases_equal_enumeration(name: str) -> None:
     found = brute.enumerate_all(brute.Bench(case_.problem()), case_.objective)
     agree(case_, case_.solve()[1], ranked(found))
     assert ranked(found), "the case was made to be feasible"
+
+
+def test_evenness_asked_before_light_loses_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As where these rules have refused all that came to them: one lamp lights the floor too unevenly, two do not."""
+    monkeypatch.setattr(evaluation, "ENOUGH_ASKED", 0)
+    monkeypatch.setattr(evaluation, "MOST_REFUSED", 0.0)
+    case_ = PLANTED["even in the light of two lamps alone"]
+    outcome = case_.solve()[1]
+    agree(case_, outcome, ranked(brute.enumerate_all(brute.Bench(case_.problem()), case_.objective)))
+    assert outcome.best[0].count == 2
 
 
 @pytest.mark.parametrize("seed", CASES)

@@ -8,22 +8,27 @@ from dataclasses import replace
 
 from uwopt.api.common import Progress, Source
 from uwopt.api.floats import own_float_rules
+from uwopt.api.searching import leaves_out_generic
 from uwopt.api.timing import STAGES
 from uwopt.api.varied import SHARP, Switches, Systems, VariedGrid
-from uwopt.deadline import NEVER, Deadline
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.errors import MissionError
+from uwopt.forward.assembly import Generic
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Varied, VariedMission, rounded
 from uwopt.objectives.goal import goal_of
+from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Price
 from uwopt.results.result import Result
 from uwopt.results.whatif import WhatIfPoint
-from uwopt.solvers.explain.prices import priced_keys
+from uwopt.solvers.explain.prices import costs_nothing, priced_keys, prices
+from uwopt.solvers.explain.spared import without_each
 from uwopt.solvers.recommend import Sought
 from uwopt.solvers.warm.searches import Warm
 from uwopt.units import split_unit
 
 STEPS = 4  # beyond what is asked
+WITHOUT_SHARE = 0.5  # of the time left, for what would be best without each requirement
 AS_GOOD = 1e-3  # of the objective: the optimum is that of the recommended system
 PRICES_S = 10.0  # of the processor, where no time is given
 
@@ -31,13 +36,14 @@ PRICES_S = 10.0  # of the processor, where no time is given
 @own_float_rules
 def range_prices(
     mission: Source | Mission, result: Result, *, deadline: Deadline = NEVER, progress: Progress | None = None,
-    sought: Sought | None = None,
+    sought: Sought | None = None, every: bool = False,
 ) -> list[Price]:  # fmt: skip
     """What a step more of each binding requirement and of the speed costs with the best system for it.
 
     Each value is solved by central numbers, with its certificate; `until` is where the recommended system is no longer
     the best. What the result tells of the system as it is stays; where that is not the best by central numbers, nothing
     is added. `sought`: the search that the result tells of, so that what it has worked out is not worked out again.
+    `every`: also of requirements that do not bind.
     """
     if result.recommendation is None:
         return []
@@ -48,7 +54,7 @@ def range_prices(
     if sought is not None:
         warm.take(sought)
     told, asked_for = {price.name: price for price in result.prices}, list[WhatIfPoint]()
-    keys = [*priced_keys(base.base, result.recommendation)]
+    keys = [*priced_keys(base.base, result.recommendation, every=every)]
     for number, (key, asked, step) in enumerate(keys):
         if deadline.passed():
             deadline.left_out.append(STAGES["ranges"])
@@ -56,23 +62,58 @@ def range_prices(
         if progress is not None:
             progress(number / len(keys), f"what {key.name} costs")
         price = range_price(
-            base, key, asked, step, systems, warm, best=result.objective.value, asked_for=asked_for
+            base, key, asked, step, systems, warm, best=result.objective.value, asked_for=asked_for,
+            free=told[key.name].free_until if key.name in told else None,
         )  # fmt: skip
         if price is not None:
             known = told.get(key.name, price)
-            told[key.name] = replace(price, slope=known.slope, slope_casadi=known.slope_casadi)
+            told[key.name] = replace(known, change=price.change, until=price.until, then=price.then)
     return [told[key.name] for key, _, _ in keys if key.name in told]
+
+
+@own_float_rules
+def every_price(
+    result: Result, sought: Sought, goal: Objective, deadline: Deadline, progress: Progress | None = None
+) -> tuple[list[Price], bool]:
+    """What every requirement costs as far as there is time, and whether nobody interrupted it.
+
+    First a step more of each with the system as it is, and up to where it costs nothing; then what would be best
+    without each, as `spared.without_each`; then as `range_prices`.
+    """
+    told, mission = list(result.prices), sought.problem.mission
+    if result.recommendation is None:
+        return told, True
+    generic: Generic = "never" if mission.catalog.generic == "never" or leaves_out_generic(sought) else "allow"
+    try:
+        told = prices(sought, goal, result.recommendation, (), deadline, every=True)
+        keys = {price.name: place for place, price in enumerate(told)}
+        if progress is not None:
+            progress(0.0, "what would be best without each requirement")
+        phase = deadline.at_most(WITHOUT_SHARE * deadline.left_s)
+        for key, value in without_each(sought, goal, list(keys), generic, phase):
+            told[keys[key]] = replace(told[keys[key]], without=value)
+        told = range_prices(
+            mission, replace(result, prices=told), deadline=deadline, progress=progress, sought=sought, every=True
+        )
+    except OutOfTimeError:
+        deadline.left_out.append(STAGES["prices"])
+    except KeyboardInterrupt:
+        return told, False
+    return told, True
 
 
 def range_price(
     base: VariedMission, key: Varied, asked: float, step: float, systems: Systems, warm: Warm, *,
-    best: float | None = None, asked_for: list[WhatIfPoint] | None = None,
+    best: float | None = None, asked_for: list[WhatIfPoint] | None = None, free: float | None = None,
 ) -> Price | None:  # fmt: skip
     """One key from what is asked on; None where there is no time for the first step, or another optimum than `best`.
 
     asked_for : the optimum of the mission as it is, once it is known: that of other keys too
+    free : value up to which the optimum is known to stay
     """
-    values = allowed(base, key, [rounded(asked + n * step) for n in range(STEPS + 1)])
+    far = free if free is not None and abs(free - asked) >= abs(step) else asked  # where it may begin to cost something
+    more = [rounded(far + n * step) for n in range(1, STEPS + 1)]
+    values = allowed(base, key, [asked, *([far] if far != asked else []), *more])
     varied = Varied(key.key, key.section, key.name, tuple(values))
     if len(values) < 2:
         return None
@@ -86,6 +127,8 @@ def range_price(
         points.append(grid.solve((value,)))
         if len(points) == 1 and not same and points[0].status == "optimal":
             same.append(points[0])
+        if value == asked and far != asked:
+            grid.points[far,] = replace(points[0], values=[far])
         if points[-1].system != points[0].system:
             break
     if len(points) < 2 or points[0].objective is None or points[1].status == "stopped":
@@ -93,7 +136,8 @@ def range_price(
     if best is not None and abs(points[0].objective - best) > AS_GOOD * abs(best):
         return None  # certainty, or settings that can be set, chose another system
     first, second = points[0].objective, points[1].objective
-    price = Price(key.name, split_unit(key.name)[1], asked, step, None if second is None else second - first)
+    change = None if second is None else 0.0 if costs_nothing(first, second) else second - first
+    price = Price(key.name, split_unit(key.name)[1], asked, step, change)
     if points[-1].system == points[0].system:
         return price
     last, other = (tuple(one.values) for one in points[-2:])

@@ -78,6 +78,7 @@ def solve(
     seconds: float | None = None,
     alternatives: bool = False,
     ranges: bool = False,
+    every_price: bool = False,
     accuracy: bool = False,
     tolerance: float | None = None,
     progress: Progress | None = None,
@@ -99,6 +100,7 @@ def solve(
         a result beyond its proof is left out where there is no time for it
     alternatives : also say what systems of other makers lack
     ranges : also say up to where the system stays the best as each binding requirement becomes stricter
+    every_price : also say what requirements cost that do not bind, and what would be best without each
     accuracy : estimate the numerical error of every figure, in `result.accuracy`
     tolerance : largest error of a figure, a share: integrals are taken as coarsely as it allows
     quick : leave out how firm the answer is, and second opinions
@@ -141,7 +143,9 @@ def solve(
         assert result.recommendation is not None
         yielded = gain_warnings(wanted, sought, result.recommendation)
         result = replace(result, warnings=[*result.warnings, *yielded])
-        if ranges and central.outcome.complete and not interrupted(result):
+        if every_price and central.outcome.complete and not interrupted(result):
+            result = priced(result, central, goal, timing, deadline, progress, since_s)
+        elif ranges and central.outcome.complete and not interrupted(result):
             result = with_ranges(result, central, timing, deadline, progress)
         if measured is None and accuracy and not interrupted(result):
             try:
@@ -289,6 +293,25 @@ def with_ranges(
         return replace(made, prices=prices)
     except KeyboardInterrupt:  # what is proven is not lost
         return replace(made, warnings=[*made.warnings, *cut_warnings()])
+
+
+def priced(
+    made: Result, sought: Sought, goal: Objective, timing: dict[str, float], deadline: Deadline,
+    progress: Progress | None, since_s: float,
+) -> Result:  # fmt: skip
+    """A result with what every requirement costs, in time; `since_s`: of the processor, when it was asked."""
+    from uwopt.api.pricing import every_price
+
+    left_s = max(EXPLAIN_S - (time.process_time() - since_s), LEAST_EXPLAIN_S)
+    patience = deadline if math.isfinite(deadline.end_s) else Deadline.after(left_s, time.process_time)
+    cut: list[Note] = []
+    with timed(timing, "prices", progress):
+        prices, complete = every_price(made, sought, goal, patience, progress)
+    if not complete:  # what is proven is not lost
+        cut = cut_warnings()
+    if patience is not deadline:
+        cut += patience_warnings(patience, left_s)
+    return replace(made, prices=prices, warnings=[*made.warnings, *cut])
 
 
 def status_of(*, proven: bool, exact: bool) -> str:

@@ -23,7 +23,8 @@ def explain_command(
 ) -> int:
     """Say why nothing fits and what would help: how far each requirement, speed, height or water must move.
 
-    Where something fits, say what each binding requirement costs, and where another system takes over.
+    Where something fits, say what each requirement costs: a step more of it, up to where it costs nothing, what would
+    be best without it, and where another system takes over.
     """
     from uwopt.report.text.console import ProgressBar, print_blocks, print_text
     from uwopt.report.text.explanation import explanation_blocks
@@ -36,7 +37,7 @@ def explain_command(
 
         result = solve(
             mission, physics=physics and physics.value, confidence="central", seconds=limit_s, quick=True,
-            ranges=True, progress=bar.report,
+            every_price=True, progress=bar.report,
         )  # fmt: skip
     if as_json:
         print_text(json_text(result, getattr(sys.stdout, "encoding", None) or "utf-8"))

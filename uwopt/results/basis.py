@@ -159,6 +159,12 @@ class Price(Record):
     slope_casadi: Number | None = Field(default=None, description="the same by the multiplier of CasADi's program")
     until: Number | None = Field(default=None, description="value up to which the system stays the best, if searched")
     then: str = Field(default="", description="the system that takes over there; empty: nothing fits")
+    free_until: Number | None = Field(
+        default=None, description="value up to which it costs nothing, as the system reaches it so; null: it binds"
+    )
+    without: Number | None = Field(
+        default=None, description="objective of the best system where it is not asked for, if searched"
+    )
 
 
 @dataclass(frozen=True, config=RECORD)

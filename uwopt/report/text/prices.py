@@ -60,10 +60,24 @@ def price_text(result: Result, price: Price) -> str:
     if price.slope_casadi is not None and price.slope is not None:
         ours, theirs = (words.objective_text(result, value, 3) for value in (price.slope, price.slope_casadi))
         said += f"; at the limit {ours} per dB by difference, {theirs} by CasADi's multiplier"
+    if price.free_until is not None:
+        free = f"up to {format_quantity(price.free_until, unit)}"
+        said += f", {free}" if said.endswith(f": {NOTHING}") else f"; {free} {NOTHING}"
+    if price.without is not None:
+        said += f"; {without_words(result, price)}"
     if price.until is not None:
         then = f"another system: {formats.one_line(price.then, 300)}" if price.then else "nothing fits"
         said += f"; beyond {format_quantity(price.until, unit)} {then}"
     return said
+
+
+def without_words(result: Result, price: Price) -> str:
+    """What would be best where it is not asked for."""
+    assert price.without is not None
+    now = result.objective.value
+    if now is None or abs(price.without - now) <= NOTHING_CHANGES * abs(now):
+        return "nothing would be better without it"
+    return f"without it {words.objective_text(result, price.without, 3)} in all"
 
 
 def price_unit(result: Result, price: Price) -> str:

@@ -6,7 +6,7 @@ Veils, pixels and other integrals over the image are worked out for those that m
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -36,7 +36,25 @@ from uwopt.tolerances import ROUND, SLACK
 
 Array = NDArray[Any]
 MOST_ROWS_AT_ONCE = 60_000
+ENOUGH_ASKED, MOST_REFUSED = 24, 0.9  # designs, and the share of them, that say which rules to ask first
 ROUGH_GAP = 1e-2  # of bounds over settings that are searched cell by cell
+
+
+@dataclass
+class Refusals:
+    """How many designs came to the rules which no setting can mend, and how many these refused."""
+
+    asked: int = 0
+    refused: int = 0
+
+    def count(self, kept: Array) -> None:
+        """Some more designs, and which of them were kept."""
+        self.asked, self.refused = self.asked + len(kept), self.refused + int((~kept).sum())
+
+    @property
+    def are_most(self) -> bool:
+        """Whether nearly all that came as far were refused: then these rules are the first to be asked."""
+        return self.asked >= ENOUGH_ASKED and self.refused >= MOST_REFUSED * self.asked
 
 
 class Evaluation:
@@ -55,6 +73,7 @@ class Evaluation:
         self.limits = problem.mission.limits
         self.open_gap_bound = np.inf  # below which no settings get, where they are not optimal to rounding
         self._waiting: list[Waiting] = []
+        self.refusals = Refusals()
         self._patient = False  # designs wait while others have lower bounds
 
     # ------------------------------------------------------------ candidates
@@ -98,6 +117,12 @@ class Evaluation:
         for k in keys[np.argsort(first)]:
             rows = imager[lighting_index == k]
             lighting, table = self.tables.lightings[k], self.bounds.light_tables[k]
+            if self.refusals.are_most:
+                kept = self._may_keep_rules(rows, lighting, table)
+                self.account.evaluated += int((~kept).sum()) * len(table.light)
+                rows = rows[kept]
+                if len(rows) == 0:
+                    continue
             lights = [
                 self.tables.exact(s, lighting, rows, veils="none", deadline=self.deadline)
                 for s in range(len(self.problem.scenes))
@@ -152,8 +177,9 @@ class Evaluation:
         if not veiled and not any(self.design_rows.asks_of_image(index) for index in range(len(lights))):
             self._rank(pairs, [light.take(pairs.node) for light in lights], lighting)
             return
-        if any(self.bounds.is_sunlit(index) for index in range(len(lights))):  # bounds of settings cost more than rules
-            pairs = pairs.take(np.nonzero(self.design_rows.keep_rules(pairs, lighting))[0])
+        sunlit = any(self.bounds.is_sunlit(index) for index in range(len(lights)))
+        if sunlit or self.refusals.are_most:  # bounds of settings cost more than rules
+            pairs = self._keeping_rules(pairs, lighting)
             if len(pairs.node) == 0:
                 return
         found, bound = 0, np.full(len(pairs.node), -np.inf)
@@ -177,6 +203,29 @@ class Evaluation:
             solved = self._solve_best_first(pairs, bound, lights, lighting)
         self.account.evaluated -= found - solved
         self.account.charge("bound", found - solved)
+
+    def _may_keep_rules(self, imager: Array, lighting: Lighting, table: LampChoices) -> Array:
+        """Whether some number of the lamps keeps the rules which no setting can mend, by imager."""
+        light, count = table.light, table.count
+        unlit = [self.problem.unlit(int(one)) for one in light]
+        kept = np.full(len(imager), any(unlit))
+        if kept.all() or len(light) == 0:
+            return kept
+        _, first = np.unique(count, return_index=True)
+        for item in first:
+            mine = np.nonzero(~kept)[0]
+            one, free = np.arange(len(mine)), np.zeros(len(mine))
+            some = NodeDesigns(
+                imager[mine], one, np.full(len(mine), light[item]), np.full(len(mine), count[item]), free, free
+            )
+            kept[mine] = self.design_rows.keep_rules(some, lighting)
+        return kept
+
+    def _keeping_rules(self, pairs: NodeDesigns, lighting: Lighting) -> NodeDesigns:
+        """Those designs that keep the rules which no setting can mend."""
+        kept = self.design_rows.keep_rules(pairs, lighting)
+        self.refusals.count(kept)
+        return pairs.take(np.nonzero(kept)[0])
 
     def _beaten(self, pairs: NodeDesigns, bound: Array) -> Array:
         """Which of these designs, by lower bounds of their objective, get no place among the best."""
@@ -224,7 +273,7 @@ class Evaluation:
             nodes, order = order[:batch], order[batch:]
             some = pairs.take(np.flatnonzero(left & np.isin(pairs.node, nodes)))
             solved += len(some.node)
-            some = some.take(np.nonzero(self.design_rows.keep_rules(some, lighting))[0])
+            some = self._keeping_rules(some, lighting)
             if len(some.node):
                 nodes, place = distinct(some.node)
                 full = self._with_veils(
@@ -245,7 +294,7 @@ class Evaluation:
             nodes, group = first.taken(most)
             some = first.pairs.take(np.isin(first.pairs.node, nodes) & (first.bound <= self.ranking.threshold()))
             n_solved = len(some.node)
-            some = some.take(np.nonzero(self.design_rows.keep_rules(some, first.lighting))[0])
+            some = self._keeping_rules(some, first.lighting)
             if n_solved and len(some.node):
                 used, place = distinct(some.node)
                 lights = [light.take(used) for light in first.lights]

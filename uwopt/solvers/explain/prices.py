@@ -10,35 +10,46 @@ keys, which are no constraints of that program of their own, the slope is that d
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from uwopt.deadline import Deadline
 from uwopt.errors import MissionError
 from uwopt.mission.mission import Mission
+from uwopt.mission.reserves import asked_when_held
 from uwopt.mission.varying import Varied, VariedMission, rounded
 from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Price
 from uwopt.results.design import Design
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
+from uwopt.solvers.explain.least_change import rounded_away
 from uwopt.solvers.explain.one_hardware import problem_of
+from uwopt.solvers.explain.reached import reached_value
 from uwopt.solvers.explain.weakened import RELAXABLE, asked_value, is_from_above
 from uwopt.solvers.recommend import Sought, same_scenes
 from uwopt.units import split_unit
 
 STEP_SHARE = 0.1  # of what is asked; of decibels one
 SMALL = 1e-2  # of a step, for the slope
+HALVINGS = 6  # of the way to where a requirement may cost nothing
+SAME_REL = 2e-4  # of the objective: twice what settings are searched to
+NO_STEP = ("depth_rating_m", "mean_level", "lens_stop_down")  # a rating of parts, a middle, a count
 SNR = "min_snr_db"
 SNR_RULE = "min_snr["  # how CasADi's rules of SNR begin
 
 
-def priced_keys(mission: Mission, winner: Design) -> Iterator[tuple[Varied, float, float]]:
-    """What binds of requirements and image interval, and the speed: key, what is asked, a step that asks for more."""
-    binding = {margin.requirement for scene in winner.scenes for margin in scene.margins if margin.binding}
-    for name, (section, key, _) in RELAXABLE.items():
-        asked = asked_value(mission, section, key) if key in binding else None
-        if asked and key not in ("depth_rating_m", "mean_level"):
+def priced_keys(mission: Mission, winner: Design, *, every: bool = False) -> Iterator[tuple[Varied, float, float]]:
+    """What binds of requirements and image interval, and the speed: key, what is asked, a step that asks for more.
+
+    `every`: also requirements that do not bind, after those that do.
+    """
+    binding = binding_keys(winner)
+    rest = [name for name, (_, key, _) in RELAXABLE.items() if every and key not in binding]
+    for name in [*(name for name, (_, key, _) in RELAXABLE.items() if key in binding), *rest]:
+        section, key, _ = RELAXABLE[name]
+        asked = asked_value(mission, section, key)
+        if asked and key not in NO_STEP:
             step = step_of(key, asked)
             yield Varied(key, section, key, (asked,)), asked, -step if is_from_above(name) else step
     intervals = {view.asked.frame_interval_s for view in mission.views}
@@ -48,6 +59,25 @@ def priced_keys(mission: Mission, winner: Design) -> Iterator[tuple[Varied, floa
     speeds = {view.vehicle.speed_m_s for view in mission.views}
     if len(speeds) == 1 and (speed := speeds.pop()) > 0.0:
         yield Varied("speed_m_s", "vehicle", "speed_m_s", (speed,)), speed, step_of("speed_m_s", speed)
+
+
+def binding_keys(winner: Design) -> set[str]:
+    """Requirements that a design just meets."""
+    return {margin.requirement for scene in winner.scenes for margin in scene.margins if margin.binding}
+
+
+def free_until(mission: Mission, winner: Design, key: str, asked: float, step: float) -> float | None:
+    """The value of a requirement that a design reaches as it is, to three digits; None where it binds, or is no figure.
+
+    What asks for more allows no more systems, and up to there it allows the best of those that are allowed now: so that
+    system stays the best, at what it costs now.
+    """
+    reached = None if key in binding_keys(winner) else reached_value(winner, key)
+    if reached is None:
+        return None
+    held = asked_when_held(mission.reserve, key, reached)
+    value = rounded_away(held, math.inf if held > asked else -math.inf)  # no further than it reaches
+    return value if (value - asked) * step > 0.0 else None
 
 
 def step_of(key: str, asked: float) -> float:
@@ -60,25 +90,58 @@ def step_of(key: str, asked: float) -> float:
 
 
 def prices(
-    sought: Sought, goal: Objective, winner: Design, opinions: Sequence[Mapping[str, Any]], deadline: Deadline
-) -> list[Price]:
-    """What a step more of each binding requirement costs with this system, as far as there is time."""
+    sought: Sought, goal: Objective, winner: Design, opinions: Sequence[Mapping[str, Any]], deadline: Deadline, *,
+    every: bool = False,
+) -> list[Price]:  # fmt: skip
+    """What a step more of each binding requirement costs with this system, as far as there is time.
+
+    `every`: of all requirements, and up to where those that do not bind cost nothing.
+    """
     mission, found = sought.problem.mission, sought.outcome.best[0]
     base, made, solved = VariedMission(mission, {}), [], list[tuple[Mission, float | None]]()
-    for key, asked, step in priced_keys(mission, winner):
+    for key, asked, step in priced_keys(mission, winner, every=every):
         deadline.check()
 
         def at(more: float, key: Varied = key, asked: float = asked) -> float | None:
             return reached(sought, found, base, goal, key, rounded(asked + more), solved)
 
-        here, there = at(0.0), at(step)
+        here = at(0.0)
         if here is None:
             continue
-        slope = slope_at(at, SMALL * abs(step))
+        reach = free_until(mission, winner, key.key, asked, step) if every else None
+        free = None if reach is None else free_by(lambda value, here=here, at=at, asked=asked: costs_nothing(
+            here, at(value - asked)), asked, reach)  # fmt: skip
+        unit = split_unit(key.name)[1]
+        if free is not None and abs(free - asked) >= abs(step):
+            made.append(Price(key.name, unit, asked, step, 0.0, 0.0, free_until=free))
+            continue
+        there = at(step)
+        slope = 0.0 if free is not None else slope_at(at, SMALL * abs(step))
         told = snr_slope(opinions, goal) if key.name == SNR else None
-        change = None if there is None else there - here
-        made.append(Price(key.name, split_unit(key.name)[1], asked, step, change, slope, told))
+        change = None if there is None else 0.0 if costs_nothing(here, there) else there - here
+        made.append(Price(key.name, unit, asked, step, change, slope, told, free_until=free))
     return made
+
+
+def free_by(is_free: Callable[[float], bool], asked: float, reach: float) -> float | None:
+    """The value farthest from what is asked, up to a reach, that is known to cost nothing; None where none is.
+
+    A key may count for more than the limit of its figure: depth of field also says where it has to lie.
+    """
+    if is_free(reach):
+        return reach
+    near, far = asked, reach
+    for _ in range(HALVINGS):
+        middle = rounded_away(0.5 * (near + far), math.inf if reach > asked else -math.inf)
+        if not min(near, far) < middle < max(near, far):
+            break
+        near, far = (middle, far) if is_free(middle) else (near, middle)
+    return None if near == asked else near
+
+
+def costs_nothing(here: float, there: float | None) -> bool:
+    """Whether an objective is the same in two missions, to what settings are searched to."""
+    return there is not None and abs(there - here) <= SAME_REL * max(abs(here), abs(there))
 
 
 def reached(

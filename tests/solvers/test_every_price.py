@@ -1,0 +1,100 @@
+"""What `explain` says of every requirement where something fits: held against solving the mission anew with another."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import uwopt
+from uwopt.api.pricing import every_price
+from uwopt.api.searching import searched
+from uwopt.deadline import NEVER
+from uwopt.forward.assembly import load_catalog
+from uwopt.mission.mission import Mission, load_mission
+from uwopt.model.fineness import DEFAULT
+from uwopt.objectives.goal import goal_of
+from uwopt.report.text.prices import price_text
+from uwopt.results.basis import Price
+from uwopt.results.result import Result
+
+PROBLEMS = Path(__file__).parents[2] / "problems"
+FEW = {
+    "cameras": ["avt-alvium-1800-c-040m", "avt-alvium-1800-c-234m"], "generic": "never",
+    "lenses": ["computar-m1214-mp2", "thorlabs-mvl16m1"], "lights": ["arctic-rays-dragonfish-mini-strobe-65deg*"],
+    "ports": ["blue-robotics-4-in-acrylic-end-cap-2026", "blue-robotics-4-in-dome-plastic-ring-2026"],
+}  # fmt: skip
+LOOSE = {"cost", "power_w"}  # limits that keep nothing better out
+
+
+@pytest.fixture(scope="module")
+def reef() -> Mission:
+    """The reef with few parts and one altitude, and pixels small enough to keep the better camera out."""
+    base = load_mission(PROBLEMS / "reef-mosaic.yaml").to_dict()
+    vehicle = base["vehicle"] | {"altitude_tolerance_m": 0.0}
+    return load_mission(base | {"catalog": base["catalog"] | FEW, "vehicle": vehicle})
+
+
+@pytest.fixture(scope="module")
+def solved(reef: Mission) -> Result:
+    """The reef with the prices of all that is asked, however long that takes."""
+    result, goal = uwopt.solve(reef, confidence="central", quick=True), goal_of(reef)
+    sought, _ = searched(reef, load_catalog(reef), goal, 5, NEVER, None, {}, DEFAULT)
+    prices, complete = every_price(result, sought, goal, NEVER)
+    assert complete
+    return replace(result, prices=prices)
+
+
+@pytest.fixture(scope="module")
+def told(solved: Result) -> dict[str, Price]:
+    """What everything costs, by key."""
+    return {price.name: price for price in solved.prices}
+
+
+def optimum(mission: Mission) -> float | None:
+    """Least power; None where nothing fits."""
+    return uwopt.solve(mission, confidence="central", quick=True, explain=False).objective.value
+
+
+def asking(reef: Mission, key: str, value: float | None) -> Mission:
+    """The reef with one other requirement or limit, or without it."""
+    section = "limits" if key in LOOSE else "requirements"
+    return reef.with_changes(**{section: reef.to_dict()[section] | {key: value}})
+
+
+def test_every_requirement_has_a_price(told):
+    asked = {"min_snr_db", "overlap", "max_gsd_mm", "min_dof_m", "max_blur_px", "cost", "power_w", "speed_m_s"}
+    assert set(told) == asked
+    assert told["min_snr_db"].free_until is None  # it binds
+
+
+@pytest.mark.parametrize("key", ["max_blur_px", "max_gsd_mm", "min_dof_m", "power_w"])
+def test_up_to_where_it_is_said_to_cost_nothing_it_costs_nothing(reef, solved, told, key):
+    free = told[key].free_until
+    assert free is not None and (free - told[key].asked) * told[key].step > 0.0
+    assert optimum(asking(reef, key, free)) == pytest.approx(solved.objective.value, rel=2e-4)
+
+
+@pytest.mark.parametrize("key", ["min_snr_db", "overlap", "max_gsd_mm", "max_blur_px"])
+def test_what_is_told_to_do_without_a_requirement_is_the_optimum_without_it(reef, solved, told, key):
+    left = 0.0 if key == "min_snr_db" else None  # so much that something is seen
+    value = optimum(asking(reef, key, left))
+    assert told[key].without == pytest.approx(value, rel=2e-4)
+    assert (value < 0.9 * solved.objective.value) == (key in ("min_snr_db", "overlap"))
+
+
+def test_a_figure_that_the_system_barely_reaches_is_told_on_the_side_that_it_reaches(reef, solved, told):
+    """0.862734 mm are reached: 0.863 mm may be asked for at no cost, 0.862 mm may not."""
+    reached = next(m.value for m in solved.recommendation.scenes[0].margins if m.requirement == "max_gsd_mm")
+    assert reached <= told["max_gsd_mm"].free_until < reached * 1.01
+
+
+def test_sentences_tell_what_is_free_and_what_would_be_best_without(solved):
+    free = Price("max_blur_px", "px", 1.0, -0.1, 0.0, 0.0, free_until=0.226, without=solved.objective.value)
+    assert price_text(solved, free) == (
+        "0.100 px less motion blur (max_blur_px, now 1.00 px): nothing, up to 0.226 px; nothing would be better "
+        "without it"
+    )
+    dear = Price("min_snr_db", "db", 30.0, 1.0, 0.4, 0.4, without=1.38)
+    assert price_text(solved, dear).endswith("+0.400 W; without it 1.38 W in all")
