@@ -8,6 +8,16 @@ SUNLIT = "tests/report/test_sunlit_pictures.py::"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="the high end of a price is rounded down",
+        file="uwopt/units.py",
+        old="_in_digits(-_down(-high, exponent), exponent)",
+        new="_in_digits(round(high, -exponent), exponent)",
+        test=(
+            "tests/test_units.py::test_no_end_of_a_price_is_understated",
+            "tests/test_units.py::test_a_price_has_no_digits_that_nobody_knows[2930.0-10494.0-2 900 to 11 000 USD]",
+        ),
+    ),
+    Defect(
         name="a line of the terminal ends within a number",
         file="uwopt/report/text/layout.py",
         old="formats.tied(self.plain, SOLID)",
@@ -436,7 +446,7 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a price that may break its limit is rounded down to it",
         file="uwopt/api/risks.py",
-        old="format_within(cost.high, max(cost.low, limit), cost.high)",
+        old="format_at_most(max(cost.low, limit), cost.high)",
         new="format_within(cost.high, cost.low, cost.high)",
         test="tests/api/test_risks.py::test_a_price_just_above_its_limit_is_told_as_such",
     ),
