@@ -376,8 +376,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="the width of the view is its height",
         file="uwopt/evaluation/figures_by_name.py",
-        old='"fov_x_m": across if landscape else along',
-        new='"fov_x_m": along if landscape else across',
+        old="return (across, along) if landscape else (along, across)",
+        new="return (along, across) if landscape else (across, along)",
         test="tests/evaluation/test_design_model.py::test_view_keeps_its_width_and_the_swath_lies_across_the_track",
     ),
     Defect(
