@@ -171,9 +171,9 @@ def texts_apart(
     known = sorted({value for value in values if value is not None and math.isfinite(value)})
     differ = [b - a > SATISFIED_REL * max(abs(a), abs(b)) for a, b in itertools.pairwise(known)]
     for more in range(digits, MOST_DIGITS + 1):
-        seen = [text(value, more) for value in known]
-        if not any(apart and a == b for apart, (a, b) in zip(differ, itertools.pairwise(seen), strict=True)):
-            return tuple(text(value, more) for value in values)
+        seen = {value: text(value, more) for value in known}
+        if not any(apart and a == b for apart, (a, b) in zip(differ, itertools.pairwise(seen.values()), strict=True)):
+            return tuple(seen.get(value) or text(value, more) for value in values)  # type: ignore[arg-type]
     return tuple(text(value, MOST_DIGITS) for value in values)
 
 
