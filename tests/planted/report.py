@@ -25,6 +25,13 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/report/test_console.py::test_no_line_of_the_terminal_ends_within_an_amount_of_money",
     ),
     Defect(
+        name="detail that falls is blurred as the finest that rises",
+        file="uwopt/report/pictures/photograph.py",
+        old="np.minimum(turns, rows - turns)",
+        new="np.minimum(turns, rows // 2)",
+        test="tests/report/test_picture.py::test_bars_keep_the_modulation_that_the_transfer_function_says",
+    ),
+    Defect(
         name="a simulated photograph is as wide as at infinity",
         file="uwopt/report/pictures/photograph.py",
         old="field_of_view_m(view, design.model.hardware.landscape)[0] * 1e3 / width",
