@@ -171,13 +171,16 @@ def texts_apart(
     known = sorted({value for value in values if value is not None and math.isfinite(value)})
     differ = [b - a > SATISFIED_REL * max(abs(a), abs(b)) for a, b in itertools.pairwise(known)]
     for more in range(digits, MOST_DIGITS + 1):
-        seen = [text(value, more) for value in known]
-        if not any(apart and a == b for apart, (a, b) in zip(differ, itertools.pairwise(seen), strict=True)):
-            return tuple(text(value, more) for value in values)
+        seen = {value: text(value, more) for value in known}
+        if not any(apart and a == b for apart, (a, b) in zip(differ, itertools.pairwise(seen.values()), strict=True)):
+            return tuple(seen.get(value) or text(value, more) for value in values)  # type: ignore[arg-type]
     return tuple(text(value, MOST_DIGITS) for value in values)
 
 
 # ---------------------------------------------------------------- money
+
+ROUNDING_REL = 1e-6  # of the last digit told: no more is to round an amount up or down
+CENTS = -2  # power of ten of the last digit that is ever told
 
 
 def format_money(value: float | None, currency: str = "") -> str:
@@ -189,11 +192,35 @@ def format_money(value: float | None, currency: str = "") -> str:
 
 
 def format_price(low: float, high: float, currency: str = "") -> str:
-    """A price without digits that nobody knows: `5 000 to 19 000 USD`; one amount, in full, where it is known."""
+    """A price without digits that nobody knows: `5 000 to 20 000 USD`; one amount, in full, where it is known.
+
+    Its ends are rounded outward: what counts against a budget is never more than what is told.
+    """
     if format_money(low) == format_money(high):
         return format_money(high, currency)
-    ends = " to ".join(format_within(end, low, high) for end in (low, high))
-    return f"{ends} {currency}".strip()
+    exponent = _exponent_within(low, low, high)
+    if exponent is None:
+        return f"{format_money(low)} to {format_money(high)} {currency}".strip()
+    if low - _down(low, exponent) > low / 8:
+        exponent = max(exponent - 1, CENTS)
+    return f"{_in_digits(_down(low, exponent), exponent)} to {format_at_most(low, high, currency)}"
+
+
+def format_at_most(low: float, high: float, currency: str = "") -> str:
+    """The high end of a price with the digits that its range leaves it, rounded up."""
+    exponent = _exponent_within(high, low, high)
+    if exponent is None:
+        return format_money(high, currency)
+    return f"{_in_digits(-_down(-high, exponent), exponent)} {currency}".strip()
+
+
+def _down(value: float, exponent: int) -> float:
+    """Rounded down at a power of ten, but for what sums of floats leave."""
+    return math.floor(value / 10.0**exponent + ROUNDING_REL) * 10.0**exponent
+
+
+def _in_digits(value: float, exponent: int) -> str:
+    return f"{value:,.{max(0, -exponent)}f}".replace(",", " ")
 
 
 def format_within(value: float, low: float, high: float, currency: str = "") -> str:
@@ -205,7 +232,7 @@ def format_within(value: float, low: float, high: float, currency: str = "") -> 
     exponent = _exponent_within(value, low, high)
     if exponent is None:
         return format_money(value, currency)
-    return f"{round(value, -exponent):,.{max(0, -exponent)}f} {currency}".replace(",", " ").strip()
+    return f"{_in_digits(round(value, -exponent), exponent)} {currency}".strip()
 
 
 def round_within(value: float, low: float, high: float) -> float:
@@ -219,7 +246,7 @@ def _exponent_within(value: float, low: float, high: float) -> int | None:
     if not (0 <= low <= value <= high and 0 < high - low < math.inf):
         return None
     exponent = min(_magnitude(high) - 1, _magnitude(high - low), *([_magnitude(value / 4)] if value > 0 else []))
-    return max(exponent, -2)
+    return max(exponent, CENTS)
 
 
 def _magnitude(value: float) -> int:

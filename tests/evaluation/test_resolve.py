@@ -12,8 +12,13 @@ from scipy.special import itj0y0, j1
 import uwopt
 from uwopt.catalog.curves.spectra import water_profile
 from uwopt.errors import MissionError
+from uwopt.evaluation.design import evaluate_design, evaluate_designs
+from uwopt.forward.assembly import system_problem
+from uwopt.forward.designs import SceneSettings
 from uwopt.mission.mission import load_mission
+from uwopt.mission.system import load_system
 from uwopt.model.phase_formulas import fournier_forand_for_backscatter, fournier_forand_per_sr
+from uwopt.objectives.objective import Objective
 
 MISSION: dict[str, Any] = {
     "practice": "bare", "physics": "full",
@@ -64,6 +69,22 @@ def test_narrowest_bars_have_a_tenth_of_the_contrast_by_the_closed_forms() -> No
     assert left * 0.5 ** ((2.0 * nu) ** 2 * pitch2_px) == pytest.approx(0.1, rel=5e-3)
     margin = {m.requirement: m for m in scene.margins}["resolve_mm"]
     assert (margin.value, margin.limit, margin.unit) == (pytest.approx(found["resolve_mm"]), 20.0, "mm")
+
+
+def test_designs_evaluated_together_are_as_each_alone() -> None:
+    mission = load_mission({**MISSION, "requirements": {"overlap": 0.3, "resolve_mm": 20.0}})
+    many, goal = [], Objective({"power": 1.0})
+    for systems in ({}, {"orientation": "portrait"}):
+        problem, hardware = system_problem(mission, load_system(SYSTEM | systems))
+        settings = [(2.8, 1.0, 0.5), (5.6, 3.0, 0.5), (2.8, 2.0, 0.4)]  # two at one focus
+        many += [
+            (hardware, [SceneSettings(f_number=n, exposure_s=1e-3 * ms, gain=1.0, dioptre_per_m=dioptre)])
+            for n, ms, dioptre in settings
+        ]
+    together = evaluate_designs(problem, many, goal)
+    assert len({one.scenes[0].figures["resolve_mm"] for one in together}) == 6
+    for one, (hardware, given) in zip(together, many, strict=True):
+        assert one == evaluate_design(problem, hardware, given, goal)
 
 
 def test_bars_arrive_at_the_darkest_pixel_through_the_veil_that_is_there(tmp_path: Path) -> None:

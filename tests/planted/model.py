@@ -573,9 +573,16 @@ DEFECTS = (
         ),
     ),
     Defect(
+        name="all settings of one hardware resolve what the first does",
+        file="uwopt/evaluation/resolved.py",
+        old="mtf50[n : n + 1], cycle_m[n : n + 1], bars_m[n : n + 1]",
+        new="mtf50[:1], cycle_m[:1], bars_m[:1]",
+        test="tests/evaluation/test_resolve.py::test_designs_evaluated_together_are_as_each_alone",
+    ),
+    Defect(
         name="bars that arrive are those of clear water",
-        file="uwopt/evaluation/figures_by_name.py",
-        old="contrast=contrast, ground",
+        file="uwopt/evaluation/resolved.py",
+        old="contrast=np.concatenate(contrast), ground",
         new="contrast=1.0, ground",
         test="tests/evaluation/test_resolve.py"
         "::test_narrowest_bars_have_a_tenth_of_the_contrast_by_the_closed_forms",

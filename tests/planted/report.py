@@ -8,11 +8,28 @@ SUNLIT = "tests/report/test_sunlit_pictures.py::"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="the high end of a price is rounded down",
+        file="uwopt/units.py",
+        old="_in_digits(-_down(-high, exponent), exponent)",
+        new="_in_digits(round(high, -exponent), exponent)",
+        test=(
+            "tests/test_units.py::test_no_end_of_a_price_is_understated",
+            "tests/test_units.py::test_a_price_has_no_digits_that_nobody_knows[2930.0-10494.0-2 900 to 11 000 USD]",
+        ),
+    ),
+    Defect(
         name="a line of the terminal ends within a number",
         file="uwopt/report/text/layout.py",
         old="formats.tied(self.plain, SOLID)",
         new="formats.tied(self.plain)",
         test="tests/report/test_console.py::test_no_line_of_the_terminal_ends_within_an_amount_of_money",
+    ),
+    Defect(
+        name="detail that falls is blurred as the finest that rises",
+        file="uwopt/report/pictures/photograph.py",
+        old="np.minimum(turns, rows - turns)",
+        new="np.minimum(turns, rows // 2)",
+        test="tests/report/test_picture.py::test_bars_keep_the_modulation_that_the_transfer_function_says",
     ),
     Defect(
         name="a simulated photograph is as wide as at infinity",
@@ -371,8 +388,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="the width of the view is its height",
         file="uwopt/evaluation/figures_by_name.py",
-        old='"fov_x_m": across if landscape else along',
-        new='"fov_x_m": along if landscape else across',
+        old="return (across, along) if landscape else (along, across)",
+        new="return (along, across) if landscape else (across, along)",
         test="tests/evaluation/test_design_model.py::test_view_keeps_its_width_and_the_swath_lies_across_the_track",
     ),
     Defect(
@@ -441,7 +458,7 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a price that may break its limit is rounded down to it",
         file="uwopt/api/risks.py",
-        old="format_within(cost.high, max(cost.low, limit), cost.high)",
+        old="format_at_most(max(cost.low, limit), cost.high)",
         new="format_within(cost.high, cost.low, cost.high)",
         test="tests/api/test_risks.py::test_a_price_just_above_its_limit_is_told_as_such",
     ),

@@ -17,11 +17,11 @@ from uwopt.results.result import Result
 from uwopt.tolerances import SATISFIED_REL
 from uwopt.units import (
     db_to_ratio,
+    format_at_most,
     format_difference,
     format_money,
     format_price,
     format_quantity,
-    format_within,
     split_unit,
     texts_apart,
 )
@@ -260,7 +260,7 @@ def price(result: Result, design: Design) -> Weighed:
     share = cost.estimated / cost.value if cost.value else 0.0
     because = f"{100 * share:.0f} % of the price is estimated"
     if limit is not None and cost.value <= limit < cost.high:
-        end = format_within(cost.high, max(cost.low, limit), cost.high)  # never rounded down to the limit
+        end = format_at_most(max(cost.low, limit), cost.high)  # with the digits that tell it from the limit
         figure = f"up to {end} against {format_money(limit, cost.currency)}"
         yield 58.0, Risk("it may cost more than allowed", because, figure)
     elif share > MUCH_ESTIMATED:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -28,6 +28,7 @@ from uwopt.api.solving import proven_in_full
 from uwopt.api.timing import timed
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import Deadline
+from uwopt.evaluation.design import evaluate_designs
 from uwopt.evaluation.influences import influences_of
 from uwopt.forward.assembly import Generic, build_problem, load_catalog, selected
 from uwopt.forward.problem import Problem
@@ -45,13 +46,14 @@ from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain.robustness import assumptions
 from uwopt.solvers.front.designs import few, found_of, objectives_of, picks_of, values_of
 from uwopt.solvers.front.search import FrontSearch
-from uwopt.solvers.recommend import evaluated, hardware_of, part_warnings, with_rounded
+from uwopt.solvers.recommend import hardware_of, part_warnings, with_rounded
 from uwopt.solvers.settable.rounding import given_of
 
 Array = NDArray[Any]
 Progress = Callable[[float, str], None]
 EXACT_S = 120.0  # for the exact front, unless the call says otherwise
 PEER_S, PEER_ALONE_S = 2.0, 30.0  # for a population solver: a look beside the exact front, or the search itself
+AT_A_TIME = 50  # points evaluated together, between two looks at the progress
 FIGURES_SHARE, FIGURES_S = 0.3, 8.0  # of a time that is set, and at most [s]: for the figures of a front's points
 
 
@@ -283,10 +285,9 @@ class ParetoCall:
         signs = np.array([-1.0 if o.direction == "maximise" else 1.0 for o in objectives])
         curves: dict[Any, str] = {}
         points = []
-        for n, found in enumerate(founds):
+        for n, (found, design) in enumerate(zip(founds, self.evaluated(sought.problem, founds), strict=True)):
             self.progress(0.9 + 0.1 * n / len(founds), "figures of the front")
             hardware = hardware_of(found)
-            design = self.evaluated(sought.problem, found)
             claimed = {o.name: float(v) for o, v in zip(objectives, values[n] * signs, strict=True)}
             reported = {**claimed, **values_of(design, objectives)}
             check_claim(claimed, reported, design)
@@ -295,11 +296,17 @@ class ParetoCall:
         return points
 
     @staticmethod
-    def evaluated(problem: Problem, found: Found) -> Design:
-        """One design's figures and margins."""
-        design = evaluated(problem, found, Objective({"power": 1.0}))
-        notes = [*part_warnings(problem, hardware_of(found)), *design.warnings]
-        return replace(design, objective_value=None, warnings=notes)
+    def evaluated(problem: Problem, founds: Sequence[Found]) -> Iterator[Design]:
+        """Figures and margins of designs, some at a time."""
+        for start in range(0, len(founds), AT_A_TIME):
+            asked = [
+                (hardware := hardware_of(found), given_of(problem, hardware, found.settings))
+                for found in founds[start : start + AT_A_TIME]
+            ]
+            designs = evaluate_designs(problem, asked, Objective({"power": 1.0}))
+            for design, (hardware, _) in zip(designs, asked, strict=True):
+                notes = [*part_warnings(problem, hardware), *design.warnings]
+                yield replace(design, objective_value=None, warnings=notes)
 
     def rounded(self, sought: FrontSearched, point: FrontPoint, found: Found) -> FrontPoint:
         """A point with the settings that a person can set, near its own: that is the trade-off it stands for."""

@@ -23,6 +23,7 @@ from uwopt.evaluation.figures_by_name import (
     uneven_notes,
 )
 from uwopt.evaluation.pair_light import pair_notes
+from uwopt.evaluation.resolved import Measured, Resolved, resolved
 from uwopt.evaluation.tested import tested_notes
 from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.enclosures import tight_at_worst
@@ -45,15 +46,45 @@ def evaluate_design(
     *, level_tolerance_rel: float = 1e-6,
 ) -> Design:  # fmt: skip
     """Everything a result says of one design with these settings."""
+    (design,) = evaluate_designs(problem, [(hardware, given)], objective, level_tolerance_rel=level_tolerance_rel)
+    return design
+
+
+def evaluate_designs(
+    problem: Problem, many: Sequence[tuple[Hardware, list[SceneSettings]]], objective: Objective,
+    *, level_tolerance_rel: float = 1e-6,
+) -> list[Design]:  # fmt: skip
+    """The same of many designs: what settings of one hardware resolve is worked out together."""
+    found = [measured(problem, hardware, given) for hardware, given in many]
+    return [
+        told(problem, one, sharp, objective, level_tolerance_rel=level_tolerance_rel)
+        for one, sharp in zip(found, resolved(found), strict=True)
+    ]
+
+
+def measured(problem: Problem, hardware: Hardware, given: list[SceneSettings]) -> Measured:
+    """A design with the figures of each scene as columns."""
     model = design_model(problem, hardware)
     each = [model.settings(index, wanted) for index, wanted in enumerate(given)]
     model = model.at_rates([float(settings.rate_hz[0]) for settings in each])
+    figures = [
+        model.figures(index, settings, information=not problem.scenes[index].paper)
+        for index, settings in enumerate(each)
+    ]
+    return Measured(model, each, figures)
+
+
+def told(
+    problem: Problem, design: Measured, sharp: Sequence[Resolved | None], objective: Objective,
+    *, level_tolerance_rel: float,
+) -> Design:  # fmt: skip
+    """Everything a result says of a design, in plain values."""
+    model, each, hardware = design.model, design.settings, design.model.hardware
     scenes, powers, snrs, peaks, light_powers = [], [], [], [], []
     contrasts, information, by_scene, drawn = [], [], [], []
     first: SettingRows | None = None
     for index, settings in enumerate(each):
-        scene = problem.scenes[index]
-        figures = model.figures(index, settings, information=not scene.paper)
+        scene, figures = problem.scenes[index], design.figures[index]
         margins = model.margins(index, settings, figures, level_tolerance_rel=level_tolerance_rel)
         margins += [] if first is None else common_margins(model.lenses, settings, first)
         first = first or settings
@@ -73,7 +104,7 @@ def evaluate_design(
                 name=scene.name,
                 settings=plain_settings(model, settings, figures),
                 settings_to_set=None,
-                figures=plain_figures(model, index, settings, figures),
+                figures=plain_figures(model, index, settings, figures, sharp[index]),
                 margins=[plain_margin(m) for m in margins],
             )
         )

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.evaluation.design_model import DesignModel
+from uwopt.evaluation.resolved import Resolved
 from uwopt.forward.breathing import extension
 from uwopt.forward.figures import (
     Figures,
     SettingRows,
-    bars_contrast_at,
     electrons_in_image,
     figures_of,
     full_light_lm,
@@ -25,7 +25,7 @@ from uwopt.forward.lamps import LAMP_FRONT_M
 from uwopt.forward.motion import blur_time_s, required_rate_hz
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
 from uwopt.forward.scene import COLOURS, SceneOptics
-from uwopt.forward.sharpness import Field, airy_wavelength_nm, arriving
+from uwopt.forward.sharpness import airy_wavelength_nm, arriving
 from uwopt.forward.spacers import scale_distance_m
 from uwopt.forward.spectra import sees_colours
 from uwopt.forward.views import CORNER_FIELD, Views, field_dioptres_per_m, pair_of
@@ -35,7 +35,6 @@ from uwopt.model.defocus import defocus_px, dome_decentring
 from uwopt.model.footprint import floor_steps
 from uwopt.model.imaging import floor_point
 from uwopt.model.port import dome_virtual_image_distance_m
-from uwopt.model.sharpness import Sharpness
 from uwopt.results.design import Note, SceneResult
 from uwopt.tolerances import TIE
 from uwopt.units import S_PER_H, ratio_to_db, split_unit
@@ -75,7 +74,9 @@ def on_scale_m(model: DesignModel, settings: SettingRows) -> float | None:
     return float(f"{distance:.3g}") if math.isfinite(distance) and settings.dioptre_per_m[0] > 0.0 else None
 
 
-def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures: Figures) -> dict[str, Any]:
+def plain_figures(
+    model: DesignModel, index: int, settings: SettingRows, figures: Figures, sharp: Resolved | None
+) -> dict[str, Any]:
     """Figures at the nominal altitude, by the names that reports use."""
     scene, view = model.problem.scenes[index], model.view_at(index, float(settings.dioptre_per_m[0]))
     landscape, at = model.hardware.landscape, scene.nominal
@@ -137,7 +138,7 @@ def plain_figures(model: DesignModel, index: int, settings: SettingRows, figures
         **colour_figures(model, index, settings, figures),
         "contrast": None if has_no_veil(figures) else at_nominal(figures.contrast, at),
         "veil_ratio": veil_ratio(figures, at),
-        **sharpness_figures(model, index, settings, figures),
+        **sharpness_figures(model, index, settings, figures, sharp),
         "airy_diameter_um": airy_um(model, index, float(figures.working_f_number[0])),
         "power_w": float(totals["power_w"][0]),
         "light_power_w": float(figures.light_power_w[0]),
@@ -250,33 +251,17 @@ SHARPNESS = (
 
 
 def sharpness_figures(
-    model: DesignModel, index: int, settings: SettingRows, figures: Figures
+    model: DesignModel, index: int, settings: SettingRows, figures: Figures, sharp: Resolved | None
 ) -> dict[str, float | None]:
     """MTF where the mission wants the image sharp and at the corner, what colours and defocus do there.
 
     The corner is the field at 80 % of the half diagonal in all of them.
     """
     scene, problem, view = model.problem.scenes[index], model.problem, model.views[index]
-    if scene.paper:
+    if sharp is None:
         return dict.fromkeys(SHARPNESS)
     dioptre = float(settings.dioptre_per_m[0])
-    rows = model.sharp_rows(index, dioptre)
     f_number, working = settings.f_number, figures.working_f_number
-    blur_s = figures.smear_s
-
-    def seen(field: Field) -> Sharpness:
-        (group, table), *_ = rows.groups(field)
-        return rows.at(group, table, f_number=f_number, working_f_number=working, blur_s=blur_s, field=field)
-
-    at, at_corner = seen("place"), seen("corner")
-    resolution_m = sharpness.resolution_10_m(
-        at, ground_sample_along_m=view.gsd_m[:, 1], ground_sample_across_m=view.gsd_m[:, 1]
-    )
-    contrast = bars_contrast_at(model.rows[index], settings, figures)[:, scene.nominal]
-    bars_m = sharpness.smallest_bars_m(
-        at_corner, contrast=contrast, ground_sample_m=view.gsd_m[:, 1],
-        detail=rows.detail_gain_of(np.zeros(1, int), np.ones(1, int)),
-    )  # fmt: skip
     spectrum = int(problem.contractions[index].spectrum_of[int(model.lights.optics_index[0])])
     electrons = arriving(scene, problem.contractions[index], spectrum, int(model.cameras.qe_index[0]))
     corner, shape = CORNER_FIELD * np.hypot(view.tan_along, view.tan_across), model.shapes[index]
@@ -301,11 +286,11 @@ def sharpness_figures(
             pixel_pitch_m=model.cameras.pixel_pitch_m[:, None], focus_dioptre_per_m=dioptre,
         )  # fmt: skip
     return {
-        "mtf50_cyc_per_px": float(sharpness.mtf50_cyc_per_px(at)[0]),
-        "mtf_half_nyquist": float(sharpness.mtf_half_nyquist(at)[0]),
-        "mtf_half_nyquist_corner": float(sharpness.mtf_half_nyquist(at_corner)[0]),
-        "resolution_10_mm": float(resolution_m[0]) * 1e3,
-        "resolve_mm": float(bars_m[0]) * 1e3,
+        "mtf50_cyc_per_px": float(sharp.mtf50_cyc_per_px[0]),
+        "mtf_half_nyquist": float(sharpness.mtf_half_nyquist(sharp.at)[0]),
+        "mtf_half_nyquist_corner": float(sharpness.mtf_half_nyquist(sharp.at_corner)[0]),
+        "resolution_10_mm": float(sharp.resolution_10_m[0]) * 1e3,
+        "resolve_mm": float(sharp.bars_m[0]) * 1e3,
         "lateral_colour_px": colour if problem.effects.lateral_colour else None,
         "defocus_corner_px": float(disc.max()),  # even where nothing depends on it: it is told with every image
         **decentring(model, index, float(f_number[0])),

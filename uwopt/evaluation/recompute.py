@@ -19,6 +19,7 @@ from uwopt.catalog.records import Housing, Kind, Part, Port
 from uwopt.errors import UwoptError
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.evaluation.figures_by_name import illuminance, plain_figures
+from uwopt.evaluation.resolved import Measured, resolved
 from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.figures import Figures, SettingRows
 from uwopt.forward.lamps import Mount, mission_mounts
@@ -53,7 +54,9 @@ class Replay:
 
     def plain_figures(self, scene: int = 0) -> dict[str, Any]:
         """The same by the names that reports use."""
-        return plain_figures(self.model, scene, self.settings[scene], self.figures(scene))
+        every = [self.figures(index) for index in range(len(self.settings))]
+        (sharp,) = resolved([Measured(self.model, [*self.settings], every)])
+        return plain_figures(self.model, scene, self.settings[scene], every[scene], sharp[scene])
 
 
 def replay(

@@ -379,7 +379,7 @@ def image_picture(name: str, title: str, caption: str, alt: str, image: NDArray[
 
 def png_uri(image: NDArray[np.uint8], most_bytes: int = MOST_BYTES) -> str:
     """A PNG as a data address; noise does not compress, so greys are made coarser until it is small enough."""
-    plain = image[..., 0] if np.ptp(image, axis=2).max() == 0 else image
+    plain = image[..., 0] if (image == image[..., :1]).all() else image
     for step in COARSER:
         data = png_bytes(coarser(plain, step))
         if len(data) <= most_bytes:

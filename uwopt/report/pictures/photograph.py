@@ -285,7 +285,10 @@ def blur(
     samples become cycles per camera pixel by `pixels_a_sample`. `detail`: on what varies, as a factor by frequency.
     """
     rows, columns = samples.shape[:2]
-    down = np.fft.fftfreq(rows)[:, None] / pixels_a_sample
+    turns = np.arange(rows)
+    if at.spread is None:  # but for colours, detail blurs alike whichever way it leans: half of the rows tell all
+        turns = np.minimum(turns, rows - turns)
+    down = np.fft.fftfreq(rows)[: turns.max() + 1, None] / pixels_a_sample
     right = np.fft.rfftfreq(columns)[None, :] / pixels_a_sample
     along, across = (-down, right) if upward else (right, down)
     along, across = np.broadcast_arrays(along, across)
@@ -293,6 +296,7 @@ def blur(
     if detail is not None:  # what is even is in the veil
         frequency = np.hypot(along, across)
         transfer = transfer * np.where(frequency > 0.0, detail(frequency), 1.0)
+    transfer = transfer[turns]
     parts = [
         np.fft.irfft2(np.fft.rfft2(samples[..., n]) * transfer, s=(rows, columns))
         for n in range(samples.shape[2])
