@@ -18,7 +18,12 @@ from sharpness_cases import GOOD, NOTHING, PLAIN, with_colour
 from thorough import THOROUGH
 
 from uwopt.model import lateral
-from uwopt.model.information import RULE_ERROR, information_bit_per_m2, information_bit_per_px
+from uwopt.model.information import (
+    RULE_ERROR,
+    information_bit_per_m2,
+    information_bit_per_px,
+    information_of_gains,
+)
 from uwopt.model.sharpness import Sharpness, mtf50_cyc_per_px
 
 J1_NULL = float(special.jn_zeros(1, 1)[0])
@@ -141,6 +146,16 @@ def test_transfers_that_end_early_are_summed_as_sharp_ones_are(name: str) -> Non
     if THOROUGH:
         expected = adaptive_bit_per_px(sharp, snr, by_mpmath, mpmath.mp)
         assert information_bit_per_px(snr, sharpness=sharp) == pytest.approx(expected, rel=RULE_ERROR)
+
+
+@pytest.mark.parametrize("name", ["smear and disc that cut the side off", "disc that cuts corners off", "soft lens"])
+def test_several_contrasts_at_once_tell_what_each_does(name: str) -> None:
+    sharp, most = STIFF[name]
+    snrs = np.array([most / 40.0, most / 5.0, most])
+    columns = replace(sharp, **{n: np.array([getattr(sharp, n)] * 2) for n in ("defocus_px", "motion_blur_px")})
+    found = information_of_gains(0.1 * snrs, sharpness=columns)
+    truth = [adaptive_bit_per_px(sharp, snr, by_quadpack, Numbers) for snr in snrs]
+    assert found == pytest.approx(np.array([truth, truth]), rel=RULE_ERROR)
 
 
 def random_designs(n: int, most_motion_px: float) -> tuple[np.ndarray, Sharpness]:

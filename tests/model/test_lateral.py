@@ -236,3 +236,13 @@ def test_rows_of_many_spectra_have_each_its_own_transform(falling):
     assert lateral.spread_mtf(k[some], table=rows.take(some), falling=falling).tolist() == [alone[4], alone[1]]
     assert alone[2] == alone[5] == 1.0
     assert 0.0 < alone[4] < alone[0] < 1.0
+
+
+def test_a_table_that_never_rises_has_what_comes_back_from_the_start() -> None:
+    # three numbers, by hand
+    table = lateral.SpreadTable(np.array([1.0, 0.2, 0.5, 0.1]), np.array([1.0, 0.2, 0.2, 0.1]), 0.5, 1.0)
+    assert lateral.never_rising(table).magnitude.tolist() == [1.0, 0.5, 0.5, 0.1]
+
+
+def test_colour_in_pixels_is_k_by_the_index_over_a_turn() -> None:
+    assert lateral.rms_px(3.0, 4.0, 2.0 * np.pi) == pytest.approx(5.0, rel=1e-15)

@@ -504,9 +504,16 @@ DEFECTS = (
     Defect(
         name="information of SNR, not of its square",
         file="uwopt/model/information.py",
-        old="power = transfer**2\n",
-        new="power = transfer\n",
+        old="_sum_of(1.0, (np.square(transfer) for transfer in",
+        new="_sum_of(1.0, (transfer for transfer in",
         test="tests/model/test_information.py::test_information_is_that_of_a_plain_sum",
+    ),
+    Defect(
+        name="several contrasts at once count as their roots",
+        file="uwopt/model/information.py",
+        old="bit[some, column] = _sum_of(np.square(one),",
+        new="bit[some, column] = _sum_of(one,",
+        test="tests/model/test_information.py::test_several_contrasts_at_once_tell_what_each_does",
     ),
     Defect(
         name="aberrations stay as they are when a lens is closed",

@@ -6,15 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from settings_attack import detail, lit, sharp
+from settings_attack import detail, sharp
 from thorough import THOROUGH
 
 from uwopt.forward.sharpness import SharpRows
 from uwopt.model import lateral
 from uwopt.model.information import RULE_ERROR
 from uwopt.model.sharpness import J1_ZERO
-from uwopt.solvers.front.information import quadrature_slack
-from uwopt.solvers.front.trade_curves import ROUGHLY
 from uwopt.solvers.settings.cell_information import Information, bell_until
 
 NM = np.linspace(400.0, 700.0, 61)
@@ -143,15 +141,3 @@ def test_what_lateral_colour_joins() -> None:
     k = np.linspace(0.05, 1.0, 400) * end
     slope = np.diff(np.log(lateral.spread_mtf(k, table=WHITE))) / np.diff(np.log(k))
     assert (np.diff(slope) < 1e-3).all() and end * WHITE.index_rms < 4.0
-
-
-def test_few_nodes_do_not_hide_information() -> None:
-    """Rough bounds of a front leave room for what few nodes miss of the narrow ridges of wide colour."""
-    _, orders = ROUGHLY
-    for colour_px in (0.0, 0.5, 1.5, 9.0):
-        some = rows(colour_px)
-        f_number, time_s, snr = drawn(np.random.default_rng(3))
-        given = dict(f_number=f_number, working_f_number=1.1 * f_number, blur_s=0.1 * time_s)
-        fine, rough = (some.information_bit_per_m2(snr, **given, orders=o) for o in (None, orders))
-        slack = quadrature_slack(replace(lit(), sharp=some))
-        assert (fine <= rough * (1.0 + slack) + 1e-3 / some.pixel_area_m2).all()

@@ -109,8 +109,9 @@ class SharpRows(Columns):
                 value = getattr(part, f.name)
                 if isinstance(value, np.ndarray):
                     column = columns.setdefault(f.name, np.empty((count, *value.shape[1:]), value.dtype))
-                    own = f.name == "spread_index" and len(place) > 0
-                    column[rows] = np.array(place)[value] if own else value
+                    if f.name == "spread_index":  # of a part without tables nobody asks
+                        value = np.array(place)[value] if place else np.zeros_like(value)
+                    column[rows] = value
         return cls(**columns, spreads=tuple(spreads.values()), fineness=fineness)
 
     def groups(self, field: Field) -> list[tuple[Array, SpreadTable | None]]:
@@ -267,6 +268,27 @@ class SharpRows(Columns):
             ), field="rms", f_number=f_number, working_f_number=working_f_number, blur_s=blur_s,
         )  # fmt: skip
         return np.asarray(information.information_bit_per_m2(per_px, pixel_area_m2=self.pixel_area_m2))
+
+    def most_bit_per_px(
+        self, gain: Array, *, f_number: Array, working_f_number: Array, blur_s: Array, widest_px: float
+    ) -> Array:
+        """Information at some contrasts over the noise (k,), (n, k), at least: wide lateral colour may count as less.
+
+        What more than `widest_px` [px rms] of it leaves is taken to be as little as that width would, for a
+        narrow ridge is dear to sum; a transfer that comes back after a null is taken never to have fallen.
+        """
+        out = np.empty((len(self.wavelength_nm), len(gain)))
+        for rows, spread in self.groups("rms"):
+            at = self.at(
+                rows, spread, f_number=f_number, working_f_number=working_f_number, blur_s=blur_s, field="rms"
+            )
+            if spread is not None:
+                along, across = at.lateral_k_along, at.lateral_k_across
+                share = np.minimum(widest_px / np.maximum(lateral.rms_px(along, across, spread.index_rms), TINY), 1.0)
+                spread = spread if (share == 1.0).all() else lateral.never_rising(spread)
+                at = replace(at, lateral_k_along=share * along, lateral_k_across=share * across, spread=spread)
+            out[rows] = information.information_of_gains(gain, sharpness=at, fineness=self.fineness)
+        return out
 
 
 @dataclass(frozen=True)

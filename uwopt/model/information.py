@@ -8,6 +8,7 @@ ends, and what is proven of the integral holds of the figure.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -16,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.model.fineness import scaled
-from uwopt.model.lateral import SpreadTable, spread_mtf
+from uwopt.model.lateral import SpreadTable, rms_px, spread_mtf
 from uwopt.model.sharpness import (
     J1_ZERO,
     NUMBERS,
@@ -96,24 +97,43 @@ def information_bit_per_px(
     """
     shape = common_shape(sharpness, snr)
     gain = np.broadcast_to(texture_contrast * np.asarray(snr, dtype=float), shape).reshape(-1, 1, 1)
-    table = as_columns(sharpness, shape, (-1, 1, 1))
-    ends = transfer_ends(gain[:, 0, 0], sharpness=_flat(table))
-    colour_px = _colour_rms_px(table)
     bit = np.zeros(gain.shape[0])
-    lowest_px = -1.0
-    for highest_px, *usual in ORDERS:
-        served = (colour_px > lowest_px) & (colour_px <= highest_px)
-        lowest_px = highest_px
-        spread = sharpness.spread if highest_px > 0.0 else None
-        for kind, hard in np.unique(np.stack([ends.kind[served], ends.hard[served]]), axis=1).T:
-            rows = np.flatnonzero(served & (ends.kind == kind) & (ends.hard == hard))
-            wanted = orders or orders_of((scaled(usual[0], fineness), scaled(usual[1], fineness)), int(hard), fineness)
-            block = max(1, _BLOCK_NODES // (wanted[0] * wanted[1]))
-            for start in range(0, rows.size, block):
-                some = rows[start : start + block]
-                nodes = rule(int(kind), ends.round_cyc_per_px[some], ends.motion_cyc_per_px[some], wanted)
-                bit[some] = _sum_bit(gain[some], rows_of(table, some, spread=spread), nodes)
+    table = as_columns(sharpness, shape, (-1, 1, 1))
+    for some, rows, nodes in _ruled(table, gain[:, 0, 0], orders, fineness):
+        bit[some] = _sum_bit(gain[some], rows, nodes)
     return bit.reshape(shape)[()]
+
+
+def information_of_gains(gain: Array, *, sharpness: Sharpness, fineness: float = 1.0) -> Array:
+    """Information of images that are equally sharp at several contrasts over the noise.
+
+        I(g) = mean over |nu_x|, |nu_y| <= 1/2 of (1/2) log2(1 + g^2 MTF(nu)^2),   g = C_t SNR
+
+    Parameters
+    ----------
+    gain : (k,) g
+    sharpness : fields (n,)
+
+    Returns
+    -------
+    (n, k) [bit per pixel].
+
+    Notes
+    -----
+    The rule of `information_bit_per_px` at the greatest gain, as accurate: the transfer is worked out once for all.
+
+    References
+    ----------
+    As `information_bit_per_px`.
+    """
+    shape = common_shape(sharpness)
+    bit = np.zeros((*shape, len(gain)))
+    most = np.full(shape, gain.max())
+    for some, rows, nodes in _ruled(as_columns(sharpness, shape, (-1, 1, 1)), most, None, fineness):
+        squares = [np.square(transfer) for transfer in _folds(1.0, rows, nodes)]
+        for column, one in enumerate(gain):
+            bit[some, column] = _sum_of(np.square(one), squares, rows, nodes)
+    return bit
 
 
 def information_bit_per_m2(bit_per_px: Numeric, *, pixel_area_m2: Numeric) -> Numeric:
@@ -255,23 +275,55 @@ def _gauss(orders: tuple[int, int]) -> tuple[Array, Array, Array, Array]:
 # ---------------------------------------------------------------- the sum
 
 
+def _ruled(
+    table: Sharpness, gain: Array, orders: tuple[int, int] | None, fineness: float
+) -> Iterator[tuple[Array, Sharpness, Rule]]:
+    """Rows of a table of columns (n, 1, 1) that one rule serves, few at a time: which, their columns and nodes."""
+    ends = transfer_ends(gain, sharpness=_flat(table))
+    colour_px = _colour_rms_px(table)
+    lowest_px = -1.0
+    for highest_px, *usual in ORDERS:
+        served = (colour_px > lowest_px) & (colour_px <= highest_px)
+        lowest_px = highest_px
+        spread = table.spread if highest_px > 0.0 else None
+        for kind, hard in np.unique(np.stack([ends.kind[served], ends.hard[served]]), axis=1).T:
+            rows = np.flatnonzero(served & (ends.kind == kind) & (ends.hard == hard))
+            wanted = orders or orders_of((scaled(usual[0], fineness), scaled(usual[1], fineness)), int(hard), fineness)
+            block = max(1, _BLOCK_NODES // (wanted[0] * wanted[1]))
+            for start in range(0, rows.size, block):
+                some = rows[start : start + block]
+                nodes = rule(int(kind), ends.round_cyc_per_px[some], ends.motion_cyc_per_px[some], wanted)
+                yield some, rows_of(table, some, spread=spread), nodes
+
+
 def _sum_bit(gain: Array, sharpness: Sharpness, nodes: Rule) -> Array:
     """The sum over a rule; columns (n, 1, 1) give (n,) bit per px."""
+    return _sum_of(1.0, (np.square(transfer) for transfer in _folds(gain, sharpness, nodes)), sharpness, nodes)
+
+
+def _sum_of(scale: Numeric, squares: Iterable[Array], sharpness: Sharpness, nodes: Rule) -> Array:
+    """The sum over a rule of what squares of transfers, times a scale, tell: (n,) bit per px."""
+    product = np.zeros(())  # product of 1 + power over what a node stands for, less 1: one logarithm for all
+    for square in squares:
+        power = scale * square
+        product = product + power * (1.0 + product)
+    signs = 1 if sharpness.spread is None else 2
+    return np.asarray((np.log1p(product) * nodes.weight).sum(axis=(1, 2)) / signs)
+
+
+def _folds(gain: Numeric, sharpness: Sharpness, nodes: Rule) -> Iterator[Array]:
+    """The transfer times the gain (n, 1, 1) at all that the nodes of a rule stand for."""
     large, small = nodes.along, nodes.across
     radius = np.hypot(large, small)
     common = (gain * round_mtf(radius, sharpness=sharpness)) * (sinc_mtf(large) * sinc_mtf(small))
-    signs = (1.0,) if sharpness.spread is None else (1.0, -1.0)
-    product = np.zeros(())  # product of 1 + power over what a node stands for, less 1: one logarithm for all
     for along, across in ((large, small), (small, large))[: 1 + nodes.mirrored]:
         moving = common * sinc_mtf(along, width_px=sharpness.motion_blur_px)
-        for sign in signs:
-            transfer = moving
-            if sharpness.spread is not None:
-                k = sharpness.lateral_k_along * along + sign * sharpness.lateral_k_across * across
-                transfer = moving * spread_mtf(k, table=sharpness.spread)
-            power = transfer**2
-            product = product + power * (1.0 + product)
-    return np.asarray((np.log1p(product) * nodes.weight).sum(axis=(1, 2)) / len(signs))
+        if sharpness.spread is None:
+            yield moving
+            continue
+        for sign in (1.0, -1.0):
+            k = sharpness.lateral_k_along * along + sign * sharpness.lateral_k_across * across
+            yield moving * spread_mtf(k, table=sharpness.spread)
 
 
 def _flat(table: Sharpness) -> Sharpness:
@@ -282,5 +334,4 @@ def _flat(table: Sharpness) -> Sharpness:
 def _colour_rms_px(table: Sharpness) -> Array:
     """Lateral colour of each design [px rms] to first order, from columns: (n,)."""
     index_rms = table.spread.index_rms if isinstance(table.spread, SpreadTable) else 0.0
-    k = np.hypot(table.lateral_k_along, table.lateral_k_across)
-    return np.asarray(k * (index_rms / (2.0 * np.pi)), dtype=float)[:, 0, 0]
+    return np.asarray(rms_px(table.lateral_k_along, table.lateral_k_across, index_rms), dtype=float)[:, 0, 0]

@@ -240,6 +240,16 @@ def spread_table(wavelength_nm: ArrayLike, *, electrons_per_nm: ArrayLike, n_wat
     return SpreadTable(magnitude, np.minimum.accumulate(magnitude), step, index_rms)
 
 
+def never_rising(table: SpreadTable) -> SpreadTable:
+    """max |Phi(k')| over k' >= k: nowhere below a table, and falling all along."""
+    return replace(table, magnitude=np.maximum.accumulate(table.magnitude[::-1])[::-1])
+
+
+def rms_px(k_along: Numeric, k_across: Numeric, index_rms: Numeric) -> Numeric:
+    """Lateral colour [px rms] to first order, of k per cycle per px; all broadcast."""
+    return np.hypot(k_along, k_across) * (index_rms / (2.0 * np.pi))
+
+
 def spread_mtf(k: Numeric, *, table: SpreadTable | SpreadRows, falling: bool = False) -> Numeric:
     """Modulation that lateral colour leaves.
 

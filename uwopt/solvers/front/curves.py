@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.solvers.front.trade_curves import ABOVE, DIMMEST, Answers, Hopeful, Trade
+from uwopt.solvers.front.hopeful import Hopeful
+from uwopt.solvers.front.trade_curves import ABOVE, DIMMEST, Answers, Trade
 
 Array = NDArray[Any]
 

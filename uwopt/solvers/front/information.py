@@ -1,4 +1,4 @@
-"""Information of given settings, and what bounds of it must allow for."""
+"""Information of given settings, and the least blur of any."""
 
 from __future__ import annotations
 
@@ -14,8 +14,6 @@ from uwopt.solvers.settings import closed_form, windows
 from uwopt.solvers.settings.closed_form import Chosen
 
 Array = NDArray[Any]
-RULE_SLACK, WIDE_SLACK = 1e-4, 0.3  # of the quadrature over frequencies; what few nodes miss of wide colour
-WIDE_PX = 0.7  # rms
 
 
 def least_blur_s(rows: SceneRows) -> Array:
@@ -24,14 +22,6 @@ def least_blur_s(rows: SceneRows) -> Array:
         return rows.blur_s(rows.time_min_s)
     least_s = rows.min_exposure_s + rows.exposure_offset_s
     return np.where(rows.kind == PULSED, least_s, np.minimum(rows.time_min_s, least_s))
-
-
-def quadrature_slack(rows: SceneRows) -> Array:
-    """What few nodes over frequencies miss of information, relative, (n,)."""
-    assert rows.sharp is not None
-    along, across = rows.sharp.colour("rms")
-    widest = max((spread.index_rms for spread in rows.sharp.spreads), default=0.0)
-    return np.where(np.hypot(along, across) * widest / (2.0 * np.pi) > WIDE_PX, WIDE_SLACK, RULE_SLACK)
 
 
 def information_of(rows: list[SceneRows], chosen: list[Chosen], which: Array) -> Array:

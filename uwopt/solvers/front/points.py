@@ -13,7 +13,8 @@ from uwopt.forward.problem import Problem
 from uwopt.objectives.axes import OF_SETTINGS, Axes, Frame
 from uwopt.objectives.dominance import BestPoints, clearly, hypervolume
 from uwopt.solvers.front.curves import Curves
-from uwopt.solvers.front.trade_curves import Answers, Hopeful
+from uwopt.solvers.front.hopeful import Hopeful
+from uwopt.solvers.front.trade_curves import Answers
 
 Array = NDArray[Any]
 RESOLVED_REL = {"information": 2e-4}  # of a quality that is found to a gap
@@ -102,7 +103,10 @@ class PointsFound:
         return np.where(np.isfinite(best), best, -np.inf)
 
     def open_segments(self, curves: Curves, largest: float) -> tuple[Array, Array]:
-        """Segments whose corner no point beats and that span more than `largest` of the box around all, and spans."""
+        """Segments whose corner no point beats and that span more than `largest` of the box around all, and spans.
+
+        Those that may hold the best quality of all are asked at their upper end whatever they span.
+        """
         lower, upper = curves.segments()
         if len(lower) == 0:
             return np.empty(0, int), np.empty(0)
@@ -132,7 +136,10 @@ class PointsFound:
         spans = share * np.prod(room, axis=1) / np.prod(frame.reference)
         stepped = curves.some.stepped[a.design[lower]][which]
         narrow = a.asked[upper][which] & (stepped | ((worst_unit - best_unit)[:, p] < 1e-9))
-        wide = (spans > largest) & ~narrow
+        # What may be the best quality of all is an end of the front, however little it spans.
+        best = self.better_than(np.full((1, len(self.axes)), np.inf))
+        end = ~a.asked[upper][which] & (a.bound[upper][which] > best)
+        wide = ((spans > largest) | end) & ~narrow
         return which[wide], spans[wide]
 
     # ------------------------------------------------------------ what is missed

@@ -12,7 +12,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -33,9 +32,10 @@ from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.node_bounds import NODE_RULES
 from uwopt.solvers.exact.search import Search, are_too_many
 from uwopt.solvers.front.curves import Curves
+from uwopt.solvers.front.hopeful import Hopeful
 from uwopt.solvers.front.large import WITHOUT_BOUND, Undominated, in_layers
 from uwopt.solvers.front.points import PointsFound, quality_of
-from uwopt.solvers.front.trade_curves import Answers, Hopeful, Trade
+from uwopt.solvers.front.trade_curves import Answers, Trade
 from uwopt.solvers.settings import windows
 from uwopt.solvers.settings.mean_limit import MeanLimit
 from uwopt.tolerances import ROUND
@@ -43,7 +43,7 @@ from uwopt.tolerances import ROUND
 Array = NDArray[Any]
 Progress = Callable[[float, str], None]
 FIRST_NODES, LARGEST_NODES, GROWTH = 128, 16384, 6  # nodes taken together
-ROUGH_SEGMENT, FINEST_SEGMENT = 3e-3, 1e-6  # share of the box that a segment may span: at first, and ever
+ROUGH_SEGMENT, FINEST_SEGMENT = 1e-2, 1e-6  # share of the box that a segment may span: at first, and ever
 FRONT_GAP = 5e-4  # of the hypervolume: what the sampled curves may miss
 WAVE_ROUNDS, REFINEMENTS = 1, 8  # of asking the segments of one wave, and of all that stayed
 MOST_PIECES = 8  # of a segment at a time
@@ -262,7 +262,8 @@ class FrontSearch:
         stages: tuple[Veils, ...] = ("none", "forward", "coarse") if self.problem.effects.veils else ()
         for stage in stages:
             lights = self._lights(lighting, imager, lights, stage)
-            kept = self._unbeaten(self._worth_solving(k, imager[node], node, item, lights, optimistic=True))
+            some = self._worth_solving(k, imager[node], node, item, lights, optimistic=True)
+            kept = self._unbeaten(some, closely=stage != stages[-1])
             if len(kept) == 0:
                 return None
             used, back = np.unique(node[kept], return_inverse=True)
@@ -308,8 +309,8 @@ class FrontSearch:
             imagers.camera_power_w[imager], fixed, search.problem.scene_power_limit_w, MeanLimit.of(search.problem),
         )  # fmt: skip
 
-    def _unbeaten(self, some: Hopeful) -> Array:
-        """Places of the designs that may hold something new; the others are counted."""
+    def _unbeaten(self, some: Hopeful, *, closely: bool) -> Array:
+        """Places of the designs that may hold something new, bounds drawn in or not; the others are counted."""
         least_w = self.trade.least_power_bound(some)
         possible = np.nonzero(np.isfinite(least_w))[0]
         self.account["light"] += len(some) - len(possible)
@@ -320,7 +321,8 @@ class FrontSearch:
         open_ = possible[self.points.may_be_new(best)]
         bounds = self.trade.first_bounds(some.take(open_))
         if bounds is not None:
-            open_ = open_[self.points.are_open(Curves(self.trade, some.take(open_), bounds))]
+            curves = Curves(self.trade, some.take(open_), bounds)
+            open_ = open_[self._drawn_in(curves)[1] if closely else self.points.are_open(curves)]
         self.account["dominated"] += len(possible) - len(open_)
         return open_
 
@@ -331,7 +333,7 @@ class FrontSearch:
         self.account["evaluated"] += len(some)
         curves = Curves.bounded(self.trade, some)
         if curves is not None:
-            curves = self._drawn_in(curves)
+            curves, _ = self._drawn_in(curves)
         if curves is not None:
             curves = self._after_tries(curves)
         if curves is None:
@@ -351,21 +353,17 @@ class FrontSearch:
             self._forget()
         return in_time
 
-    def _drawn_in(self, curves: Curves) -> Curves | None:
-        """Curves of the designs that may still matter once their bounds are drawn in: of each the highest first, above
-        which no lower one lies."""
-        left = curves.without(~self.points.are_open(curves))
-        drawn = self.quality == "information" and self.points.trades_power
-        for closely, highest in product((False, True), (True, False)) if drawn else ():
-            if left is None:
-                break
-            upper = left.segments()[1][self.points.open_segments(left, 0.0 if closely else ROUGH_SEGMENT)[0]]
-            if highest:
-                design = left.answers.design[upper]
-                upper = upper[np.append(design[1:] != design[:-1], True)[: len(upper)]]
-            left.answers = self.trade.drawn_in(left.some, left.answers, upper, closely=closely)
-            left = left.without(~self.points.are_open(left))
-        return left
+    def _drawn_in(self, curves: Curves) -> tuple[Curves | None, Array]:
+        """Curves of the designs that may still matter once their bounds are drawn in, and which these are."""
+        open_ = self.points.are_open(curves)
+        left, kept = curves.without(~open_), np.nonzero(open_)[0]
+        if left is None or self.quality != "information" or not self.points.trades_power:
+            return left, kept
+        which, _ = self.points.open_segments(left, 0.0)
+        wanted, upper = self.points.wanted(left, which), left.segments()[1][which]
+        left = replace(left, answers=self.trade.drawn_in(left.some, left.answers, upper, wanted))
+        open_ = self.points.are_open(left)
+        return left.without(~open_), kept[open_]
 
     def _best_of_each(self, some: Hopeful) -> Answers:
         """The best quality of each design, as far as it is better than that of points that are found."""
@@ -451,8 +449,8 @@ class FrontSearch:
                 break
             gap_before = upper - lower
             curves = self.curves[-1]
-            count = len(self.points.open_segments(curves, 0.0)[0])
-            if not self._ask(curves, max(FRONT_GAP * upper / max(count, 1), FINEST_SEGMENT), 2):
+            spans = self.points.open_segments(curves, 0.0)[1]
+            if not self._ask(curves, max(_small_together(spans, FRONT_GAP * upper), FINEST_SEGMENT), 2):
                 return False
             self.history.append((time.perf_counter() - self.start, self.points.archive.values))
         return True
@@ -481,3 +479,10 @@ class FrontSearch:
             self.axes, every[kept], [designs[i] for i in kept], frame, lower, upper, complete, interrupted,
             self.account, time.perf_counter() - self.start, self.history,
         )  # fmt: skip
+
+
+def _small_together(spans: Array, room: float) -> float:
+    """The largest of the spans that with all smaller ones together fill no more than some room; 0: none."""
+    spans = np.sort(spans)
+    small = np.nonzero(np.cumsum(spans) <= room)[0]
+    return float(spans[small[-1]]) if len(small) else 0.0

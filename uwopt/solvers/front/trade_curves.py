@@ -17,70 +17,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.columns import Columns
-from uwopt.forward.part_columns import FLASH
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.node_bounds import bit_per_px_bound
-from uwopt.solvers.front.information import RULE_SLACK, information_of, least_blur_s, quadrature_slack
-from uwopt.solvers.settings import closed_form, dark, windows
+from uwopt.solvers.front.ceilings import most_information
+from uwopt.solvers.front.hopeful import Hopeful, full_draw_w, unhindered
+from uwopt.solvers.front.information import information_of
+from uwopt.solvers.settings import closed_form, windows
 from uwopt.solvers.settings.best import Best, best_settings
 from uwopt.solvers.settings.closed_form import Chosen
-from uwopt.solvers.settings.mean_limit import MeanLimit
-from uwopt.units import db_to_ratio, ratio_to_db
+from uwopt.units import ratio_to_db
 
 if TYPE_CHECKING:
     from uwopt.solvers.settings.cells import CellResult
 
 Array = NDArray[Any]
-Drawing = tuple[int, "tuple[int, int] | None"]
 ABOVE = 1.0 + 1e-9  # a limit that equals the least power must admit it
 POWER, SNR = Objective({"power": 1.0}), Objective({"snr_db": 1.0})
 CURVE_GAP = 5e-4  # relative, of qualities without a closed form
 DIMMEST = 1e-4  # of the power at the far end: where a curve that begins without light is first asked
-#: Bounds of information by pieces of the range of f-numbers: how many, and nodes over frequencies (None: the
-#: model's own). Few nodes serve little colour; where it is wide such designs are many, dear and seldom good.
-ROUGHLY: Drawing = (3, (13, 8))
-FINELY: Drawing = (8, None)
 LIMITS = 7  # power limits that a curve is first known at
 TRIED_F_NUMBERS, TRIED_LIGHT, TRIED_TIMES = (0.0, 0.35, 0.7), (0.0, 0.4, 0.7, 1.0), (1.0, 0.4)
-
-
-@dataclass(frozen=True)
-class Hopeful(Columns):
-    """n designs whose light is known: rows of settings by scene, and what no setting changes."""
-
-    lighting: Array
-    imager: Array
-    light: Array
-    count: Array
-    rows: list[SceneRows]
-    motorised: Array
-    camera_power_w: Array
-    fixed: Array  # (n, n_axes) values of the axes, those of the settings left at 0
-    power_limit_w: float
-    mean_limit: MeanLimit | None = None
-
-    def __len__(self) -> int:
-        return len(self.imager)
-
-    @property
-    def sunlit(self) -> bool:
-        """Whether settings have no closed form for the sun."""
-        return any(r.sunlit for r in self.rows)
-
-    @property
-    def full_power_w(self) -> Array:
-        """Power with the lights at full level for the longest time, cameras included; the worst scene's."""
-        drawn = []
-        for r in self.rows:
-            share = r.on_share(r.time_max_s)
-            drawn.append(full_draw_w(r) * np.minimum(r.max_level, 1.0) * np.maximum(share, 0.0) + r.idle)
-        return np.minimum(self.camera_power_w + np.max(drawn, axis=0), self.power_limit_w)
-
-    @property
-    def stepped(self) -> Array:
-        """Whether only the steps of the lights change the power, in every scene."""
-        return np.asarray(np.logical_and.reduce([~r.dims_freely & ~r.timed for r in self.rows]))
 
 
 @dataclass(frozen=True)
@@ -129,11 +86,6 @@ def with_exposures(rows: list[SceneRows], chosen: list[Chosen]) -> list[Chosen]:
         c if c.exposure_s is not None else replace(c, exposure_s=r.exposure_s(c.time_s))
         for r, c in zip(rows, chosen, strict=True)
     ]
-
-
-def unhindered(rows: list[SceneRows]) -> list[SceneRows]:
-    """Rows with least dark current and no wanted sharpness, which have a closed form: no settings do better."""
-    return [replace(dark.relaxed(r), min_mtf=0.0, resolve_m=0.0) for r in rows]
 
 
 class Trade:
@@ -311,7 +263,7 @@ class Trade:
             return np.zeros(len(some))
         if self.quality == "contrast":  # without the sun no setting changes it
             return -self._whole(some, Objective({self.quality: 1.0}), limit_w * ABOVE, points=False).lower_bound
-        return self._from_snr(some, self.most_snr_db(some, limit_w * ABOVE))
+        return self._most_quality(some, limit_w * ABOVE)
 
     def bounds_within(self, some: Hopeful, limits_w: Array) -> Array:
         """`bound_within` at several limits of each design, (n, k), nan: none; what no limit changes is found once."""
@@ -324,8 +276,7 @@ class Trade:
                     column[new] = self.bound_within(some.take(new), limit_w[new])
                 columns.append(column)
             return np.stack(columns, axis=1)
-        snr_db = self.most_snr_db(some, limits_w * ABOVE)
-        return np.stack([self._from_snr(some, column) for column in snr_db.T], axis=1)
+        return self._most_quality(some, limits_w * ABOVE)
 
     def most_snr_db(self, some: Hopeful, limit_w: Array) -> Array:
         """SNR that no settings within a power, (n,) or (n, k), exceed; -inf: there are none."""
@@ -346,84 +297,45 @@ class Trade:
             constant=constant, mean_limit=some.mean_limit, halve=False, points=points,
         )  # fmt: skip
 
-    def _from_snr(self, some: Hopeful, most: Array) -> Array:
-        """The quality that an SNR in dB allows at most."""
+    def _most_quality(self, some: Hopeful, limit_w: Array) -> Array:
+        """SNR, or the information that each scene's own SNR allows at most, within powers (n,) or (n, k)."""
         if self.quality == "snr_db":
-            return most
-        best = np.full(len(some), np.inf)
-        for scene in some.rows:
+            return self.most_snr_db(some, limit_w)
+        best = np.full(limit_w.shape, np.inf)
+        for index, scene in enumerate(some.rows):
             assert scene.sharp is not None
-            seen_db = np.maximum(most, -1e3) + ratio_to_db(scene.sharp.texture_gain)
-            bits = bit_per_px_bound(seen_db, scene.sharp.rated_pitch_px * scene.sharp.lens_blur("rms"))
-            best = np.minimum(best, bits / scene.sharp.pixel_area_m2)
-        return np.where(np.isfinite(most), best, -np.inf)
+            most = self.most_snr_db(some.of_scene(index), limit_w)
+            gain_db, pitch_px, area_m2 = (
+                column.reshape(-1, *[1] * (most.ndim - 1)) for column in (
+                    ratio_to_db(scene.sharp.texture_gain), scene.sharp.rated_pitch_px * scene.sharp.lens_blur("rms"),
+                    scene.sharp.pixel_area_m2,
+                )
+            )  # fmt: skip
+            bits = bit_per_px_bound(np.maximum(most, -1e3) + gain_db, pitch_px) / area_m2
+            best = np.minimum(best, np.where(np.isfinite(most), bits, -np.inf))
+        return best
 
-    def drawn_in(self, some: Hopeful, bounds: Answers, which: Array, *, closely: bool) -> Answers:
-        """Some bounds of information drawn in: the light of wide apertures does not come with the depth of small ones.
+    def drawn_in(self, some: Hopeful, bounds: Answers, which: Array, wanted: Array | float = -np.inf) -> Answers:
+        """Some bounds of information drawn in: light of wide apertures does not come with the depth of small ones.
 
-        closely : by tangents where each design looks best; else, and under the sun, by pieces of the range of
-        f-numbers, few and with few nodes over frequencies where it need not be close
+        wanted : (n,) or scalar, the quality below which a bound need not be close
         """
-        if self.quality != "information":
+        counts = np.isfinite(bounds.bound[which]) & (bounds.bound[which] > 0)
+        asked, enough = which[counts], np.broadcast_to(wanted, which.shape)[counts]
+        if self.quality != "information" or len(asked) == 0:
             return bounds
-        asked = which[np.isfinite(bounds.bound[which]) & (bounds.bound[which] > 0)]
-        designs, limit_w = some.take(bounds.design[asked]), bounds.limit_w[asked] * ABOVE
-        if closely and not some.sunlit:
-            goal = Objective({self.quality: 1.0})
-            most = -(1.0 + RULE_SLACK) * self._whole(designs, goal, limit_w, points=False).lower_bound
-        else:
-            most = self._in_pieces(designs, limit_w, bounds.bound[asked], FINELY if closely else ROUGHLY)
+        design, row = np.unique(bounds.design[asked], return_inverse=True)
+        row = row.reshape(-1)
+        starts = np.searchsorted(bounds.design, design)
+        column = asked - starts[row]
+        limits_w = np.full((len(design), int(column.max()) + 1), np.nan)
+        limits_w[row, column] = bounds.limit_w[asked] * ABOVE
+        least = np.full(limits_w.shape, np.inf)
+        least[row, column] = enough
+        most = most_information(some.take(design), limits_w, least, self.most_snr_db)
         bound = bounds.bound.copy()
-        bound[asked] = np.minimum(bound[asked], most)
+        bound[asked] = np.fmin(bound[asked], most[row, column])
         return replace(bounds, bound=bound).drawn_in()
-
-    def _in_pieces(self, designs: Hopeful, limit_w: Array, known: Array, drawing: Drawing) -> Array:
-        """Information [bit/m2] that no settings within a power exceed, as far as that is below what is known.
-
-        In each piece of the range of f-numbers the SNR is that of its widest aperture, the light's wave that of its
-        widest and the defocus that of its smallest, the motion that of the shortest time.
-        """
-        pieces, orders = drawing
-        low, high = (
-            np.max([r.n_low for r in designs.rows], axis=0),
-            np.min([r.n_high for r in designs.rows], axis=0),
-        )
-        slack = RULE_SLACK if orders is None else np.max([quadrature_slack(r) for r in designs.rows], axis=0)
-        enough = known / (1.0 + slack)  # above it nothing is drawn in
-        best = np.full(len(designs), -np.inf)
-        for piece in range(pieces):
-            ends = [low * (np.maximum(high, low) / low) ** (end / pieces) for end in (piece, piece + 1)]
-            left = np.nonzero(best < enough)[0]
-            found = self._piece_bound(
-                designs.take(left), limit_w[left], [end[left] for end in ends], orders, best[left]
-            )
-            best[left] = np.maximum(best[left], found)
-        return np.asarray(best * (1.0 + slack))
-
-    def _piece_bound(
-        self, some: Hopeful, limit_w: Array, ends: list[Array], orders: tuple[int, int] | None, known: Array
-    ) -> Array:
-        """Information [bit/m2] that no settings between two f-numbers exceed; -inf: none, or no more than is known."""
-        first, last = ends
-        rows = [
-            replace(r, n_low=np.maximum(r.n_low, first), n_high=np.minimum(r.n_high, last)) for r in some.rows
-        ]
-        snr_db = self.most_snr_db(replace(some, rows=rows), limit_w)
-        reached = np.nonzero(self._from_snr(some, snr_db) > known)[0]
-        out = np.full(len(some), -np.inf)
-        if len(reached):
-            bits = []
-            for r in some.rows:
-                part = r.take(reached)
-                assert part.sharp is not None
-                bits.append(part.sharp.information_bit_per_m2(
-                    db_to_ratio(snr_db[reached]), f_number=last[reached], orders=orders,
-                    working_f_number=first[reached] * part.working_factor, blur_s=least_blur_s(part),
-                ))  # fmt: skip
-            out[reached] = np.min(bits, axis=0)
-        return out
-
-
 
 
 def first_limits_w(some: Hopeful, least_w: Array) -> Array:
@@ -452,8 +364,3 @@ def first_limits_w(some: Hopeful, least_w: Array) -> Array:
     limits[stepped] = np.nan
     limits[stepped, : steps.shape[1]] = np.where(np.isfinite(steps), steps, np.nan)[stepped]
     return limits
-
-
-def full_draw_w(rows: SceneRows) -> Array:
-    """Power of all lights at full level: while they burn, or of flashes at the frame rate."""
-    return np.where(rows.kind == FLASH, rows.pulse_energy_j * rows.rate_hz, rows.full_power_w)

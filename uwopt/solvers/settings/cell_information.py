@@ -35,7 +35,7 @@ from uwopt.model.information import (
     rule,
     transfer_ends,
 )
-from uwopt.model.lateral import SpreadTable, spread_mtf
+from uwopt.model.lateral import SpreadTable, rms_px, spread_mtf
 from uwopt.model.sharpness import (
     J1_ZERO,
     NYQUIST_CYC_PER_PX,
@@ -213,12 +213,12 @@ class Information:
         self.groups: list[TransferGroup] = []
         self.group, self.place = np.zeros(n, int), np.zeros(n, int)
         for rows, spread in sharp.groups("rms"):
-            k = np.hypot(sharp.rms_k_along[rows], sharp.rms_k_across[rows])
-            rms_px = np.zeros(len(rows)) if spread is None else k * spread.index_rms / (2.0 * np.pi)
+            k_along, k_across = sharp.rms_k_along[rows], sharp.rms_k_across[rows]
+            k, wide_px = np.hypot(k_along, k_across), rms_px(k_along, k_across, spread.index_rms if spread else 0.0)
             falls = np.ones(len(rows), bool) if spread is None else k * np.sqrt(0.5) <= bell_until(spread)
             lowest = -1.0
             for highest, *orders in ORDERS:
-                served = (rms_px > lowest) & (rms_px <= highest)
+                served = (wide_px > lowest) & (wide_px <= highest)
                 lowest = highest
                 if spread is None:
                     self._add(rows[served], (orders[0], orders[1]), "all", None)

@@ -1,0 +1,69 @@
+"""Designs that a front may hold: their light is known, their settings are not."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwopt.forward.columns import Columns
+from uwopt.forward.part_columns import FLASH
+from uwopt.forward.setting_rows import SceneRows
+from uwopt.solvers.settings import dark
+from uwopt.solvers.settings.mean_limit import MeanLimit
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class Hopeful(Columns):
+    """n designs whose light is known: rows of settings by scene, and what no setting changes."""
+
+    lighting: Array
+    imager: Array
+    light: Array
+    count: Array
+    rows: list[SceneRows]
+    motorised: Array
+    camera_power_w: Array
+    fixed: Array  # (n, n_axes) values of the axes, those of the settings left at 0
+    power_limit_w: float
+    mean_limit: MeanLimit | None = None
+
+    def __len__(self) -> int:
+        return len(self.imager)
+
+    def of_scene(self, index: int) -> Hopeful:
+        """The same in one scene alone, which may have more than all scenes together."""
+        return self if len(self.rows) == 1 else replace(self, rows=[self.rows[index]], mean_limit=None)
+
+    @property
+    def sunlit(self) -> bool:
+        """Whether settings have no closed form for the sun."""
+        return any(r.sunlit for r in self.rows)
+
+    @property
+    def full_power_w(self) -> Array:
+        """Power with the lights at full level for the longest time, cameras included; the worst scene's."""
+        drawn = []
+        for r in self.rows:
+            share = r.on_share(r.time_max_s)
+            drawn.append(full_draw_w(r) * np.minimum(r.max_level, 1.0) * np.maximum(share, 0.0) + r.idle)
+        return np.minimum(self.camera_power_w + np.max(drawn, axis=0), self.power_limit_w)
+
+    @property
+    def stepped(self) -> Array:
+        """Whether only the steps of the lights change the power, in every scene."""
+        return np.asarray(np.logical_and.reduce([~r.dims_freely & ~r.timed for r in self.rows]))
+
+
+def full_draw_w(rows: SceneRows) -> Array:
+    """Power of all lights at full level: while they burn, or of flashes at the frame rate."""
+    return np.where(rows.kind == FLASH, rows.pulse_energy_j * rows.rate_hz, rows.full_power_w)
+
+
+def unhindered(rows: list[SceneRows]) -> list[SceneRows]:
+    """Rows with least dark current and no wanted sharpness, which have a closed form: no settings do better."""
+    return [replace(dark.relaxed(r), min_mtf=0.0, resolve_m=0.0) for r in rows]
