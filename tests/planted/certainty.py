@@ -424,4 +424,11 @@ DEFECTS = (
         new="housed(problem, own, one, tally)",
         test=f"{TESTS}::test_each_scenario_stands_once_behind_the_state_of_its_port",
     ),
+    Defect(
+        name="a page does not say what surer hardware misses",
+        file="uwopt/report/text/certainty.py",
+        old="known.surest.misses])",
+        new="known.surest.misses[:0]])",
+        test=f"{API}::test_what_surer_hardware_misses_is_told_in_words",
+    ),
 )
