@@ -20,9 +20,10 @@ from uwopt.errors import MissionError
 from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import load_mission
 from uwopt.objectives.goal import goal_of
-from uwopt.report.text.certainty import held_text, percent
+from uwopt.report.text.certainty import facts, held_text, percent
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.short import short_text_blocks
+from uwopt.results.certainty import Surest
 from uwopt.results.result import Result
 from uwopt.solvers.confidence import search
 from uwopt.solvers.confidence.counted import Counted
@@ -97,6 +98,15 @@ def test_a_share_that_is_less_than_asked_is_told_as_such(certain: Result) -> Non
     assert held_text(short).endswith("(87 % to 91 %); 90 % asked, which so many do not refute")
     for other in (replace(short, held=0.9), replace(short, held=0.8, held_high=0.82, enough=False)):
         assert held_text(other).endswith("90 % asked")
+
+
+def test_what_surer_hardware_misses_is_told_in_words(certain: Result) -> None:
+    known = certain.confidence
+    assert known is not None
+    told = dict(facts(certain, replace(known, surest=Surest(["camera", "lens"], 0.5, ["focus"]))))
+    assert "camera and lens, which holds in 50 %" in told["surest"]
+    assert "central numbers (the lens does not focus behind this port)" in told["surest"]
+    assert "surest" not in dict(facts(certain, known))
 
 
 def test_what_is_not_certain_enough_is_told_by_the_exit_status(certain: Result) -> None:

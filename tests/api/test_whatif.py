@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -13,7 +14,7 @@ import yaml
 from typer.testing import CliRunner
 
 import uwopt
-from uwopt.api import certain_points
+from uwopt.api import certain_points, certainty
 from uwopt.api import varied as api_varied
 from uwopt.api.solving import searched
 from uwopt.cli.app import app
@@ -224,28 +225,48 @@ def test_a_key_without_values_is_refused_by_the_command():
 # ---------------------------------------------------------------- with certainty
 
 
-def answers(held: float, enough: bool, status: str = "optimal", codes: tuple[str, ...] = ()) -> Any:
-    """What `solve` tells, as far as a point takes it."""
+def found(*, interrupted: bool = False) -> Any:
+    """What the searches of a point find, as far as it is looked at."""
+    outcome = SimpleNamespace(best=[None], complete=True, interrupted=interrupted)
+    return SimpleNamespace(outcome=outcome, problem=None, selection=None), None
+
+
+def chosen(held: float, *, enough: bool) -> Any:
+    """What is recommended at a point, as far as it is looked at."""
     part = SimpleNamespace(id="zz", generic=False)
     named = dict.fromkeys(("camera", "lens", "port", "light"), part)
     totals = SimpleNamespace(power_w=3.0, cost=SimpleNamespace(value=900.0), mass_kg=None)
+    hardware = SimpleNamespace(named=named, light_count=2)
     return SimpleNamespace(
-        status=status, warnings=[SimpleNamespace(code=code) for code in codes],
-        confidence=SimpleNamespace(enough=enough, held=held, objective_p50=4.5),
-        recommendation=SimpleNamespace(hardware=SimpleNamespace(named=named, light_count=2), totals=totals),
+        sought=found()[0], proven=None, is_best=enough,
+        counted=SimpleNamespace(enough=enough, held=held, objective_p50=4.5),
+        design=SimpleNamespace(hardware=hardware, totals=totals, is_settable=True),
     )  # fmt: skip
 
 
-def test_with_certainty_the_points_are_what_solve_recommends(monkeypatch):
-    asked = []
+def stub_points(monkeypatch: pytest.MonkeyPatch, searches: list[Any], choices: list[Any]) -> list[Any]:
+    """Points that find these, one after another; what each is asked: confidence, speed, and the choice before."""
+    asked, told = [], iter(choices)
 
-    def solve(mission: Mission, **more: Any) -> Any:
+    def searched_(mission: Mission, *_: Any, **more: Any) -> Any:
         asked.append((mission.confidence, mission.vehicle.speed_m_s))
-        return answers(0.93, True) if len(asked) == 1 else answers(0.6, False)
+        return searches.pop(0)
 
-    monkeypatch.setattr(certain_points, "solve", solve)
+    def with_confidence(*given: Any) -> Any:
+        asked[-1] = (*asked[-1], given[-1])
+        return next(told)
+
+    monkeypatch.setattr(certain_points, "searched", searched_)
+    monkeypatch.setattr(certain_points, "with_confidence", with_confidence)
+    monkeypatch.setattr(certain_points, "certificate", lambda *_: SimpleNamespace(gap_rel=0.0))
+    return asked
+
+
+def test_with_certainty_each_point_knows_what_was_recommended_at_the_last(monkeypatch):
+    one, other = chosen(0.93, enough=True), chosen(0.6, enough=False)
+    asked = stub_points(monkeypatch, [found(), found()], [one, other])
     table = uwopt.whatif(reef(), {"speed_m_s": [0.3, 0.6]}, confidence=0.9)
-    assert asked == [(0.9, 0.3), (0.9, 0.6)] and table.confidence == 0.9
+    assert asked == [(0.9, 0.3, None), (0.9, 0.6, one)] and table.confidence == 0.9
     first, second = table.points
     assert (first.status, first.objective) == ("optimal", 4.5)
     assert first.figures == {"held": 0.93, "power_w": 3.0, "cost": 900.0}
@@ -255,10 +276,23 @@ def test_with_certainty_the_points_are_what_solve_recommends(monkeypatch):
 
 
 def test_with_certainty_an_interruption_keeps_what_is_known(monkeypatch):
-    told = iter([answers(0.93, True), answers(0.93, True, codes=("interrupted",))])
-    monkeypatch.setattr(certain_points, "solve", lambda mission, **more: next(told))
+    stub_points(monkeypatch, [found(), found(interrupted=True)], [chosen(0.93, enough=True)])
     table = uwopt.whatif(reef(), {"speed_m_s": [0.3, 0.6]}, confidence=0.9)
     assert table.status == "interrupted" and [point.values for point in table.points] == [[0.3]]
+
+
+def test_with_certainty_the_points_are_what_solve_recommends(monkeypatch):
+    """The second has the light and the hardware of the first; `solve` starts anew."""
+    monkeypatch.setattr(certainty, "CERTAINTY_S", math.inf)
+    base = VariedMission(reef(doubt={"scenarios": 64, "other_water_table": 0.0}), {})
+    table = uwopt.whatif(base.base, {"speed_m_s": [0.3, 0.5]}, confidence=0.7)
+    point = table.points[1]
+    cold = uwopt.solve(base.with_values({base.varied("speed_m_s", "0.3,1"): 0.5}), confidence=0.7, quick=True)
+    assert cold.confidence is not None and cold.recommendation is not None
+    assert point.objective == pytest.approx(cold.confidence.objective_p50, rel=1e-6)  # images beside each other
+    assert point.figures["held"] == cold.confidence.held and cold.confidence.enough
+    won = table.systems[point.system]
+    assert {won.camera, won.lens, won.light} <= set(cold.recommendation.hardware.ids)
 
 
 @pytest.mark.parametrize(

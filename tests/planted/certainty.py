@@ -49,8 +49,8 @@ DEFECTS = (
     Defect(
         name="clear water is taken for murky",
         file=f"{ROOM}/waters.py",
-        old='ends = self.columns(other, "low" if clarity < 0 else "high", leg)',
-        new='ends = self.columns(other, "high" if clarity < 0 else "low", leg)',
+        old='self.toward(other, leg, "low" if clarity < 0 else "high", abs(clarity))',
+        new='self.toward(other, leg, "high" if clarity < 0 else "low", abs(clarity))',
         test=f"{TESTS}::test_a_murkier_water_takes_more_power_and_a_brighter_floor_less",
     ),
     Defect(
@@ -303,8 +303,8 @@ DEFECTS = (
     Defect(
         name="beyond its band the swath keeps its reserve",
         file=f"{ROOM}/waters.py",
-        old='asked = without_reserve(scene, "min_swath_m", "min_common_swath_m")',
-        new="asked = without_reserve(scene)",
+        old='return without_reserve(scene, "min_swath_m", "min_common_swath_m")',
+        new="return without_reserve(scene)",
         test="tests/solvers/test_confidence_draws.py::test_beyond_its_band_the_swath_is_as_asked_for",
     ),
     Defect(
@@ -404,5 +404,47 @@ DEFECTS = (
         old="* (int(self.count.max(initial=0)) + 1) + self.count, []",
         new=", []",
         test="tests/solvers/test_confidence_deciding.py::test_numbers_of_one_lamp_count_together_as_alone",
+    ),
+    Defect(
+        name="hardware that is surer and fits is not looked for where the surest does not fit",
+        file=f"{ROOM}/search.py",
+        old="best.held < share and not serves(best):",
+        new="best.held < share and serves(best):",
+        test=f"{TESTS}::test_what_fits_by_central_numbers_is_looked_for_where_the_surest_does_not",
+    ),
+    Defect(
+        name="what the surest misses is kept quiet",
+        file=f"{ROOM}/summary.py",
+        old="first.held, missed_centrally(problem, objective, first))",
+        new="first.held)",
+        test=f"{TESTS}::test_what_fits_by_central_numbers_is_looked_for_where_the_surest_does_not",
+    ),
+    Defect(
+        name="what the surest misses is looked up in a scenario of the doubts",
+        file=f"{ROOM}/summary.py",
+        old="mission.doubt.none, seed=mission.seed, count=1)",
+        new="mission.doubt, seed=mission.seed, count=1)",
+        test=f"{TESTS}::test_what_the_surest_misses_is_what_central_numbers_miss",
+    ),
+    Defect(
+        name="clear water has the particles of a murky one",
+        file=f"{ROOM}/waters.py",
+        old='{"low": -1, "central": 0, "high": 1}',
+        new='{"low": 1, "central": 0, "high": -1}',
+        test="tests/solvers/test_confidence_draws.py::test_particles_of_many_states_are_those_of_the_scene_in_each",
+    ),
+    Defect(
+        name="every scenario stands behind the first state of its port",
+        file=f"{ROOM}/together.py",
+        old="housed(problem, own, np.array([state]), tally)",
+        new="housed(problem, own, one, tally)",
+        test=f"{TESTS}::test_each_scenario_stands_once_behind_the_state_of_its_port",
+    ),
+    Defect(
+        name="a page does not say what surer hardware misses",
+        file="uwopt/report/text/certainty.py",
+        old="known.surest.misses])",
+        new="known.surest.misses[:0]])",
+        test=f"{API}::test_what_surer_hardware_misses_is_told_in_words",
     ),
 )

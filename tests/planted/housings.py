@@ -45,8 +45,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="the search looks through the wall of a tube",
         file="uwopt/solvers/exact/imagers.py",
-        old="np.zeros(len(left)) if problem.paper else widest_corner(seen)[left]",
-        new="np.zeros(len(left))",
+        old="np.zeros(count) if problem.paper else widest_corner([scene.view for scene in sharp.scenes])",
+        new="np.zeros(count)",
         test="tests/solvers/test_housings.py::test_a_cap_behind_whose_rim_the_tube_is_narrower_is_refused",
     ),
     Defect(
@@ -223,8 +223,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a rival in another housing is taken for one in the first",
         file="uwopt/solvers/explain/robustness.py",
-        old="if own_id(own) == own_id(part))",
-        new="if own.id == part.id)",
+        old="[own_id(own) for own in lists[kind]].index(own_id(part))",
+        new="[own.id for own in lists[kind]].index(part.id)",
         test="tests/solvers/test_robustness.py::test_a_rival_keeps_its_housing_among_the_catalogue",
     ),
 )

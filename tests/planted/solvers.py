@@ -930,9 +930,9 @@ DEFECTS: tuple[Defect, ...] = (
         file="uwopt/api/solving.py",
         old="""    if first is not None:
         first(with_risks(made))
-    return (made if quick else doubted(made, sought, goal, timing, deadline, progress, solver)), sought
+    return (made if quick else doubted(made, sought, goal, timing, deadline, progress, solver, choice)), sought
 """,
-        new="""    made = made if quick else doubted(made, sought, goal, timing, deadline, progress, solver)
+        new="""    made = made if quick else doubted(made, sought, goal, timing, deadline, progress, solver, choice)
     if first is not None:
         first(with_risks(made))
     return made, sought

@@ -31,7 +31,8 @@ from uwopt.solvers.confidence.search import (
     judged_anew,
     rank,
 )
-from uwopt.solvers.confidence.summary import ids, surest, told
+from uwopt.solvers.confidence.summary import ids, missed_centrally, surest, told
+from uwopt.solvers.confidence.together import Together
 from uwopt.solvers.confidence.waters import BANDS
 from uwopt.solvers.confidence.worth import gained, worth_of_knowing
 from uwopt.solvers.exact.search import Search
@@ -428,10 +429,56 @@ def test_what_holds_more_often_but_not_by_central_numbers_is_named() -> None:
     seldom, often = sorted(certain.tried, key=lambda one_: one_.held)[:: len(certain.tried) - 1]
     assert seldom.held < often.held
     for best, asked, named in ((seldom, 1.01, True), (often, 1.01, False), (seldom, seldom.held, False)):
-        shown = surest(problem, replace(certain, best=best, asked=asked))
+        shown = surest(problem, objective, replace(certain, best=best, asked=asked))
         assert (shown is not None) == named
         if shown is not None:
             assert shown.held == often.held and shown.hardware == ids(problem, often.found)
+
+
+def test_what_fits_by_central_numbers_is_looked_for_where_the_surest_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    """0.284 images/s are asked. A central 0.28 misses that, though (5 - 0.284)^2 / (4.8 4.72) = 98 % of its draws hold.
+
+    Of 0.285 and 0.33, which fit, 1 - 0.084^2 / (0.09 0.085) = 8 % and 1 - 0.084^2 / (0.25 0.13) = 78 % do; searches in
+    worse numbers bring up the surest alone, beside which the last is no better: it is found beside the other that fits.
+    """
+    monkeypatch.setattr(search_module, "OF_CENTRAL", 1)
+    monkeypatch.setattr(search_module, "A_SEARCH", 1)
+    monkeypatch.setattr(search_module, "can_be_proven", lambda problem, objective: False)
+    rates = {3.0: (0.2, 0.285, 0.29), 3.5: (0.2, 0.28, 5.0), 4.0: (0.2, 0.33, 0.45)}
+    first, *others = [{"power_w": w, "max_frame_rate_hz": between(*rate)} for w, rate in rates.items()]
+    sought = sought_of(with_parts(one(wanted=FAST, camera=first), cameras=others))
+    problem, objective = sought.problem, sought.search.objective
+    certain = most_certain(sought, objective, 0.99)
+    assert certain is not None and not certain.enough
+    assert problem.parts.cameras[certain.best.found.camera].id == "camera-1"
+    assert certain.best.held == pytest.approx(1.0 - (RATE_HZ - 0.2) ** 2 / (0.25 * 0.13), abs=0.006)
+    shown = surest(problem, objective, certain)
+    assert shown is not None and shown.hardware[0] == "camera-0" and shown.misses == ["frame_rate"]
+    assert shown.held == pytest.approx((5.0 - RATE_HZ) ** 2 / (4.8 * 4.72), abs=0.006)
+
+
+def test_what_the_surest_misses_is_what_central_numbers_miss() -> None:
+    """A frame rate that is 0.28 by central numbers, where 0.284 are asked; scenarios of any seed may have more."""
+    rate = {"max_frame_rate_hz": between(0.2, 0.28, 0.9)}
+    sought = sought_of(with_parts(one(wanted=FAST), cameras=[rate]))
+    problem, objective = sought.problem, sought.search.objective
+    slow = replace(sought.outcome.best[0], camera=1)
+    drawn = Scenarios.drawn(problem.mission, problem.scenes, Doubt(), seed=0, count=64)
+    seen = outcomes(problem, slow, objective, drawn)
+    for seed in range(4):
+        there = problem.with_mission(problem.mission.with_changes(seed=seed, doubt=Doubt().model_dump()))
+        assert missed_centrally(there, objective, Counted(slow, seen, 0)) == ["frame_rate"]
+    assert missed_centrally(problem, objective, Counted(sought.outcome.best[0], seen, 0)) == []
+
+
+def test_each_scenario_stands_once_behind_the_state_of_its_port() -> None:
+    """A dome whose price is in doubt: its states see alike, and each serves its own scenarios."""
+    sought = sought_of(one(wanted=FAST, port={"price": between(100.0, 300.0, 500.0)}))
+    problem = sought.problem
+    scenarios = Scenarios.drawn(problem.mission, problem.scenes, KNOWN, seed=0, count=40)
+    group = Together.of(problem, sought.outcome.best[:1], scenarios)
+    assert sorted(group.scenario.tolist()) == list(range(40)) and len(np.unique(group.imagers.port)) == 8
+    assert (group.imagers.port == scenarios.port[group.scenario]).all()
 
 
 def test_what_was_chosen_is_kept_when_time_is_over() -> None:

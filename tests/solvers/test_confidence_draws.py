@@ -17,7 +17,8 @@ from uwopt.solvers.confidence.draws import drawn_parts, even_points, probabiliti
 from uwopt.solvers.confidence.panels import panel_of
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.summary import wilson
-from uwopt.solvers.confidence.waters import drawn_states, over_band
+from uwopt.solvers.confidence.waters import Waters, WaterState, drawn_states, over_band
+from uwopt.solvers.recommend import same_scenes
 
 
 @pytest.mark.parametrize(
@@ -119,3 +120,39 @@ def test_beyond_its_band_the_swath_is_as_asked_for() -> None:
     assert scene.view.requirements.min_swath_m == pytest.approx(1.8)
     assert over_band(scene, 0.0).view.requirements.min_swath_m == pytest.approx(1.8)
     assert over_band(scene, 0.25).view.requirements.min_swath_m == pytest.approx(1.5)
+
+
+def test_particles_of_many_states_are_those_of_the_scene_in_each() -> None:
+    """Of a visibility, clear and murky, in both tables: what one scene after another has."""
+    scenes = [{"water": None, "visibility_m": 12.0}]
+    problem = one(wanted={"min_snr_db": 20.0}, scenes=scenes).problem()
+    waters = Waters.of(problem.mission, problem.scenes)
+    states = drawn_states(Doubt(), 1, 48)
+    assert {np.sign(state.clarity) for state in states} >= {-1.0, 1.0}
+    states.append(WaterState(other_table=False, clarity=0.0, lamp_leg=0.0, floor=1.0))
+    seen = waters.nodes_of[0].particles_per_m(states)
+    apart = [waters.at(state)[0].particles_per_m() for state in states]
+    assert np.ptp([column.max() for column in apart]) > 0.0
+    np.testing.assert_allclose(seen, apart, rtol=1e-14)
+
+
+def test_known_waters_ask_for_what_a_mission_asks() -> None:
+    """A swath that is asked for anew is asked beyond the band too; who stands still leaves no band."""
+    case_ = one(wanted={"min_swath_m": 1.5}, vehicle={"altitude_tolerance_m": 0.2})
+    problem, mission = case_.problem(), case_.mission
+    waters, beyond = Waters.of(mission, problem.scenes), WaterState(False, 0.0, 0.0, 1.0, 0.25)
+    central = replace(beyond, beyond=0.0)
+    for state in (beyond, central):
+        waters.kept(state)
+    wider = mission.with_changes(requirements=mission.to_dict()["requirements"] | {"min_swath_m": 1.6})
+    scenes = same_scenes(problem, wider)
+    assert scenes is not None
+    seen = waters.seen_by(wider, scenes)
+    for state in (beyond, central):
+        ours, anew = seen.kept(state)[0], Waters.of(wider, scenes).at(state)[0]
+        assert ours.cache is waters.kept(state)[0].cache and ours.view == anew.view
+        assert ours.range_m.tolist() == anew.range_m.tolist() and ours.view.requirements.min_swath_m == 1.6
+    still = mission.with_changes(vehicle=mission.to_dict()["vehicle"] | {"speed_m_s": 0.0})
+    scenes = same_scenes(problem, still)
+    assert scenes is not None
+    assert waters.seen_by(still, scenes).kept(beyond)[0].range_m.tolist() == problem.scenes[0].range_m.tolist()

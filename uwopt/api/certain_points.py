@@ -1,41 +1,75 @@
-"""Points of `whatif` at which hardware is recommended with certainty: each a `solve` of its own, without its doubts."""
+"""Points of `whatif` at which hardware is recommended with certainty: each by a search of its own, which takes light in
+waters and the hardware of the last one where it is about the same water and heights.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
-from uwopt.api.solving import interrupted, solve
+from uwopt.api.certainty import Recommended, with_confidence
+from uwopt.api.searching import searched
+from uwopt.api.solving import SEARCH_SHARE, status_of
 from uwopt.api.varied import Systems
 from uwopt.deadline import Deadline
+from uwopt.forward.assembly import load_catalog
+from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Value
+from uwopt.model.fineness import DEFAULT
+from uwopt.objectives.goal import goal_of
+from uwopt.results.certainty import Confidence
 from uwopt.results.design import Design
-from uwopt.results.result import Result
 from uwopt.results.whatif import WhatIfPoint, WinningSystem
+from uwopt.solvers.exact.certificate import certificate
+from uwopt.solvers.recommend import best_settable
+from uwopt.tolerances import PROVEN_GAP_REL
+
+LISTED = 5  # designs of the central search that its best settable one is taken from
 
 
-def certain_point(values: Sequence[Value], mission: Mission, systems: Systems, deadline: Deadline) -> WhatIfPoint:
-    """What `solve` recommends for a mission at its confidence; the objective is its median over the scenarios.
+@dataclass
+class CertainPoints:
+    """Points of one table, one after another."""
 
-    Hardware that does not hold as often as asked counts as nothing that fits. Raises KeyboardInterrupt.
-    """
-    seconds = deadline.left_s if math.isfinite(deadline.left_s) else None
-    result = solve(mission, quick=True, explain=False, seconds=seconds)
-    if interrupted(result):
-        raise KeyboardInterrupt
-    counted, design = result.confidence, result.recommendation
-    if design is None:
-        return WhatIfPoint(list(values), "infeasible" if result.status == "infeasible" else "stopped")
-    if counted is None:
-        return WhatIfPoint(list(values), "stopped")
-    if not counted.enough:
-        return WhatIfPoint(list(values), "infeasible", figures={"held": counted.held})
-    status = "optimal" if result.status == "optimal" else "feasible"
-    return WhatIfPoint(
-        list(values), status, systems.place_of(system_of(design)), counted.objective_p50,
-        figures=figures_of(result, design),
-    )  # fmt: skip
+    systems: Systems
+    deadline: Deadline
+    last: Recommended | None = None
+    scenes_of: Problem | None = None
+
+    def point(self, values: Sequence[Value], mission: Mission) -> WhatIfPoint:
+        """What `solve` recommends for a mission at its confidence; the objective is its median over the scenarios.
+
+        Hardware that does not hold as often as asked counts as nothing that fits. Raises KeyboardInterrupt.
+        """
+        goal, timing, timed = goal_of(mission), dict[str, float](), math.isfinite(self.deadline.end_s)
+        for_search = self.deadline.at_most(SEARCH_SHARE * self.deadline.left_s) if timed else self.deadline
+        sought, other = searched(
+            mission, load_catalog(mission), goal, LISTED, for_search, None, timing, DEFAULT, scenes_of=self.scenes_of
+        )
+        if any(one is not None and one.outcome.interrupted for one in (sought, other)):
+            raise KeyboardInterrupt
+        self.scenes_of = sought.problem
+        if not sought.outcome.best:
+            return WhatIfPoint(list(values), "infeasible" if sought.outcome.complete else "stopped")
+        winner = None
+        if timed:
+            sought, winner = best_settable(sought, goal, self.deadline)
+        made = with_confidence(sought, winner, goal, self.deadline, None, timing, self.last)
+        counted, design = made.counted, made.design
+        if counted is None:
+            return WhatIfPoint(list(values), "stopped")
+        self.last = made
+        if not counted.enough:
+            return WhatIfPoint(list(values), "infeasible", figures={"held": counted.held})
+        proof = certificate(made.sought.selection, made.sought.problem, made.proven, goal)
+        exact = design.is_settable and made.is_best and (proof.gap_rel or 0.0) <= PROVEN_GAP_REL
+        status = "optimal" if status_of(proven=made.sought.outcome.complete, exact=exact) == "optimal" else "feasible"
+        return WhatIfPoint(
+            list(values), status, self.systems.place_of(system_of(design)), counted.objective_p50,
+            figures=figures_of(counted, design),
+        )  # fmt: skip
 
 
 def system_of(design: Design) -> WinningSystem:
@@ -46,11 +80,10 @@ def system_of(design: Design) -> WinningSystem:
     return WinningSystem(**ids, light_count=design.hardware.light_count, generic=generic)
 
 
-def figures_of(result: Result, design: Design) -> dict[str, float]:
+def figures_of(counted: Confidence, design: Design) -> dict[str, float]:
     """In how many fresh scenarios it holds, and what it costs and draws by central numbers."""
-    assert result.confidence is not None
     made = {
-        "held": result.confidence.held, "power_w": design.totals.power_w, "cost": design.totals.cost.value,
+        "held": counted.held, "power_w": design.totals.power_w, "cost": design.totals.cost.value,
         "mass_kg": design.totals.mass_kg,
     }  # fmt: skip
     return {name: float(value) for name, value in made.items() if value is not None}

@@ -23,6 +23,7 @@ from uwopt.results.certainty import Confidence
 from uwopt.results.design import FARTHEST_M, Design, Note
 from uwopt.solvers.confidence.counted import Counted, rank
 from uwopt.solvers.confidence.fixed import SceneSetting
+from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.search import (
     Certain,
     Looked,
@@ -32,13 +33,15 @@ from uwopt.solvers.confidence.search import (
     judged_anew,
     look,
     scenarios_of,
+    seen_too,
     unheard,
 )
 from uwopt.solvers.confidence.summary import told
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.recommend import Sought, best_settable, design_of
+from uwopt.solvers.explain.robustness import among
+from uwopt.solvers.recommend import Sought, best_settable, design_of, same_scenes
 
 MADE_IS_SURER = "made_is_surer"  # code of the warning that parts to be made hold as often as asked, sold ones not
 ALL_PARTS = "parts to be made that may hold more often"  # where there is no time for them
@@ -46,7 +49,7 @@ NOT_CERTAIN = "not_certain"  # code of the warning that nothing holds as often a
 CERTAINTY_S = 15.0  # of the processor, where no time is given
 SOLD_SHARE = 0.4  # of it, until parts to be made are looked at where those that are sold do not hold
 MADE_SHARE = 0.6  # of what is left then, for these: the rest is for the most certain of what is sold
-EASED_S = 3.0  # of the processor, likewise, for what asked less would make certain enough
+EASED_S = 2.0  # of the processor, likewise, for what asked less would make certain enough
 MOST_SET = 6  # stops of a ring, of one hardware or the next, that are tried to be set
 OF_A_SYSTEM = 10_000  # scenarios in which a given system is counted
 AS_CENTRAL = "certainty_left_out"  # that there was no time for it
@@ -62,26 +65,29 @@ class Recommended:
     counted: Confidence | None
     is_best: bool  # whether it is proven best
     of_all_parts: bool = False  # whether parts to be made were taken though what is sold fits by central numbers
+    choice: Certain | None = None  # with the scenarios that it was made on
 
 
 def with_confidence(
     sought: Sought, winner: Design | None, goal: Objective, deadline: Deadline, progress: Progress | None,
-    timing: dict[str, float],
+    timing: dict[str, float], before: Recommended | None = None,
 ) -> Recommended:  # fmt: skip
     """What is recommended at the mission's confidence: its design, and what was counted.
 
     There must be a design, and a mission that does not take every number as central.
 
     winner : the best by central numbers, as it can be set; None: made only where nothing was counted
+    before : what is recommended for a mission that differs in a few keys: its waters and its hardware are known
     """
     asked, report, proven = sought.problem.mission.confidence, progress or unheard, sought.outcome
     patience = deadline if math.isfinite(deadline.end_s) else Deadline.after(CERTAINTY_S, time.process_time)
     sold, certain, surer = sought, None, None
+    like = None if before is None else waters_of(before, sought.problem)
     with timed(timing, "certainty", progress):
         others = leaves_out_generic(sought)
         first = patience.at_most(SOLD_SHARE * patience.left_s) if others else patience
         seen = patience.within(
-            STAGES["certainty"], lambda: look(sought, goal, asked, first, report, with_room=others), None
+            STAGES["certainty"], lambda: look(sought, goal, asked, first, report, with_room=others, like=like), None
         )
     if seen is not None:
         made = patience.at_most(MADE_SHARE * patience.left_s)
@@ -90,8 +96,12 @@ def with_confidence(
             sought, seen, proven = surer[0], surer[1], surer[0].outcome
         with timed(timing, "certainty", progress):
             if surer is None and others and seen.held < seen.share:
-                known = seen
-                seen = patience.within(STAGES["certainty"], lambda: look(sold, goal, asked, patience, report), known)
+                known, like = seen, seen.scenarios.seen_by(sold.problem.mission, sold.problem.scenes)
+                seen = patience.within(
+                    STAGES["certainty"], lambda: look(sold, goal, asked, patience, report, like=like), known
+                )
+            if before is not None:
+                seen = seen_too(sought.problem, goal, seen, hardware_before(before, sought.problem))
             certain = chosen(sought.problem, goal, seen, patience, report)
     if certain is None:
         return as_central(sold, winner, goal, deadline, patience)
@@ -114,7 +124,31 @@ def with_confidence(
         design = with_note(design, Note(MADE_IS_SURER, "catalog.generic", text))
     next_best = [one for one in sought.outcome.best if not same_hardware(one, certain.central)]
     headed = replace(sought, outcome=replace(sought.outcome, best=[certain.central, *next_best]))
-    return Recommended(headed, proven, design, counted, counted.enough and certain.proven, surer is not None)
+    return Recommended(headed, proven, design, counted, counted.enough and certain.proven, surer is not None, certain)
+
+
+def waters_of(before: Recommended, problem: Problem) -> Scenarios | None:
+    """Scenarios of a mission like this as it sees them; None where its water, heights or doubts are others."""
+    mission, old = problem.mission, before.sought.problem
+    same = mission.doubt == old.mission.doubt and mission.seed == old.mission.seed
+    if before.choice is None or not same or same_scenes(old, mission) is None:
+        return None
+    return before.choice.scenarios.seen_by(mission, problem.scenes)
+
+
+def hardware_before(before: Recommended, problem: Problem) -> list[Found]:
+    """What was recommended for a mission like this, by its places among these parts, if it is there."""
+    if before.choice is None:
+        return []
+    try:
+        found = among(problem, before.choice.best.found, before.sought.problem)
+    except ValueError:
+        return []
+    mounts, low, high = problem.mounts, *problem.count_range
+    if found.lighting.mount not in mounts or not low <= found.count <= high:
+        return []
+    optics = int(problem.lights.optics_index[found.light])
+    return [replace(found, lighting=Lighting(optics, mounts.index(found.lighting.mount), found.lighting.mount))]
 
 
 def with_note(design: Design, note: Note) -> Design:
@@ -151,7 +185,8 @@ def surer_of_all_parts(
         if not every.outcome.complete:
             raise OutOfTimeError
         with timed(timing, "certainty", progress):
-            seen = look(every, goal, sold.asked, deadline, progress or unheard, with_room=True)
+            like = sold.scenarios.seen_by(every.problem.mission, every.problem.scenes)
+            seen = look(every, goal, sold.asked, deadline, progress or unheard, with_room=True, like=like)
         return (every, seen) if seen.held >= seen.share else None
 
     return deadline.within(ALL_PARTS, found, None)
@@ -230,22 +265,23 @@ def confidence_of(
     seen = Counted(found, made, made.best(share))
     by = [] if asked == ENDS else decided_by(problem, goal, seen, scenarios)
     known = counted(problem, goal, seen, asked=asked, share=share, decided_by=by)
-    return eased(problem, found, goal, known, deadline)
+    if known.enough or asked == ENDS:
+        return known
+    few = scenarios_of(problem, share, problem.mission.seed, problem.mission.doubt.scenarios, scenarios)
+    seen = Counted(found, outcomes(problem, found, goal, few, f_numbers=[seen.f_number] if seen.f_number else None), 0)
+    return eased(problem, goal, known, Certain(share, few, seen, found, [seen], complete=True), deadline)
 
 
-def eased(problem: Problem, found: Found, goal: Objective, known: Confidence, deadline: Deadline) -> Confidence:
-    """What was counted, and where that is not enough, with what asked less it would be."""
+def eased(problem: Problem, goal: Objective, known: Confidence, choice: Certain, deadline: Deadline) -> Confidence:
+    """What was counted, and where that is not enough, with what asked less it would be in the scenarios of a choice."""
     from uwopt.solvers.confidence.deciding import would_hold
-    from uwopt.solvers.confidence.outcomes import outcomes
 
     if known.enough or known.asked == ENDS:
         return known
     timed = math.isfinite(deadline.end_s)
     deadline = deadline.at_most(EASED_S) if timed else Deadline.after(EASED_S, time.process_time)
-    share, stops = float(known.asked), None if known.f_number is None else [known.f_number]
-    scenarios = scenarios_of(problem, share, problem.mission.seed, problem.mission.doubt.scenarios)
-    seen = Counted(found, outcomes(problem, found, goal, scenarios, f_numbers=stops), 0)
-    return replace(known, would_hold=would_hold(problem, goal, seen, scenarios, share, deadline))
+    told = would_hold(problem, goal, choice.best, choice.scenarios, choice.asked, deadline)
+    return replace(known, would_hold=told)
 
 
 def as_given(problem: Problem, hardware: Hardware, design: Design) -> list[SceneSetting]:

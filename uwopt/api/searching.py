@@ -12,6 +12,7 @@ from uwopt.api.timing import timed
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import Deadline
 from uwopt.forward.assembly import Generic
+from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.model.fineness import Fineness
 from uwopt.objectives.objective import Objective
@@ -23,12 +24,13 @@ from uwopt.solvers.settings.best import scenes_need_cells
 def searched(
     mission: Mission, catalog: Catalog, goal: Objective, top: int, deadline: Deadline,
     progress: Progress | None, timing: dict[str, float], fineness: Fineness, like: Sought | None = None,
+    scenes_of: Problem | None = None,
 ) -> Searched:  # fmt: skip
     """The search over parts that are sold, and with parts to be made where they could matter.
 
     Where nothing that is sold fits and the gain has a cap that yields, all parts without it are asked first for any
     design that fits: where none does, nothing fits with the cap either. `like` is a search of the same parts in the
-    same scenes that differs in the cap of gain alone.
+    same scenes that differs in the cap of gain alone, `scenes_of` a problem whose scenes may be the same.
     """
     policy, capless = mission.catalog.generic, mission.without_gain_cap
     first: Generic = "allow" if policy == "allow" else "never"
@@ -36,7 +38,7 @@ def searched(
         seek, catalog=catalog, objective=goal, top=top, deadline=deadline, progress=progress, fineness=fineness
     )
     with timed(timing, "search"):
-        sought = look(mission, generic=first, **known_from(like))
+        sought = look(mission, generic=first, **(known_from(like) or {"like": scenes_of}))
     alternative: Sought | None = None
     if policy == "fallback" and sought.outcome.complete:
         with timed(timing, "search_generic"):

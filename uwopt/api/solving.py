@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from uwopt.api.accuracy import (
     Searched,
@@ -56,6 +56,9 @@ from uwopt.solvers.recommend import (
 from uwopt.solvers.settable.rounding import given_of
 from uwopt.tolerances import PROVEN_GAP_REL
 from uwopt.units import format_quantity
+
+if TYPE_CHECKING:
+    from uwopt.solvers.confidence.search import Certain
 
 EXPLAIN_S = 9.0  # of the processor, for a mission that nothing meets and what would help, where no time is given
 LEAST_EXPLAIN_S = 5.0  # for what would help, however long the search took: in less hardly any is found
@@ -225,14 +228,14 @@ def found_result(
             others = [design_of(sought, found, goal, with_rounding=False) for found in runners_up]
         except KeyboardInterrupt:  # what is proven is not lost; asked again, it is
             cut, winner = True, design_of(sought, sought.outcome.best[0], goal)
-    certain, surely_best, proven_outcome = None, True, sought.outcome  # of central numbers
+    certain, choice, surely_best, proven_outcome = None, None, True, sought.outcome  # of central numbers
     if not cut and not central:
         from uwopt.api.certainty import with_confidence
 
         try:
             made_sure = with_confidence(sought, winner, goal, deadline, progress, timing)
             sought, proven_outcome, winner = made_sure.sought, made_sure.proven, made_sure.design
-            certain, surely_best = made_sure.counted, made_sure.is_best
+            certain, choice, surely_best = made_sure.counted, made_sure.choice, made_sure.is_best
             if made_sure.of_all_parts:
                 alternative, others = None, []
         except KeyboardInterrupt:
@@ -278,7 +281,7 @@ def found_result(
         return made, sought
     if first is not None:
         first(with_risks(made))
-    return (made if quick else doubted(made, sought, goal, timing, deadline, progress, solver)), sought
+    return (made if quick else doubted(made, sought, goal, timing, deadline, progress, solver, choice)), sought
 
 
 def with_ranges(
@@ -323,9 +326,12 @@ def status_of(*, proven: bool, exact: bool) -> str:
 
 def doubted(
     made: Result, sought: Sought, goal: Objective, timing: dict[str, float], deadline: Deadline,
-    progress: Progress | None, solver: str,
+    progress: Progress | None, solver: str, choice: Certain | None,
 ) -> Result:  # fmt: skip
-    """A result with how firm it is, what more power and money would buy, and second opinions, in time."""
+    """A result with how firm it is, what more power and money would buy, and second opinions, in time.
+
+    choice : of hardware that holds in the doubt, where it was made so
+    """
     from uwopt.solvers.explain.knee import knee
     from uwopt.solvers.explain.prices import prices
 
@@ -338,11 +344,11 @@ def doubted(
     costs: list[Price] = []
     counted = made.confidence
     try:
-        if counted is not None and not counted.enough:
+        if counted is not None and choice is not None and not counted.enough:
             from uwopt.api.certainty import eased
 
             with timed(timing, "eased", progress):
-                counted = eased(sought.problem, sought.outcome.best[0], goal, counted, deadline)
+                counted = eased(sought.problem, goal, counted, choice, deadline)
         with timed(timing, "robustness", progress):
             doubt = doubts(sought, goal, winner, patience)
         if goal.quality:

@@ -133,9 +133,9 @@ class Work:
         """A grid over keys, with a sweep of its own."""
         made = VariedGrid(self.base, tuple(keys), self.systems, Warm(self.deadline))
         if self.certain:
-            from uwopt.api.certain_points import certain_point
+            from uwopt.api.certain_points import CertainPoints
 
-            made.certain = lambda at, mission: certain_point(at, mission, self.systems, self.deadline)
+            made.certain = CertainPoints(self.systems, self.deadline).point
         return made
 
     def say(self, share: float, what: str) -> None:

@@ -104,4 +104,8 @@ class Doubt(Section):
         default=256, description="number of scenarios that the search draws"
     )
 
-
+    @property
+    def none(self) -> Doubt:
+        """The same settings where nothing is in doubt: every number at its central value."""
+        known = {"parts": False, "clarity": False, "lamp_leg": False, "other_water_table": 0.0, "beyond_band": 0.0}
+        return self.model_copy(update=known | dict.fromkeys(("floor", "lamp_output", "focus"), (1.0, 1.0)))

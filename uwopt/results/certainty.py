@@ -49,6 +49,9 @@ class Surest(Record):
 
     hardware: list[str] = Field(description="its parts")
     held: Number = Field(description="share of the scenarios that the choice was made on in which it holds")
+    misses: list[str] = Field(
+        default_factory=list, description="requirement that it misses first with every number at its central value"
+    )
 
 
 @dataclass(frozen=True, config=RECORD)

@@ -85,9 +85,10 @@ def facts(result: Result, known: Confidence) -> Iterator[tuple[str, str]]:
         yield "else missed first", words.listed(told) + kept
     if known.surest is not None:
         parts = words.listed([formats.one_line(part, 60) for part in known.surest.hardware])
+        missed = words.listed([lost_text(name) for name in known.surest.misses])
         yield "surest", (
-            f"{parts}, which holds in {percent(known.surest.held)}, but misses what is asked by central numbers: "
-            "there are no settings to tell"
+            f"{parts}, which holds in {percent(known.surest.held)}, but misses what is asked by central numbers"
+            f"{f' ({missed})' if missed else ''}, so that there are no settings to tell"
         )
     if known.central_objective is not None and known.central_held is not None:
         yield "by central numbers", central_text(result, known)

@@ -26,7 +26,6 @@ from uwopt.results.certainty import Decides
 from uwopt.solvers.confidence.counted import Counted
 from uwopt.solvers.confidence.outcomes import outcomes
 from uwopt.solvers.confidence.scenarios import Scenarios
-from uwopt.solvers.confidence.waters import Waters
 from uwopt.solvers.confidence.worth import OF_LUCK, numbers_of
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.explain.least_change import rounded_away
@@ -167,9 +166,7 @@ def held_with(
 ) -> float:
     """Share of the same scenarios in which one hardware holds in another mission; `moved`: at another altitude."""
     alone = problem_of(problem, found, mission=mission, scenes=same_scenes(problem, mission))
-    waters = Waters.of(mission, alone.scenes)
-    for own, known in zip(waters.nodes_of, scenarios.waters.nodes_of, strict=True):
-        own.known = known.known  # spectra, which no requirement changes
-    here = replace(scenarios, waters=waters, responses={} if moved else scenarios.responses)
+    here = scenarios.seen_by(mission, alone.scenes)
+    here = replace(here, known=scenarios.known, responses={} if moved else scenarios.responses)
     made = outcomes(alone, replace(found, camera=0, lens=0, port=0, light=0), objective, here)
     return float(made.held.max())

@@ -10,7 +10,7 @@ What seemed better than the last best is likely to be better still with the next
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from uwopt.deadline import Deadline, OutOfTimeError
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.confidence.counted import Counted, best_of, names
+from uwopt.solvers.confidence.counted import Counted, names, rank
 from uwopt.solvers.confidence.outcomes import outcomes_of_each
 from uwopt.solvers.confidence.scenarios import Scenarios, SomeScenarios
 from uwopt.solvers.confidence.together import colours_of
@@ -39,25 +39,40 @@ BETTER_REL = 1e-4  # of the objective: what seems no better is not counted
 CLOSE_REL, MOST_CLOSE = 0.01, 2  # but of what seems as good but for luck so many in the end, beside the best
 
 
+Serves = Callable[[Counted], bool]
+
+
+def whatever(one: Counted) -> bool:
+    """Where all that is counted may be chosen."""
+    del one
+    return True
+
+
+def first_of(tried: Sequence[Counted], share: float, serves: Serves) -> Counted | None:
+    """The best of what was counted that serves; what is worse is not asked."""
+    ranked = sorted(tried, key=lambda one: rank(one, share))
+    return next(filter(serves, ranked), None)
+
+
 def polish(
     problem: Problem, objective: Objective, scenarios: Scenarios, share: float, tried: list[Counted],
-    deadline: Deadline, a_round_s: float = math.inf,
+    deadline: Deadline, a_round_s: float = math.inf, serves: Serves = whatever,
 ) -> bool:  # fmt: skip
-    """Count what may be better by one part than the best known; whether there was time until nothing is.
+    """Count what may be better by one part than the best known that serves; whether there was time until nothing is.
 
     Who finds something better has `a_round_s` anew, as far as the deadline goes.
     """
     known: set[Any] = set()
     both: list[Found] = []
     for _ in range(ROUNDS):
-        best = best_of(tried, share)
+        best = first_of(tried, share, serves)
         if best is None:
             return True
         near = [one for one in [*both, *neighbours(problem, best.found)] if names(problem, one) not in known]
         near = list({names(problem, one): one for one in near}.values())
         known.update(names(problem, one) for one in near)
-        seen = compare(problem, objective, scenarios, share, tried, near, deadline.at_most(a_round_s))
-        better = best_of(tried, share)
+        seen = compare(problem, objective, scenarios, share, tried, near, deadline.at_most(a_round_s), best)
+        better = first_of(tried, share, serves)
         if better is best or better is None:
             if math.isfinite(a_round_s) and not deadline.passed():  # else all is looked at, or proven
                 count(problem, objective, scenarios, share, tried, seen.close[:MOST_CLOSE])
@@ -98,11 +113,9 @@ class SeenBeside(NamedTuple):
 
 def compare(
     problem: Problem, objective: Objective, scenarios: Scenarios, share: float, tried: list[Counted],
-    others: Sequence[Found], deadline: Deadline,
+    others: Sequence[Found], deadline: Deadline, best: Counted,
 ) -> SeenBeside:  # fmt: skip
     """Look at other hardware beside the best known, and count what seems better."""
-    best = best_of(tried, share)
-    assert best is not None
     known = {names(problem, one.found) for one in tried}
     new = [
         one for one in others

@@ -135,8 +135,9 @@ class Prover:
 
     def _glance_at(self, some: Sequence[Found]) -> None:
         """Count what seems better in some scenarios: the sooner the best is known, the less has to be counted."""
-        patience = self.deadline.at_most(GLANCE_SHARE * self.deadline.left_s)
-        compare(self.problem, self.objective, self.scenarios, self.share, self.tried, some, patience)
+        patience, best = self.deadline.at_most(GLANCE_SHARE * self.deadline.left_s), best_of(self.tried, self.share)
+        assert best is not None
+        compare(self.problem, self.objective, self.scenarios, self.share, self.tried, some, patience, best)
 
     @property
     def _total(self) -> int:

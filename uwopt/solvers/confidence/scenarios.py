@@ -59,6 +59,10 @@ class Scenarios:
         responses = {} if like is None else like.responses
         return Scenarios(doubt, seed, count, states, waters, port, focus, responses=responses)
 
+    def seen_by(self, mission: Mission, scenes: Sequence[SceneOptics]) -> Scenarios:
+        """The same draws for a mission that asks for other things in these scenes; light in the waters is kept."""
+        return replace(self, waters=self.waters.seen_by(mission, scenes), known={}, responses={})
+
     @property
     def all_states(self) -> list[WaterState]:
         """The states between whose ends light is worked out."""
@@ -99,7 +103,7 @@ class Scenarios:
     def scenes_at(self, share: float) -> list[SceneOptics]:
         """The scenes in water that takes more of the light than in so large a share of the scenarios."""
         place = min(int(share * self.count), self.count - 1)
-        return self.waters.at(self.states[int(self.by_loss[place])])
+        return self.waters.kept(self.states[int(self.by_loss[place])])
 
     def favoured(self, part: Any) -> Any:
         """A part that is in no scenario more favourable."""

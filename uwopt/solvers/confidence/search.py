@@ -21,7 +21,7 @@ from uwopt.forward.problem import Problem
 from uwopt.mission.doubt import ENDS
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.candidates import worse_problem
-from uwopt.solvers.confidence.counted import Counted, names, rank
+from uwopt.solvers.confidence.counted import Counted, best_of, names, rank
 from uwopt.solvers.confidence.ends import EndScenarios
 from uwopt.solvers.confidence.outcomes import outcomes, outcomes_of_each
 from uwopt.solvers.confidence.polish import polish
@@ -116,12 +116,16 @@ class Looked:
 
 def look(
     sought: Sought, objective: Objective, asked: float | str, deadline: Deadline, report: Report, *,
-    with_room: bool = False,
+    with_room: bool = False, like: Scenarios | None = None,
 ) -> Looked:  # fmt: skip
-    """Count hardware that is likely to hold; `with_room`: no more than central optima where nothing fits with room."""
+    """Count hardware that is likely to hold.
+
+    with_room : no more than central optima where nothing fits with room
+    like : scenarios of the same mission and scenes, whose waters are known
+    """
     problem, mission = sought.problem, sought.problem.mission
     check_fixed(problem, objective)
-    seen = Looked(asked, scenarios_of(problem, asked, mission.seed, mission.doubt.scenarios), [], True)
+    seen = Looked(asked, scenarios_of(problem, asked, mission.seed, mission.doubt.scenarios, like), [], True)
     tried, hold = seen.tried, partial(holding, seen.tried, seen.share)
     try:
         for some in candidates(
@@ -138,6 +142,17 @@ def look(
     return seen
 
 
+def seen_too(problem: Problem, objective: Objective, seen: Looked, known: Sequence[Found]) -> Looked:
+    """With further hardware counted, if it is not yet: what is known to be good in a mission like this."""
+    had = {names(problem, one.found) for one in seen.tried}
+    some = [one for one in known if names(problem, one) not in had]
+    if not some or not seen.complete:
+        return seen
+    made = outcomes_of_each(problem, some, objective, seen.scenarios)
+    counted = [Counted(found, one, one.best(seen.share)) for found, one in zip(some, made, strict=True)]
+    return replace(seen, tried=[*seen.tried, *counted])
+
+
 def chosen(
     problem: Problem, objective: Objective, seen: Looked, deadline: Deadline, report: Report
 ) -> Certain | None:
@@ -147,7 +162,11 @@ def chosen(
     if seen.complete and scenarios.is_drawn:
         rest = PROVEN_REST if can_be_proven(problem, objective) else UNPROVEN_REST
         most_s, a_round_s = ((1.0 - rest) * deadline.left_s, POLISH_S) if timed else (math.inf, math.inf)
-        polish(problem, objective, scenarios, share, tried, deadline.at_most(most_s), a_round_s)
+        patience = deadline.at_most(most_s)
+        polish(problem, objective, scenarios, share, tried, patience, a_round_s)
+        serves, best = partial(fits_centrally, problem, objective, {}), best_of(tried, share)
+        if best is not None and best.held < share and not serves(best):  # what is surest cannot be told settings of
+            polish(problem, objective, scenarios, share, tried, patience, a_round_s, serves)
     proof = None
     if seen.complete and can_be_proven(problem, objective):
         patience = deadline.at_most(PROOF_SHARE * deadline.left_s)
@@ -219,6 +238,13 @@ def first_that_fits(
         if (found := at_its_stop(problem, objective, one)) is not None:
             return one, found
     return None, None
+
+
+def fits_centrally(problem: Problem, objective: Objective, known: dict[int, bool], one: Counted) -> bool:
+    """Whether one is feasible with every number at its central value too; `known`: of what was asked before."""
+    if id(one) not in known:
+        known[id(one)] = at_its_stop(problem, objective, one) is not None
+    return known[id(one)]
 
 
 def holding(tried: Sequence[Counted], share: float) -> int:

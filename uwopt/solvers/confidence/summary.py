@@ -22,7 +22,9 @@ from uwopt.results.certainty import (
 )
 from uwopt.solvers.confidence.counted import Counted, rank
 from uwopt.solvers.confidence.deciding import decided_by
+from uwopt.solvers.confidence.outcomes import outcomes
 from uwopt.solvers.confidence.proof import NoneBetter
+from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.search import Certain
 from uwopt.solvers.confidence.waters import may_leave_band
 from uwopt.solvers.confidence.worth import worth_of_knowing
@@ -55,7 +57,7 @@ def told(problem: Problem, objective: Objective, certain: Certain, central: Foun
         central_held=first.held, central_p50=reported(objective, first.quantile(0.5)),
         counted=len(certain.tried), complete=certain.complete, fresh=ends or certain.fresh is not None,
         proof=None if certain.proof is None else proof_told(problem, objective, certain.proof),
-        surest=None if ends else surest(problem, certain),
+        surest=None if ends else surest(problem, objective, certain),
         curve=[] if ends else list(curve(problem, objective, certain)),
         decided_by=[] if ends else decided_by(problem, objective, certain.best, certain.scenarios),
         ask_first=[] if ends else [
@@ -65,12 +67,21 @@ def told(problem: Problem, objective: Objective, certain: Certain, central: Foun
     )  # fmt: skip
 
 
-def surest(problem: Problem, certain: Certain) -> Surest | None:
+def surest(problem: Problem, objective: Objective, certain: Certain) -> Surest | None:
     """What holds more often than a choice that is not certain enough, though nothing fits by central numbers."""
     first = min(certain.tried, key=lambda one: rank(one, certain.asked))
     if certain.enough or first.held <= certain.best.held:
         return None
-    return Surest(ids(problem, first.found), first.held)
+    return Surest(ids(problem, first.found), first.held, missed_centrally(problem, objective, first))
+
+
+def missed_centrally(problem: Problem, objective: Objective, one: Counted) -> list[str]:
+    """What hardware misses first with every number at its central value, iris and focus where scenarios want them."""
+    mission = problem.mission
+    central = Scenarios.drawn(mission, problem.scenes, mission.doubt.none, seed=mission.seed, count=1)
+    stops = None if one.f_number is None else [one.f_number]
+    there = problem.focused_on(one.outcomes.meant_m)
+    return list(outcomes(there, one.found, objective, central, f_numbers=stops).missed(0))
 
 
 def proof_told(problem: Problem, objective: Objective, proof: NoneBetter) -> CertaintyProof:

@@ -26,6 +26,7 @@ from uwopt.forward.scene import (
     SceneOptics,
     geometric,
     scene_optics,
+    seen_anew,
     without_reserve,
 )
 from uwopt.mission.doubt import Doubt
@@ -78,6 +79,18 @@ class Waters:
     def of(mission: Mission, scenes: Sequence[SceneOptics]) -> Waters:
         """Of all scenes of a mission."""
         return Waters([KnownWaters(mission, mission.scene_view(index), scene) for index, scene in enumerate(scenes)])
+
+    def seen_by(self, mission: Mission, scenes: Sequence[SceneOptics]) -> Waters:
+        """The same waters for a mission that asks for other things in these scenes; light that is known is kept."""
+        made = Waters.of(mission, scenes)
+        for own, other in zip(made.nodes_of, self.nodes_of, strict=True):
+            own.known, own.known_columns = other.known, other.known_columns
+        for state, known in self.known.items():
+            again = [seen_again(one, state, scene) for one, scene in zip(known, scenes, strict=True)]
+            there = [one for one in again if one is not None]
+            if len(there) == len(again):
+                made.known[state] = there
+        return made
 
     def at(self, state: WaterState) -> list[SceneOptics]:
         """The scenes in one state."""
@@ -189,8 +202,20 @@ def over_band(scene: SceneOptics, beyond: float) -> SceneOptics:
         return scene
     nominal = float(scene.range_m[scene.nominal])
     most = 0.5 * (1.0 + nominal / (nominal - float(scene.range_m[0])))
-    asked = without_reserve(scene, "min_swath_m", "min_common_swath_m")
-    return replace(asked, range_m=nominal + (scene.range_m - nominal) * min(1.0 + beyond, most), cache={})
+    return replace(as_asked(scene), range_m=nominal + (scene.range_m - nominal) * min(1.0 + beyond, most), cache={})
+
+
+def seen_again(known: SceneOptics, state: WaterState, scene: SceneOptics) -> SceneOptics | None:
+    """One state of a scene, asked for what is asked in a scene; None where that is about other water or heights."""
+    seen = seen_anew(known, scene.view)
+    if seen is None or (state.beyond and may_leave_band(known) != may_leave_band(seen)):
+        return None
+    return as_asked(seen) if state.beyond and may_leave_band(seen) else seen
+
+
+def as_asked(scene: SceneOptics) -> SceneOptics:
+    """A scene with nothing kept in hand of the swath: that is for altitudes beyond the band."""
+    return without_reserve(scene, "min_swath_m", "min_common_swath_m")
 
 
 def over_band_of(problem: Problem, beyond: float) -> Problem:

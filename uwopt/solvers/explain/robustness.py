@@ -283,11 +283,14 @@ def outcome_rivals(sought: Sought, good: Sequence[Found], mixed: Problem) -> lis
 
 
 def among(problem: Problem, found: Found, mixed: Problem) -> Found:
-    """A design of the mixed problem, which may hold a part twice, by the places of its parts in another."""
+    """A design of the mixed problem, which may hold a part twice, by the places of its parts in another.
+
+    Raises ValueError where a part is not there.
+    """
     own_parts = problem.parts
     lists = dict(zip(KINDS, (own_parts.cameras, own_parts.lenses, own_parts.ports, own_parts.lights), strict=True))
     places: dict[str, Any] = {
-        kind: next(place for place, own in enumerate(lists[kind]) if own_id(own) == own_id(part))
+        kind: [own_id(own) for own in lists[kind]].index(own_id(part))
         for kind, part in parts_of(mixed, found)
     }
     return replace(found, **places)
