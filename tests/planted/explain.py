@@ -196,6 +196,20 @@ DEFECTS = (
         test="tests/solvers/test_least_change.py::test_a_budget_that_is_missed_by_far_weakens_no_limit_to_less_than_nothing",
     ),
     Defect(
+        name="nothing is told where what helps is out of reach by far",
+        file="uwopt/solvers/explain/infeasible.py",
+        old="        relaxations = every\n",
+        new="        relaxations = []\n",
+        test="tests/solvers/test_least_change.py::test_what_is_out_of_reach_by_far_is_told_where_nothing_else_is",
+    ),
+    Defect(
+        name="what is known not to help is forgotten",
+        file="uwopt/solvers/explain/singles.py",
+        old="for one in self.helpful} | self.useless",
+        new="for one in self.helpful}",
+        test="tests/solvers/test_least_change.py::test_what_may_help_is_asked_of_first_and_once",
+    ),
+    Defect(
         name="speed and height that give together are told as asked",
         file="uwopt/solvers/explain/together.py",
         old="if key in self.moved and value != self.moved[key]",

@@ -22,6 +22,7 @@ from uwopt.forward.assembly import Generic, build_problem, selected
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
+from uwopt.solvers.exact.account import NOT_REACHED
 from uwopt.solvers.exact.imager_rules import focus_rules, view_rules
 from uwopt.solvers.exact.imagers import (
     FittingPairs,
@@ -155,7 +156,7 @@ class Relaxer:
                 mission, self.catalog, goal, generic=self.generic, top=1, deadline=deadline, like=self.problem,
                 enough=enough, ceiling=ceiling,
             )  # fmt: skip
-        if enough and few_first and (soon := self.among_few(mission, goal, freed, deadline)) is not None:
+        if enough and few_first and (soon := fitting(self.among_few(mission, goal, freed, deadline))) is not None:
             return soon
         problem = self.asking(mission)
         search = Search(
@@ -168,9 +169,9 @@ class Relaxer:
         self, mission: Mission, goal: Objective, freed: Collection[str], deadline: Deadline = NEVER, *,
         enough: bool = True, ceiling: float = math.inf, number: int | None = None,
     ) -> Sought | None:  # fmt: skip
-        """A design that fits, of a few imagers from all over the catalogue; None where that is of no use, or none does.
+        """A search of a few imagers from all over the catalogue; None where that is of no use.
 
-        None proves nothing. `mission` differs in these requirements, which ask for less.
+        Where none of them fits, that proves nothing. `mission` differs in these requirements, which ask for less.
         """
         if not set(freed) <= MAY_PASS.keys() or self.are_too_many or deadline.passed():
             return None
@@ -208,7 +209,7 @@ class Relaxer:
         problem = build_problem(mission, selection, scenes=same_scenes(self.problem, mission))
         pairs = fitting_pairs(problem)
         few = not are_too_many(problem, pairs)
-        if few and few_first and (soon := self._soon(selection, problem, pairs, deadline)) is not None:
+        if few and few_first and (soon := fitting(self._soon(selection, problem, pairs, deadline))) is not None:
             return soon
         try:
             imagers = enumerate_imagers(problem, deadline=deadline) if few else None
@@ -218,7 +219,7 @@ class Relaxer:
         return Sought(selection, problem, search, search.run())
 
     def few_designs(self, mission: Mission, deadline: Deadline) -> Sought | None:
-        """As `any_design`, of a few imagers from all over the catalogue; None where none of them fits."""
+        """As `any_design`, of a few imagers from all over the catalogue; None where that is of no use."""
         selection = selected(mission, self.catalog, generic=self.generic)
         problem = build_problem(mission, selection, scenes=same_scenes(self.problem, mission))
         pairs = fitting_pairs(problem)
@@ -227,7 +228,7 @@ class Relaxer:
     def _soon(
         self, selection: Selection, problem: Problem, pairs: FittingPairs, deadline: Deadline
     ) -> Sought | None:
-        """A design of a few pairs of camera and lens behind all ports."""
+        """A search of a few pairs of camera and lens behind all ports."""
         places = [(int(ports[0]), landscape) for ports in problem.port_groups for landscape in landscapes(problem)]
         share = len(pairs.camera) * len(places) // FEW_PAIRS
         if share < 2 or deadline.passed():
@@ -296,13 +297,23 @@ class Relaxer:
 def found_among(
     selection: Selection, problem: Problem, goal: Objective, imagers: Imagers, deadline: Deadline, *,
     enough: bool = True, ceiling: float = math.inf,
-) -> Sought | None:  # fmt: skip
-    """A search of some imagers alone; None where none of them fits."""
+) -> Sought:  # fmt: skip
+    """A search of some imagers alone."""
     search = Search(
         problem, goal, top=1, deadline=deadline, enough=enough, imagers=imagers, ceiling=ceiling
     )
-    found = Sought(selection, problem, search, search.run())
-    return found if found.outcome.best or found.outcome.interrupted else None
+    return Sought(selection, problem, search, search.run())
+
+
+def fitting(found: Sought | None) -> Sought | None:
+    """A search that found something or that a person ended; None of any other, which proves nothing."""
+    return found if found is not None and (found.outcome.best or found.outcome.interrupted) else None
+
+
+def hope(found: Sought) -> float:
+    """The share of a search's designs that no rule discards: solved, or not reached in time."""
+    account = found.outcome.account
+    return (account.evaluated + account.discarded.get(NOT_REACHED, 0)) / max(account.total, 1)
 
 
 def in_best_housing(problem: Problem, block: PortBlock) -> PortBlock:
