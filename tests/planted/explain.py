@@ -210,6 +210,20 @@ DEFECTS = (
         test="tests/solvers/test_least_change.py::test_what_may_help_is_asked_of_first_and_once",
     ),
     Defect(
+        name="no slower vehicle comes to fewer images a second",
+        file="uwopt/solvers/explain/relaxed.py",
+        old='"speed_m_s": frozenset({"max_blur_px", "frame_rate", "data_rate_mb_s",',
+        new='"speed_m_s": frozenset({"max_blur_px",',
+        test="tests/solvers/test_relaxed.py::test_imagers_that_a_moved_key_frees_are_those_of_a_mission_that_has_it_so",
+    ),
+    Defect(
+        name="imagers see at another height what they see at this one",
+        file=MOVES,
+        old='return OTHER_WATER if key.section == "scene" else key.name',
+        new='return OTHER_WATER if key.name != "speed_m_s" else key.name',
+        test=f"{TESTS}::test_speed_and_height_move_as_far_as_they_must",
+    ),
+    Defect(
         name="speed and height that give together are told as asked",
         file="uwopt/solvers/explain/together.py",
         old="if key in self.moved and value != self.moved[key]",
