@@ -210,6 +210,20 @@ DEFECTS = (
         test="tests/solvers/test_least_change.py::test_what_may_help_is_asked_of_first_and_once",
     ),
     Defect(
+        name="parts that the mission does not name are told as what is left out",
+        file="uwopt/solvers/explain/none_left.py",
+        old="(one.part_id in asked or not patterns)]",
+        new="True]",
+        test="tests/solvers/test_nearest_fit.py::test_a_hull_that_lacks_a_size_is_named_with_what_it_lacks",
+    ),
+    Defect(
+        name="what a design alone misses is not taken for what helps",
+        file="uwopt/solvers/explain/singles.py",
+        old="        if len(missed) != 1 or",
+        new="        if True or",
+        test="tests/solvers/test_least_change.py::test_what_a_design_misses_alone_is_known_to_help",
+    ),
+    Defect(
         name="no slower vehicle comes to fewer images a second",
         file="uwopt/solvers/explain/relaxed.py",
         old='"speed_m_s": frozenset({"max_blur_px", "frame_rate", "data_rate_mb_s",',

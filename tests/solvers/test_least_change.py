@@ -275,6 +275,19 @@ def test_what_may_help_is_asked_of_first_and_once(parts, catalog, monkeypatch):
     assert asked[2:] == [{"overlap"}]
 
 
+def test_what_a_design_misses_alone_is_known_to_help(parts, catalog):
+    """Dropped with one that hinders nothing, the peak of power is all that what fits then misses."""
+    base = mission(parts, max_blur_px=1.0, max_airy_px=9.0)
+    wanted = base.with_changes(limits={"peak_power_w": 5.0})
+    one = Singles(Trials(wanted, catalog, POWER, "never"))
+    names = ["max_airy_px", "peak_power_w"]
+    found = one.trials.seek_without(names)
+    one._take_the_only_miss(found, names)
+    assert [helps.name for helps in one.helpful] == ["peak_power_w"]
+    one._take_the_only_miss(found, names)
+    assert len(one.helpful) == 1  # once
+
+
 def test_a_budget_that_is_missed_by_far_weakens_no_limit_to_less_than_nothing(parts, catalog, monkeypatch):
     """Parts cost 1700 USD, 5.8 times what is asked; five times less of a swath would be a negative one."""
     shares: list[float] = []

@@ -13,6 +13,7 @@ from uwopt.results.result import Certificate
 from uwopt.solvers.explain.contradiction import Contradiction, contradiction
 from uwopt.solvers.explain.moves import SHARE, Mover
 from uwopt.solvers.explain.nearest_fit import nearest_fit
+from uwopt.solvers.explain.none_left import none_left
 from uwopt.solvers.explain.relaxed import ANY, MAY_PASS
 from uwopt.solvers.explain.singles import Relaxation, Singles
 from uwopt.solvers.explain.together import CommonShare, least_set
@@ -60,9 +61,10 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
         nearest,
         together,
         fit,
-        moves,
-        list(clash.names),
+        moves=moves,
+        contradiction=list(clash.names),
         contradiction_is_least=clash.is_least,
+        none_left=[*none_left(trials.mission, trials.relaxer.selection)],
     )
 
 

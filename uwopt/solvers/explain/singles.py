@@ -16,14 +16,14 @@ from uwopt.mission.reserves import asked_when_held
 from uwopt.objectives.objective import Objective
 from uwopt.results.design import Design
 from uwopt.solvers.explain.least_change import Change, least_change, rounded_away
-from uwopt.solvers.explain.reached import deepest, judged_by, miss, rated_depth, reached_value
+from uwopt.solvers.explain.reached import deepest, judged_by, miss, missed_by, rated_depth, reached_value
 from uwopt.solvers.explain.relaxed import ANY, CHEAPEST, FEW_IMAGERS, OF_LIGHT, hope
 from uwopt.solvers.explain.trials import BRIGHT, Trials
 from uwopt.solvers.explain.weakened import RELAXABLE, with_central_prices, with_limit, without
 from uwopt.solvers.recommend import Sought
 
 LIGHT_SHARE, REST_SHARE = 0.5, 0.5  # of the time left, for what each loses when dropped
-FEW_SHARE, FEW_TURN = 0.3, 0.3  # of the time left, for all among a few imagers, and of that for each
+FEW_SHARE, FEW_TURN = 0.3, 3.0  # of the time left, for all among a few imagers, and of a fair part of that for each
 MORE = 8  # times as many, where nothing helps among a few
 SOON = 0.3  # of the time for the best figure: for the best of a few imagers
 HELPED = 0.4  # of their shares is what the others get where something is known to help
@@ -83,11 +83,13 @@ class Singles:
         trials = self.trials
         for number in (FEW_IMAGERS, MORE * FEW_IMAGERS):
             phase = trials.deadline.at_most(FEW_SHARE * trials.deadline.left_s)
-            for name in sorted(trials.limits, key=lambda name: name == "min_snr"):
+            names = sorted(trials.limits, key=lambda name: (name not in OF_LIGHT, name == "min_snr"))
+            for place, name in enumerate(names):
                 if trials.interrupted or phase.passed():
                     break
                 trials.say(0.0, f"why nothing fits: without {name}")
-                self._try_among(name, number, phase.at_most(FEW_TURN * phase.left_s))
+                fair_s = phase.left_s / (len(names) - place)
+                self._try_among(name, number, phase.at_most(FEW_TURN * fair_s))
             if self.helpful or any(self.hopes.values()):
                 break
 
@@ -131,6 +133,7 @@ class Singles:
         self.left = self._open({name: trials.limits[name] for name in trials.limits if name in OF_LIGHT})
         for name in self._useless([name for name in self.left if name != "min_snr"]):
             del self.left[name]
+        self.left = self._open(self.left)
         suspects = self.suspects
         self.left = {name: self.left[name] for name in sorted(self.left, key=lambda name: name not in suspects)}
         self._drop_each(trials.deadline.at_most(self.share(LIGHT_SHARE) * trials.deadline.left_s))
@@ -158,14 +161,25 @@ class Singles:
         """Those of which none helps, as nothing fits without all of them: by halves where something does."""
         if len(names) < FEW:
             return []
-        fits = self.trials.fits_without(names)
-        if fits is None:
+        found = self.trials.seek_without(names)
+        if found is None:
             return []
-        if not fits:
+        if not found.outcome.best:
             return [*names]
+        self._take_the_only_miss(found, names)
         self.suspects = names
         middle = len(names) // 2
         return [*self._useless(names[:middle]), *self._useless(names[middle:])]
+
+    def _take_the_only_miss(self, found: Sought, names: Sequence[str]) -> None:
+        """Where a design without several requirements misses only one of them, that one alone helps."""
+        missed = missed_by(judged_by(self.trials.mission, found, self.trials.objective), names)
+        if len(missed) != 1 or not self._open(dict.fromkeys(missed, 0.0)):
+            return
+        (name,) = missed
+        relaxed = without(self.trials.mission, *RELAXABLE[name][:2])
+        if relaxed is not None:
+            self.helpful.append(Without(name, self.trials.limits[name], relaxed, found))
 
     def _drop_each(self, phase: Deadline, turn: float | None = None) -> None:
         """Drop what is left one by one; `turn`: the share of the time left that each may take, if not the usual."""
