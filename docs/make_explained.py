@@ -414,6 +414,7 @@ def main() -> None:
     commit, kept = commit_of_code(), kept_rows(given.rows)
     old = {one for one, row in kept.items() if given.again and row.status != FITS and row.commit != commit}
     new = [one for one in asked if one not in kept or one in old]
+    new.sort(key=lambda one: one in kept and kept[one].tried > 0)  # first those of which nothing has been tried
     known = {one: row.limit for one, row in kept.items() if row.status == "infeasible"}
     ask = partial(explained_one, commit=commit, tried=not given.untried)
     for row in made([(one, known.get(one)) for one in new], given.jobs, given.within, ask):
