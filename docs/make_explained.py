@@ -65,7 +65,7 @@ SHORT = 0.05  # of a told change: that much less must not do; the search for the
 NO_LADDER = ("mean_level", "lens_stop_down")  # stricter in no one direction; a count of stops
 WITHIN_S = 10.0
 ANY = Objective.of("power")  # any design will do
-TRY_S = 30.0  # of the processor, for one question whether something fits: beyond, it is not known
+TRY_S = 12.0  # of the processor, for one question whether something fits: beyond, it is not known
 FITS = "always fits"
 SEED = 16  # of the order in which they are asked
 
@@ -412,7 +412,9 @@ def main() -> None:
         if (not given.only or one[0] in given.only) and (not given.key or one[1] in given.key)
     ][: given.sample]  # fmt: skip
     commit, kept = commit_of_code(), kept_rows(given.rows)
-    new = [one for one in asked if one not in kept or (given.again and kept[one].commit != commit)]
+    old = {one for one, row in kept.items() if given.again and row.status != FITS and row.commit != commit}
+    new = [one for one in asked if one not in kept or one in old]
+    new.sort(key=lambda one: one in kept and kept[one].tried > 0)  # first those of which nothing has been tried
     known = {one: row.limit for one, row in kept.items() if row.status == "infeasible"}
     ask = partial(explained_one, commit=commit, tried=not given.untried)
     for row in made([(one, known.get(one)) for one in new], given.jobs, given.within, ask):

@@ -18,10 +18,11 @@ from uwopt.report.text.helps import depth_lines
 from uwopt.results.basis import WhyNothing
 from uwopt.results.result import Result
 from uwopt.solvers.exact.certificate import certificate
-from uwopt.solvers.explain import singles
+from uwopt.solvers.explain import infeasible, singles
 from uwopt.solvers.explain.infeasible import why_nothing
 from uwopt.solvers.explain.least_change import rounded_away
 from uwopt.solvers.explain.relaxed import Relaxer
+from uwopt.solvers.explain.singles import Singles
 from uwopt.solvers.explain.together import CommonShare
 from uwopt.solvers.explain.trials import Trials
 from uwopt.solvers.recommend import seek
@@ -256,6 +257,37 @@ def test_dropped_at_once_no_requirement_is_lost_that_helps(parts, catalog, monke
     assert at_once == set(told(wanted, catalog)) >= {"peak_power_w"}
 
 
+def test_what_may_help_is_asked_of_first_and_once(parts, catalog, monkeypatch):
+    """Neither helps alone: the one lens sees 1.42 m, and no light makes 60 dB of its camera's well."""
+    wanted = mission(parts, min_swath_m=9.0, min_snr_db=60.0)
+    asked, honest = [], Relaxer.seek
+
+    def noted(self, mission, goal, freed, **more):
+        asked.append(set(freed))
+        return honest(self, mission, goal, freed, **more)
+
+    monkeypatch.setattr(Relaxer, "seek", noted)
+    one = Singles(Trials(wanted, catalog, POWER, "never"), hopes={"min_snr": 0.1, "min_swath_m": 0.5, "overlap": 0.0})
+    one.drop_hopeful()
+    assert asked == [{"min_swath_m"}, {"min_snr"}]
+    one.drop_light()
+    one.drop_rest()
+    assert asked[2:] == [{"overlap"}]
+
+
+def test_what_a_design_misses_alone_is_known_to_help(parts, catalog):
+    """Dropped with one that hinders nothing, the peak of power is all that what fits then misses."""
+    base = mission(parts, max_blur_px=1.0, max_airy_px=9.0)
+    wanted = base.with_changes(limits={"peak_power_w": 5.0})
+    one = Singles(Trials(wanted, catalog, POWER, "never"))
+    names = ["max_airy_px", "peak_power_w"]
+    found = one.trials.seek_without(names)
+    one._take_the_only_miss(found, names)
+    assert [helps.name for helps in one.helpful] == ["peak_power_w"]
+    one._take_the_only_miss(found, names)
+    assert len(one.helpful) == 1  # once
+
+
 def test_a_budget_that_is_missed_by_far_weakens_no_limit_to_less_than_nothing(parts, catalog, monkeypatch):
     """Parts cost 1700 USD, 5.8 times what is asked; five times less of a swath would be a negative one."""
     shares: list[float] = []
@@ -288,6 +320,12 @@ def test_limits_speed_and_height_told_together_are_enough(parts, catalog):
 def test_an_image_of_no_use_is_no_way_out(parts, catalog, asked, is_told):
     """The lamp at full level blurs more than 1 px: thirty times what is asked is the most that is told."""
     assert ("max_blur_px" in told(mission(parts, max_blur_px=asked, min_snr_db=30.0), catalog)) == is_told
+
+
+def test_what_is_out_of_reach_by_far_is_told_where_nothing_else_is(parts, catalog, monkeypatch):
+    monkeypatch.setattr(infeasible, "changes_together", lambda *_: ([], None))  # as where time is over
+    possible = told(mission(parts, max_blur_px=0.001, min_snr_db=30.0), catalog)["max_blur_px"]
+    assert fits(mission(parts, max_blur_px=possible, min_snr_db=30.0), catalog)
 
 
 @pytest.mark.parametrize(

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import pytest
 from test_least_change import FILES
 
 from uwopt.api.solving import solve
-from uwopt.report.text.nothing_fits import fit_sentence
+from uwopt.report.text.nothing_fits import fit_sentence, no_change_helps, none_left_lines
 from uwopt.results.basis import NearestFit
 from uwopt.results.result import Result
 
@@ -98,3 +99,23 @@ def test_no_size_is_named_where_something_else_stops_it(tmp_path: Path) -> None:
 )
 def test_ports_that_go_on_no_housing_are_told(tmp_path: Path, ports: str, told: str) -> None:
     assert said(result(tmp_path, ports=ports)).endswith(told)
+
+
+def test_a_hull_that_lacks_a_size_is_named_with_what_it_lacks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of all that the mission allows none is left, which no requirement could mend."""
+    unknown = HOUSINGS.replace("{narrow},200,150", "{narrow},,150").replace("tube,60,120,", "tube,60,,")
+    monkeypatch.setattr(sys.modules[__name__], "HOUSINGS", unknown)
+    told = result(tmp_path)
+    assert told.infeasible is not None
+    (none,) = told.infeasible.none_left
+    assert none.kind == "housing" and set(none.reasons) == {"zz-narrow", "zz-short"}
+    (line,) = none_left_lines(told)
+    assert line.plain.startswith("No housing is left to choose: zz-narrow: length inside unknown; zz-short: ")
+    assert no_change_helps(told) == "No requirement alone stands in the way"
+
+
+def test_no_kind_is_said_to_be_lacking_where_some_are_left(tmp_path: Path) -> None:
+    told = result(tmp_path)
+    assert told.infeasible is not None and told.infeasible.none_left == []

@@ -13,8 +13,10 @@ from random_cases import Case, case
 
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission, load_mission
+from uwopt.mission.varying import Varied, VariedMission
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.imagers import Imagers, enumerate_imagers, fitting_pairs, imagers_behind
+from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain import relaxed as relaxed_searches
 from uwopt.solvers.explain.relaxed import MAY_PASS, OF_IMAGERS, Relaxer, in_best_housing
 from uwopt.solvers.explain.weakened import RELAXABLE, asked_value, without
@@ -74,6 +76,33 @@ def test_imagers_that_a_dropped_requirement_frees_are_those_of_a_mission_without
             anew = {place: row for place, row in anew.items() if place not in before}
         assert rows(one.imagers(one.asking(mission), names, one_housing=False)) == anew, names
 
+
+@pytest.mark.parametrize(("seed", "number"), CASES)
+@pytest.mark.parametrize(("key", "times"), [("speed_m_s", 20.0), ("frame_interval_s", 0.02), ("duration_h", 50.0)])
+def test_imagers_that_a_moved_key_frees_are_those_of_a_mission_that_has_it_so(
+    seed: int, number: int, key: str, times: float
+) -> None:
+    """Of a mission that asks for many times as much, moved back."""
+    made, section = case(seed, **KINDS[number]), "requirements" if key == "frame_interval_s" else "vehicle"
+    views = [view.asked if section == "requirements" else view.vehicle for view in made.mission.views]
+    if not (asked := getattr(views[0], key)):
+        return
+    base = VariedMission(made.mission, {})
+    hard, mission = (base.with_values({Varied(key, section, key, ()): value}) for value in (times * asked, asked))
+    search = Search(Problem(hard, made.parts, paper=hard.physics == "paper"), ANY, top=1)
+    one = Relaxer(hard, None, "never", Sought(None, search.problem, search, search.run()))  # type: ignore[arg-type]
+    anew = rows(enumerate_imagers(Problem(mission, made.parts, paper=one.problem.paper)))
+    assert rows(one.imagers(one.asking(mission), {key}, one_housing=False)) == anew
+
+
+@pytest.mark.parametrize(("seed", "number"), CASES)
+def test_imagers_in_other_water_are_the_same(seed: int, number: int) -> None:
+    made, one = relaxer(seed, number)
+    plain = [scene | {"water": "I"} for scene in made.mission.to_dict()["scenes"] if scene.get("water")]
+    if len(plain) < len(made.mission.scenes):
+        return
+    clear = Problem(made.mission.with_changes(scenes=plain), made.parts, paper=one.problem.paper)
+    assert rows(enumerate_imagers(clear)) == rows(enumerate_imagers(one.problem))
 
 
 @pytest.mark.parametrize("few", [1, 500])

@@ -147,6 +147,15 @@ class NearestFit(Record):
 
 
 @dataclass(frozen=True, config=RECORD)
+class NoneLeft(Record):
+    """A kind of part of which a mission's choice leaves none, whatever else is asked."""
+
+    kind: str = Field(description="camera, lens, port, light or housing")
+    reasons: dict[str, str] = Field(description="of parts that the mission names, by id, why each is left out: a few")
+    n_others: int = Field(description="number of further parts left out")
+
+
+@dataclass(frozen=True, config=RECORD)
 class Price(Record):
     """What a step more of one requirement, or of the speed, costs."""
 
@@ -195,6 +204,9 @@ class WhyNothing(Record):
     nearest_fit: NearestFit | None = Field(
         default=None,
         description="where nothing that meets the rest so far fits into any housing; null: that does not stop it",
+    )
+    none_left: list[NoneLeft] = Field(
+        default_factory=list, description="kinds of parts of which none is left, and not for depth alone"
     )
     moves: list[Moved] = Field(
         default_factory=list, description="keys that are no requirements, of which one moved alone would help"

@@ -32,6 +32,7 @@ def infeasible_block(result: Result | FrontResult) -> Block:
     alone = what_helps(result)[1]
     if not alone and not stopped and isinstance(result, Result):  # of fronts, the verdict has said it
         lines.insert(0, sentence(f"{no_change_helps(result)}."))
+    lines += none_left_lines(result)
     lines += [] if (fit := fit_sentence(result)) is None else [fit]
     table = columns(("combinations", "right"), ("excluded because", "left"))
     bounded = False
@@ -64,6 +65,9 @@ def no_change_helps(result: Result | FrontResult) -> str:
     cut = any(note.code == "time" and "could be met without" in note.message for note in result.warnings)
     if cut:
         return "No single requirement that alone stands in the way was found in the time there was"
+    why = result.infeasible
+    if why is not None and (why.none_left or why.nearest_fit is not None):
+        return "No requirement alone stands in the way"
     return "No single requirement stands in the way; at least two have to give"
 
 
@@ -84,6 +88,18 @@ def excluding_most(result: Result) -> Text | None:
         return f"{words.rule_name(rule.name)} ({key}" + (f" {value:g}, by refuse: {word})" if word else ")")
 
     return sentence(f"Most fall by: {'; '.join(map(told, most))}.")
+
+
+def none_left_lines(result: Result | FrontResult) -> list[Line]:
+    """Kinds of parts of which none is left, and why those that the mission names are not."""
+    made: list[Line] = []
+    for one in [] if result.infeasible is None else result.infeasible.none_left:
+        reasons = "; ".join(
+            f"{formats.one_line(name, 60)}: {formats.one_line(why, 120)}" for name, why in one.reasons.items()
+        )
+        others = f"; {formats.count_text(one.n_others)} others are not allowed" if one.n_others else ""
+        made.append(sentence(f"No {one.kind} is left to choose: {reasons}{others}."))
+    return made
 
 
 def fit_sentence(result: Result | FrontResult) -> Text | None:

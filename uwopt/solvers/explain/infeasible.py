@@ -13,6 +13,7 @@ from uwopt.results.result import Certificate
 from uwopt.solvers.explain.contradiction import Contradiction, contradiction
 from uwopt.solvers.explain.moves import SHARE, Mover
 from uwopt.solvers.explain.nearest_fit import nearest_fit
+from uwopt.solvers.explain.none_left import none_left
 from uwopt.solvers.explain.relaxed import ANY, MAY_PASS
 from uwopt.solvers.explain.singles import Relaxation, Singles
 from uwopt.solvers.explain.together import CommonShare, least_set
@@ -35,6 +36,7 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
     mover.interrupted |= trials.interrupted
     mover.try_few()
     trials.interrupted |= mover.interrupted
+    singles.drop_hopeful()
     singles.drop_light()
     if not trials.interrupted:
         mover.try_all(singles.share(SHARE))
@@ -44,9 +46,13 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
     if not mover.far:
         singles.drop_others()
     singles.tell_open()
-    relaxations = [one for one in singles.relaxations() if one.is_of_use]
+    every = singles.relaxations()
     moves = mover.nearest(trials.deadline.at_most(MOVES_SHARE * trials.deadline.left_s))
+    relaxations = [one for one in every if one.is_of_use]
     together, nearest = changes_together(trials, relaxations, bool(moves))
+    if not relaxations and not moves and not together:  # a limit that is out of reach by far: better told than nothing
+        relaxations = every
+        nearest = every[0].design if every else None
     clash = clash_of(trials, relaxations)
     helpful = [Relaxed(r.name, r.limit, r.needed, r.miss_rel, r.fits_at_central_prices) for r in relaxations]
     return WhyNothing(
@@ -55,9 +61,10 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
         nearest,
         together,
         fit,
-        moves,
-        list(clash.names),
+        moves=moves,
+        contradiction=list(clash.names),
         contradiction_is_least=clash.is_least,
+        none_left=[*none_left(trials.mission, trials.relaxer.selection)],
     )
 
 

@@ -15,7 +15,7 @@ from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Value, Varied, VariedMission, rounded
 from uwopt.results.basis import Moved
 from uwopt.solvers.explain.least_change import least_change, rounded_away
-from uwopt.solvers.explain.relaxed import Relaxer
+from uwopt.solvers.explain.relaxed import OTHER_WATER, Relaxer
 from uwopt.solvers.recommend import Sought
 from uwopt.units import split_unit
 
@@ -87,7 +87,7 @@ class Mover:
     def _among_few(self, key: Varied, value: Value, turn: Deadline) -> Sought | None:
         """A design among a few imagers with a key at another value; None where there is none, or no such mission."""
         try:
-            found = self.relaxer.few_designs(self._at(key, value), turn)
+            found = self.relaxer.few_designs(self._at(key, value), turn, what_moves(key))
         except UwoptError:
             return None
         self.interrupted |= found is not None and found.outcome.interrupted
@@ -192,7 +192,7 @@ class Mover:
             return self._nearest_type(tried, turn)
         change = least_change(
             float(tried.asked), float(one.value), one.found, relaxed=lambda v: self._at(tried.key, v), deadline=turn,
-            search=lambda mission: self._seek(mission, turn), name=tried.key.name,
+            search=lambda mission: self._seek(tried.key, mission, turn), name=tried.key.name,
         )  # fmt: skip
         name = tried.key.name
         return Moved(name, float(tried.asked), rounded(change.limit), unit_of(name), not turn.left_out)
@@ -218,18 +218,23 @@ class Mover:
     def _search(self, key: Varied, value: Value, turn: Deadline, *, few_first: bool = True) -> Sought | None:
         """A search for any design with a key at another value; None where the mission does not allow it."""
         try:
-            return self._seek(self._at(key, value), turn, few_first=few_first)
+            return self._seek(key, self._at(key, value), turn, few_first=few_first)
         except UwoptError:
             return None
 
-    def _seek(self, mission: Mission, turn: Deadline, *, few_first: bool = True) -> Sought:
+    def _seek(self, key: Varied, mission: Mission, turn: Deadline, *, few_first: bool = True) -> Sought:
         """A search for any design; raises OutOfTimeError where its imagers alone take too long."""
-        found = self.relaxer.any_design(mission, turn, few_first=few_first)
+        found = self.relaxer.any_design(mission, turn, few_first=few_first, moved=what_moves(key))
         if found is None:
             raise OutOfTimeError
         if found.outcome.interrupted:
             raise KeyboardInterrupt
         return found
+
+
+def what_moves(key: Varied) -> str:
+    """What a key changes, as the searches take it: of a scene the water alone is moved."""
+    return OTHER_WATER if key.section == "scene" else key.name
 
 
 def unit_of(name: str) -> str:

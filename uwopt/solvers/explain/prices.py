@@ -30,6 +30,7 @@ from uwopt.solvers.explain.weakened import RELAXABLE, asked_value, is_from_above
 from uwopt.solvers.recommend import Sought, same_scenes
 from uwopt.units import split_unit
 
+Objectives = Callable[[float], "float | None"]  # of one system where so much more is asked of a key
 STEP_SHARE = 0.1  # of what is asked; of decibels one
 SMALL = 1e-2  # of a step, for the slope
 HALVINGS = 6  # of the way to where a requirement may cost nothing
@@ -108,9 +109,12 @@ def prices(
         here = at(0.0)
         if here is None:
             continue
+
+        def is_free(value: float, here: float = here, asked: float = asked, at: Objectives = at) -> bool:
+            return costs_nothing(here, at(value - asked))
+
         reach = free_until(mission, winner, key.key, asked, step) if every else None
-        free = None if reach is None else free_by(lambda value, here=here, at=at, asked=asked: costs_nothing(
-            here, at(value - asked)), asked, reach)  # fmt: skip
+        free = None if reach is None else free_by(is_free, asked, reach)
         unit = split_unit(key.name)[1]
         if free is not None and abs(free - asked) >= abs(step):
             made.append(Price(key.name, unit, asked, step, 0.0, 0.0, free_until=free))

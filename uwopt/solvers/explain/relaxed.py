@@ -22,6 +22,7 @@ from uwopt.forward.assembly import Generic, build_problem, selected
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
+from uwopt.solvers.exact.account import NOT_REACHED
 from uwopt.solvers.exact.imager_rules import focus_rules, view_rules
 from uwopt.solvers.exact.imagers import (
     FittingPairs,
@@ -40,6 +41,7 @@ from uwopt.solvers.warm.tables import asking, imagers_of, of_block
 Array = NDArray[Any]
 FEW_PAIRS = 5000  # of camera and lens behind ports, likewise, of which most break some rule
 FEW_IMAGERS = 500  # that are tried before all: where something fits at all, it is mostly among them
+OTHER_WATER = "other water"  # of which no rule of an imager knows
 CHEAPEST = Objective.of("cost")
 ANY = Objective.of("power")  # where any design that fits will do: by no other objective takes a search less
 
@@ -66,6 +68,13 @@ MAY_PASS: dict[str, frozenset[str]] = {
         {"frame_rate", "data_rate_mb_s", "storage_gb", "card_gb", "max_blur_px", "min_swath_m"}
     ),
 }  # fmt: skip
+#: The same of keys that are no requirements, where what they ask is less.
+MOVES_PASS: dict[str, frozenset[str]] = {
+    "speed_m_s": frozenset({"max_blur_px", "frame_rate", "data_rate_mb_s", "storage_gb", "card_gb"}),
+    "frame_interval_s": frozenset({"frame_rate", "data_rate_mb_s", "storage_gb", "card_gb"}),
+    "duration_h": frozenset({"storage_gb", "card_gb"}),
+}
+FREES = MAY_PASS | MOVES_PASS
 #: Those that count of imagers alone: who fits without them and not with them breaks their rule.
 OF_IMAGERS = frozenset({"max_gsd_mm", "min_swath_m", "min_common_swath_m", "max_depth_error_mm", "data_rate_mb_s"})
 #: Those that no imager's rule or column knows.
@@ -150,12 +159,12 @@ class Relaxer:
 
         `few_first`: where one design is enough, look for it among a few imagers before all.
         """
-        if not set(freed) <= MAY_PASS.keys() or self.are_too_many:
+        if not set(freed) <= FREES.keys() or self.are_too_many:
             return seek(
                 mission, self.catalog, goal, generic=self.generic, top=1, deadline=deadline, like=self.problem,
                 enough=enough, ceiling=ceiling,
             )  # fmt: skip
-        if enough and few_first and (soon := self.among_few(mission, goal, freed, deadline)) is not None:
+        if enough and few_first and (soon := fitting(self.among_few(mission, goal, freed, deadline))) is not None:
             return soon
         problem = self.asking(mission)
         search = Search(
@@ -168,11 +177,11 @@ class Relaxer:
         self, mission: Mission, goal: Objective, freed: Collection[str], deadline: Deadline = NEVER, *,
         enough: bool = True, ceiling: float = math.inf, number: int | None = None,
     ) -> Sought | None:  # fmt: skip
-        """A design that fits, of a few imagers from all over the catalogue; None where that is of no use, or none does.
+        """A search of a few imagers from all over the catalogue; None where that is of no use.
 
-        None proves nothing. `mission` differs in these requirements, which ask for less.
+        Where none of them fits, that proves nothing. `mission` differs in these requirements, which ask for less.
         """
-        if not set(freed) <= MAY_PASS.keys() or self.are_too_many or deadline.passed():
+        if not set(freed) <= FREES.keys() or self.are_too_many or deadline.passed():
             return None
         known, problem = self.known_in_best_housing, self.asking(mission)
         if known is not None and OF_LIGHT.issuperset(freed):
@@ -201,14 +210,21 @@ class Relaxer:
         return Sought(self.selection, problem, search, search.run())
 
     def any_design(
-        self, mission: Mission, deadline: Deadline, depth_m: float | None = None, *, few_first: bool = True
-    ) -> Sought | None:
-        """A search for any design of a mission that may be in other scenes; None where imagers alone take too long."""
+        self, mission: Mission, deadline: Deadline, depth_m: float | None = None, *, few_first: bool = True,
+        moved: str = "",
+    ) -> Sought | None:  # fmt: skip
+        """A search for any design of a mission that may be in other scenes; None where imagers alone take too long.
+
+        `moved`: the one key in which it differs and asks for less, or `OTHER_WATER` where that is all that differs.
+        """
+        if self._is_known_of(moved):
+            soon = fitting(self._of_known(mission, deadline, moved, few=True)) if few_first else None
+            return soon or self._of_known(mission, deadline, moved)
         selection = selected(mission, self.catalog, generic=self.generic, depth_m=depth_m)
         problem = build_problem(mission, selection, scenes=same_scenes(self.problem, mission))
         pairs = fitting_pairs(problem)
         few = not are_too_many(problem, pairs)
-        if few and few_first and (soon := self._soon(selection, problem, pairs, deadline)) is not None:
+        if few and few_first and (soon := fitting(self._soon(selection, problem, pairs, deadline))) is not None:
             return soon
         try:
             imagers = enumerate_imagers(problem, deadline=deadline) if few else None
@@ -217,17 +233,39 @@ class Relaxer:
         search = Search(problem, ANY, top=1, deadline=deadline, enough=True, imagers=imagers)
         return Sought(selection, problem, search, search.run())
 
-    def few_designs(self, mission: Mission, deadline: Deadline) -> Sought | None:
-        """As `any_design`, of a few imagers from all over the catalogue; None where none of them fits."""
+    def few_designs(self, mission: Mission, deadline: Deadline, moved: str = "") -> Sought | None:
+        """As `any_design`, of a few imagers from all over the catalogue; None where that is of no use."""
+        if self._is_known_of(moved):
+            return self._of_known(mission, deadline, moved, few=True)
         selection = selected(mission, self.catalog, generic=self.generic)
         problem = build_problem(mission, selection, scenes=same_scenes(self.problem, mission))
         pairs = fitting_pairs(problem)
         return None if are_too_many(problem, pairs) else self._soon(selection, problem, pairs, deadline)
 
+    def _is_known_of(self, moved: str) -> bool:
+        """Whether the imagers that a moved key leaves are among those of which it is known what they break."""
+        if self.are_too_many:
+            return False
+        return moved in MOVES_PASS or (moved == OTHER_WATER and self.known_in_best_housing is not None)
+
+    def _of_known(self, mission: Mission, deadline: Deadline, moved: str, *, few: bool = False) -> Sought | None:
+        """A search of those imagers, or of a few of them; None where that is of no use."""
+        if moved in MOVES_PASS:
+            if few:
+                return self.among_few(mission, ANY, {moved}, deadline)
+            return self.seek(mission, ANY, {moved}, deadline=deadline, enough=True, few_first=False)
+        known = self.known_in_best_housing
+        assert known is not None
+        share = len(known) // FEW_IMAGERS if few else 1
+        if few and (share < 2 or deadline.passed()):
+            return None
+        imagers = known.take(np.arange(0, len(known), share)) if few else known
+        return found_among(self.selection, build_problem(mission, self.selection), ANY, imagers, deadline)
+
     def _soon(
         self, selection: Selection, problem: Problem, pairs: FittingPairs, deadline: Deadline
     ) -> Sought | None:
-        """A design of a few pairs of camera and lens behind all ports."""
+        """A search of a few pairs of camera and lens behind all ports."""
         places = [(int(ports[0]), landscape) for ports in problem.port_groups for landscape in landscapes(problem)]
         share = len(pairs.camera) * len(places) // FEW_PAIRS
         if share < 2 or deadline.passed():
@@ -245,7 +283,7 @@ class Relaxer:
 
     def effort(self, freed: Collection[str]) -> float:
         """How many imagers a search without these requirements looks at, about; inf: all there are."""
-        if not set(freed) <= MAY_PASS.keys() or self.are_too_many:
+        if not set(freed) <= FREES.keys() or self.are_too_many:
             return math.inf
         if OF_LIGHT.issuperset(freed):
             return 0.0
@@ -254,7 +292,7 @@ class Relaxer:
     def _freed_pairs(self, freed: Collection[str]) -> dict[tuple[int, bool], Array]:
         """Pairs behind like ports that break nothing but rules behind what is dropped."""
         assert self.broken is not None
-        rules = frozenset[str]().union(*(MAY_PASS[name] for name in freed))
+        rules = frozenset[str]().union(*(FREES[name] for name in freed))
         return self.broken.no_more_than(rules, some=OF_IMAGERS.issuperset(freed))
 
     def imagers(self, problem: Problem, freed: Collection[str], *, one_housing: bool) -> Imagers:
@@ -296,13 +334,23 @@ class Relaxer:
 def found_among(
     selection: Selection, problem: Problem, goal: Objective, imagers: Imagers, deadline: Deadline, *,
     enough: bool = True, ceiling: float = math.inf,
-) -> Sought | None:  # fmt: skip
-    """A search of some imagers alone; None where none of them fits."""
+) -> Sought:  # fmt: skip
+    """A search of some imagers alone."""
     search = Search(
         problem, goal, top=1, deadline=deadline, enough=enough, imagers=imagers, ceiling=ceiling
     )
-    found = Sought(selection, problem, search, search.run())
-    return found if found.outcome.best or found.outcome.interrupted else None
+    return Sought(selection, problem, search, search.run())
+
+
+def fitting(found: Sought | None) -> Sought | None:
+    """A search that found something or that a person ended; None of any other, which proves nothing."""
+    return found if found is not None and (found.outcome.best or found.outcome.interrupted) else None
+
+
+def hope(found: Sought) -> float:
+    """The share of a search's designs that no rule discards: solved, or not reached in time."""
+    account = found.outcome.account
+    return (account.evaluated + account.discarded.get(NOT_REACHED, 0)) / max(account.total, 1)
 
 
 def in_best_housing(problem: Problem, block: PortBlock) -> PortBlock:

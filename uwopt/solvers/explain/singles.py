@@ -16,20 +16,21 @@ from uwopt.mission.reserves import asked_when_held
 from uwopt.objectives.objective import Objective
 from uwopt.results.design import Design
 from uwopt.solvers.explain.least_change import Change, least_change, rounded_away
-from uwopt.solvers.explain.reached import deepest, judged_by, miss, rated_depth, reached_value
-from uwopt.solvers.explain.relaxed import ANY, CHEAPEST, FEW_IMAGERS, OF_LIGHT
+from uwopt.solvers.explain.reached import deepest, judged_by, miss, missed_by, rated_depth, reached_value
+from uwopt.solvers.explain.relaxed import ANY, CHEAPEST, FEW_IMAGERS, OF_LIGHT, hope
 from uwopt.solvers.explain.trials import BRIGHT, Trials
 from uwopt.solvers.explain.weakened import RELAXABLE, with_central_prices, with_limit, without
 from uwopt.solvers.recommend import Sought
 
 LIGHT_SHARE, REST_SHARE = 0.5, 0.5  # of the time left, for what each loses when dropped
-FEW_SHARE, FEW_TURN = 0.3, 0.3  # of the time left, for all among a few imagers, and of that for each
+FEW_SHARE, FEW_TURN = 0.3, 3.0  # of the time left, for all among a few imagers, and of a fair part of that for each
 MORE = 8  # times as many, where nothing helps among a few
 SOON = 0.3  # of the time for the best figure: for the best of a few imagers
 HELPED = 0.4  # of their shares is what the others get where something is known to help
 LONG_TURN = 0.5  # of the time left, for the question whether all would fit at central prices
 ROUNDS = 3  # of the time that is left, as long as nothing helps
 MOST_TIMES = 30.0  # what is asked of an image: beyond, it is another image that would be of no use
+HOPE_SHARE, HOPE_TURN = 0.5, 0.6  # of the time left, for what is likely to help, and of that for each
 FEW = 3  # requirements that are as well dropped one by one
 
 
@@ -71,22 +72,33 @@ class Singles:
     helpful: list[Without] = field(default_factory=list)
     left: dict[str, float] = field(default_factory=dict)
     suspects: Sequence[str] = ()  # without all of which something fits
+    hopes: dict[str, float] = field(default_factory=dict)  # of those dropped among a few imagers, as `relaxed.hope`
+    useless: set[str] = field(default_factory=set)  # known not to help
 
     def try_few(self) -> None:
-        """Drop each and look among a few imagers, then among more: what helps is mostly found so, and soon.
+        """Drop each and look among a few imagers, and where no rule lets any through among more.
 
         The SNR comes last, as the brightest are looked for then, which takes longest.
         """
         trials = self.trials
         for number in (FEW_IMAGERS, MORE * FEW_IMAGERS):
             phase = trials.deadline.at_most(FEW_SHARE * trials.deadline.left_s)
-            for name in sorted(trials.limits, key=lambda name: name == "min_snr"):
+            names = sorted(trials.limits, key=lambda name: (name not in OF_LIGHT, name == "min_snr"))
+            for place, name in enumerate(names):
                 if trials.interrupted or phase.passed():
                     break
                 trials.say(0.0, f"why nothing fits: without {name}")
-                self._try_among(name, number, phase.at_most(FEW_TURN * phase.left_s))
-            if self.helpful:
+                fair_s = phase.left_s / (len(names) - place)
+                self._try_among(name, number, phase.at_most(FEW_TURN * fair_s))
+            if self.helpful or any(self.hopes.values()):
                 break
+
+    def drop_hopeful(self) -> None:
+        """Drop those without which rules let some of the few imagers through, those that let most through first."""
+        deadline = self.trials.deadline
+        names = sorted((name for name in self.hopes if self.hopes[name] > 0.0), key=lambda name: -self.hopes[name])
+        self.left = self._open({name: self.trials.limits[name] for name in names})
+        self._drop_each(deadline.at_most(self.share(HOPE_SHARE) * deadline.left_s), HOPE_TURN)
 
     def _try_among(self, name: str, number: int, turn: Deadline) -> None:
         """Drop one and look among so many imagers."""
@@ -95,9 +107,12 @@ class Singles:
         if relaxed is None:
             return
         found = trials.relaxer.among_few(relaxed, goal_without(name), {name}, turn, number=number)
-        if found is not None and found.outcome.best:
+        if found is None:
+            return
+        self.hopes[name] = hope(found)
+        if found.outcome.best:
             self.helpful.append(Without(name, trials.limits[name], relaxed, found))
-        trials.interrupted |= found is not None and found.outcome.interrupted
+        trials.interrupted |= found.outcome.interrupted
 
     def share(self, share: float) -> float:
         """Of the time left, for what else may help: less where something does, of which the least is to be found."""
@@ -108,8 +123,8 @@ class Singles:
         return name == "cost" and self.trials.mission.limits.cost_basis == "high"
 
     def _open(self, limits: Mapping[str, float]) -> dict[str, float]:
-        """Those of which it is not known that they help."""
-        known = {one.name for one in self.helpful}
+        """Those of which it is not known whether they help."""
+        known = {one.name for one in self.helpful} | self.useless
         return {name: limit for name, limit in limits.items() if name not in known}
 
     def drop_light(self) -> None:
@@ -118,6 +133,7 @@ class Singles:
         self.left = self._open({name: trials.limits[name] for name in trials.limits if name in OF_LIGHT})
         for name in self._useless([name for name in self.left if name != "min_snr"]):
             del self.left[name]
+        self.left = self._open(self.left)
         suspects = self.suspects
         self.left = {name: self.left[name] for name in sorted(self.left, key=lambda name: name not in suspects)}
         self._drop_each(trials.deadline.at_most(self.share(LIGHT_SHARE) * trials.deadline.left_s))
@@ -145,37 +161,49 @@ class Singles:
         """Those of which none helps, as nothing fits without all of them: by halves where something does."""
         if len(names) < FEW:
             return []
-        fits = self.trials.fits_without(names)
-        if fits is None:
+        found = self.trials.seek_without(names)
+        if found is None:
             return []
-        if not fits:
+        if not found.outcome.best:
             return [*names]
+        self._take_the_only_miss(found, names)
         self.suspects = names
         middle = len(names) // 2
         return [*self._useless(names[:middle]), *self._useless(names[middle:])]
 
-    def _drop_each(self, phase: Deadline) -> None:
-        """Drop what is left one by one."""
+    def _take_the_only_miss(self, found: Sought, names: Sequence[str]) -> None:
+        """Where a design without several requirements misses only one of them, that one alone helps."""
+        missed = missed_by(judged_by(self.trials.mission, found, self.trials.objective), names)
+        if len(missed) != 1 or not self._open(dict.fromkeys(missed, 0.0)):
+            return
+        (name,) = missed
+        relaxed = without(self.trials.mission, *RELAXABLE[name][:2])
+        if relaxed is not None:
+            self.helpful.append(Without(name, self.trials.limits[name], relaxed, found))
+
+    def _drop_each(self, phase: Deadline, turn: float | None = None) -> None:
+        """Drop what is left one by one; `turn`: the share of the time left that each may take, if not the usual."""
         known, trials = [], self.trials
         for number, name in enumerate(self.left):
             if phase.passed() or trials.interrupted:
                 break
             trials.say(0.5 * number / len(self.left), f"why nothing fits: without {name}")
             try:
-                if self._is_known(name, self.left[name], phase):
+                one = phase.at_most(trials.turn().left_s if turn is None else turn * phase.left_s)
+                if self._is_known(name, self.left[name], one):
                     known.append(name)
             except KeyboardInterrupt:
                 trials.interrupted = True
+        self.useless |= set(known) - {one.name for one in self.helpful}
         self.left = {name: limit for name, limit in self.left.items() if name not in known}
 
-    def _is_known(self, name: str, limit: float, phase: Deadline) -> bool:
+    def _is_known(self, name: str, limit: float, turn: Deadline) -> bool:
         """Drop a requirement and see whether something fits then; whether that is known in the time for one."""
         trials, (section, key, _) = self.trials, RELAXABLE[name]
         by_depth = key == "depth_rating_m"
         relaxed = trials.mission if by_depth else without(trials.mission, section, key)
         if relaxed is None:
             return True
-        turn = phase.at_most(trials.turn().left_s)
         seek_one = partial(
             trials.relaxer.seek, goal=goal_without(name), freed={name}, enough=True,
             few_first=self._asks_central_first(name),
