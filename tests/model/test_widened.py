@@ -87,20 +87,20 @@ def test_the_mean_square_angle_grows_by_a_third_of_what_is_turned(way: float) ->
 @pytest.mark.parametrize("way", [0.2, 3.0])
 def test_no_light_is_lost_but_what_is_absorbed_and_turned_back(name: str, way: float) -> None:
     # over exp(-K r), K = a + 0.2 b, arrives exp(-(a + b_b) r): a factor exp(b r (0.2 - b_b/b)); share beyond 90 deg of
-    # Henyey-Greenstein in closed form; 1 %: what goes behind the front plane counts as lost, and ripples are cut
+    # Henyey-Greenstein in closed form; 1.5 %: what goes behind the front plane counts as lost, and ripples are cut
     g = 0.9
     back = (1 - g * g) / (2 * g) * (1 / np.sqrt(1 + g * g) - 1 / (1 + g))
     made = widened(LOBES[name], [Turned(way, 0.2, henyey_greenstein(g))])
     known = np.exp(way * (0.2 - back))
-    assert flux(made) == pytest.approx(known, rel=0.012)
+    assert flux(made) == pytest.approx(known, rel=0.015)
     assert flux(made) * (1 - 1e-5) <= beams.flux_per_lm(made) <= known * (1 + 1e-3)
 
 
 def test_molecules_and_particles_add_up() -> None:
     sea = henyey_greenstein(0.95)
     both = widened(NARROW, [Turned(1.0, 0.1, sea), Turned(0.5, 0.4, None)])
-    assert carried_share(None)[0] == pytest.approx(0.5, rel=5e-3)  # symmetric: half goes forward; bins of 2 deg there
-    known = np.exp(1.0 * (carried_share(sea)[0] - 1.0 + 0.1) + 0.5 * (0.5 - 1.0 + 0.4))
+    assert carried_share(None)[0, 0] == pytest.approx(0.5, rel=1e-3)  # symmetric: half goes forward
+    known = np.exp(1.0 * (carried_share(sea)[0, 0] - 1.0 + 0.1) + 0.5 * (0.5 - 1.0 + 0.4))
     assert beams.flux_per_lm(both) == pytest.approx(known, rel=0.01)
 
 
