@@ -230,7 +230,7 @@ def legs(case: Case) -> Legs:
 
     half = beyond(90.0)
     share = 3.52 - 4.00 * math.radians(case.half_angle)
-    back = np.maximum(lost(share * half[0], share * half[1]), 0.5 * lost(0.0, 0.0))
+    back = np.maximum(lost(*(min(share * one, 1.0) for one in half)), 0.5 * lost(0.0, 0.0))  # none loses more than all
     lamp = lost(*beyond(20.2 + 0.86 * case.half_angle))
     a_way = lost(0.0, 0.0) * case.altitude
     floor = c - b[0] * arriving(particles_beyond, a_way) - b[1] * arriving(molecules_beyond, a_way)

@@ -12,7 +12,7 @@ lobe's half angle at half power in water. Only c counts for what forms the image
     lamp to floor                  s = S(20.2 deg + 0.86 beta)
     floor to camera, near its way  s = S(16.9 deg)
     floor to camera, all           1 - s what turns by less than 76.9 deg and bears its longer way
-    backscatter, both legs         s = (3.52 - 4.00 beta / rad) S(90 deg)
+    backscatter, both legs         s = (3.52 - 4.00 beta / rad) S(90 deg), at most 1
     daylight, floor to camera      s = S(59.4 deg)
 
 What the third leg lets through and the second does not comes from elsewhere on the floor: `veil.wide` says from where.
