@@ -215,6 +215,7 @@ class Legs(NamedTuple):
     back: tuple[Array, Array]  # of backscatter, from the lamp and to the camera
 
 
+@cache
 def legs(case: Case) -> Legs:
     """By the page's rules: single scattering, or a + s b with s from shares scattered by more than an angle."""
     c, k = water_loss(case.water, case.table)
@@ -259,6 +260,7 @@ def particles_beyond(psi: float) -> float:
     return 1.0 - within
 
 
+@cache
 def molecules_beyond(psi: float) -> float:
     return quad(lambda t: 2 * math.pi * math.sin(t) * float(molecule_phase(np.cos(t))), psi, math.pi)[0]
 
@@ -431,15 +433,11 @@ def carried(half_angle: float, absorbed: float, sent_back: bool) -> list[Array]:
 
     To a floor square to the way by coordinates; to a place at the same distance by the law of cosines.
     """
-    edges = np.r_[np.geomspace(1e-6, 0.2, 300), np.linspace(0.2, math.pi / 2, 400)[1:]]
-    middle = np.r_[0.0, np.sqrt(edges[1:] * edges[:-1])]
     found = []
-    polynomials = turned_polynomials(sent_back)
-    for beyond in (particles_beyond, molecules_beyond):
-        mass = -np.diff([1.0, *map(beyond, edges)])
+    for beyond, mass in zip((particles_beyond, molecules_beyond), turned_masses()[1], strict=True):
         chi = np.zeros(121)
-        for (s, weight), p in zip(zip(*gauss(0.0, 1.0, 20), strict=True), polynomials, strict=True):
-            chi += weight * (p @ (mass * np.exp(-absorbed * longer(s, middle, sent_back)[1])))
+        for weight, (p, detour) in zip(gauss(0.0, 1.0, 20)[1], turned_polynomials(sent_back), strict=True):
+            chi += weight * (p @ (mass * np.exp(-absorbed * detour)))
         chi = 2.0 * chi - chi[0] if sent_back else chi
         found.append(chi - 1.0 + beyond(math.radians(20.2 + 0.86 * half_angle)))
     return found
@@ -456,13 +454,19 @@ def longer(s: float, psi: Array, sent_back: bool) -> tuple[Array, Array]:
 
 
 @cache
-def turned_polynomials(sent_back: bool) -> list[Array]:
-    """P_l of the apparent angles at each node of the way."""
+def turned_masses() -> tuple[Array, tuple[Array, Array]]:
+    """Angles up to 90 deg, and of particles and of molecules what is scattered about each."""
     edges = np.r_[np.geomspace(1e-6, 0.2, 300), np.linspace(0.2, math.pi / 2, 400)[1:]]
-    middle = np.r_[0.0, np.sqrt(edges[1:] * edges[:-1])]
-    nodes = gauss(0.0, 1.0, 20)[0]
-    order = np.arange(121)[:, None]
-    return [eval_legendre(order, longer(s, middle, sent_back)[0]) for s in nodes]
+    particles, molecules = (-np.diff([1.0, *map(one, edges)]) for one in (particles_beyond, molecules_beyond))
+    return np.r_[0.0, np.sqrt(edges[1:] * edges[:-1])], (particles, molecules)
+
+
+@cache
+def turned_polynomials(sent_back: bool) -> list[tuple[Array, Array]]:
+    """P_l of the apparent angles at each node of the way, and how much longer the ways are."""
+    order, middle = np.arange(121)[:, None], turned_masses()[0]
+    turns = [longer(s, middle, sent_back) for s in gauss(0.0, 1.0, 20)[0]]
+    return [(eval_legendre(order, cosine), detour) for cosine, detour in turns]
 
 
 def lamp_intensity(case: Case, cos_beam: Array) -> Array:
@@ -1099,6 +1103,7 @@ def murky(folder: Path, c_per_m: float) -> str:
 def test_electrons_stay_right_down_to_1e_100(tmp_path: Path, c_per_m: float) -> None:
     case = Case(water=murky(tmp_path, c_per_m))
     water_loss.cache_clear()
+    legs.cache_clear()
     got, expected = figures(case), smooth_mean(case, order=64)
     assert got["electrons_signal"] == pytest.approx(expected, rel=SMOOTH)
     assert got["snr_db"] == pytest.approx(20 * math.log10(snr_by_hand(expected)), abs=0.002)

@@ -68,6 +68,13 @@ def test_attenuations_lie_between_absorption_and_c_and_grow_with_what_is_lost() 
         assert np.all(lamp >= 0.49 * a) and np.all(camera < scene.attenuation_per_m)
 
 
+def test_the_veil_from_elsewhere_is_never_less_than_none() -> None:
+    """However far the floor: what would go round is absorbed at last."""
+    scene = scene_of()
+    near, far = scene.near_leg_per_m(), scene.veil_leg_per_m(200.0)
+    assert np.all(far <= near) and np.any(far == near) and np.any(scene.veil_leg_per_m(2.0) < near)
+
+
 def test_single_scattering_is_what_the_scene_or_the_model_asks_for() -> None:
     for scene, multiple in ((scene_of(multiple_scattering=False), True), (scene_of(), False)):
         made = contraction_of(scene, 40.0, 60.0, multiple=multiple)
