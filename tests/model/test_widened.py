@@ -168,7 +168,7 @@ def points_mean(beam: beams.Beam, half: float) -> float:
 
 @pytest.mark.parametrize("name", ["narrow", "spot", "disc", "cone", "wide", "profile"])
 def test_backscatter_of_a_widened_lobe_is_that_of_its_parts(name: str) -> None:
-    # its own share and the halo apart, each by rules that are fit for it; and the mean of 20 x 20 pixels, of a spot 48 x 48
+    # its own share and the halo apart, each by rules fit for it; and the mean of 20 x 20 pixels, of a spot 48 x 48
     made = widened(LOBES[name], [Turned(1.5, 0.15, henyey_greenstein(0.9))])
     assert made.widening is not None
     own, halo = (beams.widened_by(made, made.widening.alone(part)) for part in ("own", "halo"))
