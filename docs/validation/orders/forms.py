@@ -67,25 +67,42 @@ def effective(case: Case, constants: Constants = USED) -> Legs:
     return legs._replace(lobes=(floor_lobe(case, legs.lamp), back_lobe(case, legs.lamp)))
 
 
+def no_farther(case: Case) -> Legs:
+    """As if light that goes round had no longer way."""
+    legs = attenuations(case)
+    near, within = legs.near, float(np.deg2rad(USED.veil))
+    lost = 1.0 - float(arriving_share(phase_table(case.phase), 0.0, within_rad=within)[0])
+    veil = case.c_per_m - scattered(case)[1] * (1.0 - lost)
+    straight = floor_lobe(case, legs.lamp, longer=False), back_lobe(case, legs.lamp, longer=False)
+    return legs._replace(veil=min(veil, near), lobes=straight)
+
+
+def never_again(case: Case) -> Legs:
+    """As if nothing that turned back fell on the floor again."""
+    legs = attenuations(case)
+    lost = floor_lobe(case, legs.lamp, again=False), back_lobe(case, legs.lamp, again=False)
+    return legs._replace(lobes=lost)
+
+
 @cache
-def floor_lobe(case: Case, lamp_per_m: float) -> beams.Beam:
+def floor_lobe(case: Case, lamp_per_m: float, *, longer: bool = True, again: bool = True) -> beams.Beam:
     """A case's lobe on the floor, over what K leaves of it."""
     a, b, backward = scattered(case)
     height, lost = case.altitude_m, 1.0 - (case.c_per_m - lamp_per_m) / b
-    gain = multiple.returned_gain(a * height, turned_back=backward * height, reflectance=case.reflectance)
+    gain = multiple.returned_gain(a * height, turned_back=again * backward * height, reflectance=case.reflectance)
     turned = [Turned(b * height, lost, phase_table(case.phase))]
-    return widened(own_lobe(case), turned, height, absorbed=a * height, returned=gain)
+    return widened(own_lobe(case), turned, height, absorbed=longer * a * height, returned=gain)
 
 
 @cache
-def back_lobe(case: Case, lamp_per_m: float) -> beams.Beam:
+def back_lobe(case: Case, lamp_per_m: float, *, longer: bool = True, again: bool = True) -> beams.Beam:
     """A case's lobe as the water sends it back, over what K leaves of it."""
     a, b, backward = scattered(case)
     reach_m, lost = ENDLESS / (case.c_per_m + lamp_per_m), 1.0 - (case.c_per_m - lamp_per_m) / b
     ways = ways_m(reach_m)
-    gain = multiple.returned_gain(a * ways, turned_back=backward * ways, reflectance=0.0)
+    gain = multiple.returned_gain(a * ways, turned_back=again * backward * ways, reflectance=0.0)
     turned = [Turned(b * ways, lost, phase_table(case.phase))]
-    return widened(own_lobe(case), turned, reach_m, absorbed=a * ways, returned=gain, sent_back=True)
+    return widened(own_lobe(case), turned, reach_m, absorbed=longer * a * ways, returned=gain, sent_back=True)
 
 
 def scattered(case: Case) -> tuple[float, float, float]:
