@@ -11,7 +11,7 @@ import numpy as np
 from uwopt.model.multiple import TESTED_THICKNESS as THIN
 
 from . import common
-from .orders import cases, checks, daylight, detail, forms, model, sunlit
+from .orders import cases, checks, colours, daylight, detail, forms, model, sunlit
 from .orders.cases import TALLIES, Case, Light
 from .orders.model import Legs
 
@@ -25,6 +25,7 @@ ALL, ONCE, KEPT = "all orders", "single scattering", "the lamps' own lobes"
 DIM = ((0.2, np.inf), (0.05, 0.2), (0.0, 0.05))  # of corners: signal over the image mean's
 SEEN = {"ff 0.005": 0.2e-3, "ff 0.0183": 0.2e-3, "ff 0.03": 0.2e-3, "petzold HAOCE 11": 0.5e-3, "petzold NUC 2200": 0.5e-3}
 CYCLES_PER_PX = (0.5, 0.25, 0.1)
+NARROW_DEG = 20.0  # of lobes that leave corners dim
 FORMS: dict[str, Form] = {ALL: forms.effective, ONCE: model.single}
 BESIDE: dict[str, Form] = {KEPT: forms.attenuations}
 
@@ -89,6 +90,47 @@ def corner_rows() -> list[list[str]]:
     return rows
 
 
+def without(form: Form, tally: str, *, albedo: float = 0.0) -> str:
+    """By how much image means of the model change beyond c d = 4 where a form leaves something out, least and most."""
+    thick = [row.case for row in cases.read() if row.place == "mean" and row.case.thickness > THIN and row.case.albedo >= albedo]
+    off = [
+        model.uwopt_light(case, "mean", form(case))[tally] / model.uwopt_light(case, "mean", forms.effective(case))[tally] - 1.0
+        for case in thick
+    ]  # fmt: skip
+    return f"{common.percent(min(off))} to {common.percent(max(off))}"
+
+
+def worst_text() -> str:
+    """The image mean of backscatter that is off most, and the dimmest corners under narrow lobes, up to c d = 4."""
+    row, off = max(
+        ((row, off) for row, off in errors(ALL, ("mean",)) if row.case.thickness <= THIN),
+        key=lambda pair: abs(pair[1]["backscatter"]),
+    )
+    case, doubt = row.case, row.error["backscatter"] / row.value["backscatter"]
+    means = {row.case.number: row.value["signal"] for row in cases.read() if row.place == "mean"}
+    dim = [
+        (one, e) for one, e in errors(ALL, CORNERS) if one.case.thickness <= THIN
+        and one.case.lobe_half_deg <= NARROW_DEG and one.value["signal"] < DIM[-1][1] * means[one.case.number]
+    ]  # fmt: skip
+
+    def span(tally: str) -> str:
+        found, known = [e[tally] for _, e in dim], [one.error[tally] / one.value[tally] for one, _ in dim]
+        return f"{tally} {common.percent(min(found), 0)} to {common.percent(max(found), 0)} (σ of the Monte Carlo {100 * min(known):.0f} to {100 * max(known):.0f} %)"
+
+    return f"""\
+The image mean of backscatter that is off most up to c d = 4 is that of case {case.number} ({case.use}): {common.percent(off['backscatter'])}, σ {100 * doubt:.1f} %;
+{case.phase}, albedo {case.albedo:.2f}, c d {case.thickness:.2f}, a lobe of {case.lobe_half_deg:.0f}° that crosses the image from the side, {abs(case.tilt_deg):.0f}° from the vertical.
+The model looks the phase function up at the angle between the straight ways; light that has turned on its way meets it at
+angles about that, and where the function is steep and hollow there, as Henyey–Greenstein's of 0.8 is and a sea's is not, that is more.
+Dim corners, {len(dim)} under lobes up to {NARROW_DEG:g}° with less than {100 * DIM[-1][1]:g} % of the image's mean: {'; '.join(map(span, TALLIES))}. The veil from elsewhere has one kernel, cos^8, for all phase functions."""
+
+
+def path_text() -> str:
+    """How far daylight's path radiance is off, held-out image means up to c d = 4."""
+    held = [row for row in daylight.read() if row.case.use == "held out" and row.place == "mean" and row.case.thickness <= THIN]
+    return f"{100 * max(abs(sunlit.errors(row, multiple_scattering=True)['path']) for row in held):.0f} %"
+
+
 def daylight_rows() -> list[list[str]]:
     """Held-out daylight against its marks."""
     rows = []
@@ -136,8 +178,8 @@ def carried_rows() -> list[list[str]]:
 
 #: Measured once, as times are not made again with a page: seconds with all orders, and with single scattering.
 COSTS_S = {
-    "loose": (1.27, 1.04), "cost-bound": (1.26, 1.06), "power-bound": (2.22, 2.00), "infeasible": (0.30, 0.27),
-    "loose, with `resolve_mm`": (1.20, 0.97),
+    "loose": (0.96, 0.70), "cost-bound": (0.96, 0.70), "power-bound": (2.00, 1.75), "infeasible": (0.44, 0.34),
+    "loose, with `resolve_mm`": (0.98, 0.70),
 }  # fmt: skip
 
 
@@ -249,12 +291,14 @@ means of c d 4 to 8 within 20 %:
 **Widened lobes.** Where a narrow lobe leaves a corner in the dark its light is light that the water moved sideways on
 its way from the lamp, which an attenuation does not. Order l of the
 lobe's Legendre series comes with exp(b r chi_l) beside its unscattered light, chi_l the mean of P_l over the phase function up to
-90° along the way, as for detail below but on the lamps' side. For light on the floor r is its distance along the axis; for
-backscatter it is the distance from the lamp of each place on the pixel's ray. Nothing in it is fitted, and no light is lost or made: what
-arrives in all is exp(-(a + b_b) r). One lobe stands for all colours, that of b where the lamps' light gets through: against
-lobes of each wavelength 0.2 % on the axis, 1 % at 30° and 4 % at 45° from the axis of a lobe of 15° in Jerlov's waters up to
-c d = 4, where b falls by half from blue to red. What misses still is dim: corners with less than a twentieth of the
-image's mean, under lobes of 10° to 30°.
+90° along the way, as for detail below but on the lamps' side. Light that goes round goes farther, and that costs it exp(-a r e), e how
+much longer its way is: without it image means of c d 4 to 8 would change by {without(forms.no_farther, 'signal')} (signal) and {without(forms.no_farther, 'veil')} (veil). What turns back falls on the floor again
+from all about, as two streams of even light have it: without it these signals would change by {without(forms.never_again, 'signal')}. Pixels look
+about by scattering on their own way, so that backscatter is widened twice. None of it is fitted but what the table of constants says.
+For light on the floor r is its distance along the axis; for
+backscatter it is the distance from the lamp of each place on the pixel's ray. One lobe stands for all colours, that of b where the lamps'
+light gets through: against lobes of each wavelength {', '.join(f"{100 * off:.1f} % at {angle:g}°" for off, angle in zip(colours.off_by_angle(), colours.ANGLES_DEG, strict=True))} from the axis of a lobe
+of {colours.LOBE_DEG:g}° in Jerlov's waters up to c d = 4 where they are clearest.
 
 **Daylight.** {len(daylight.drawn_cases())} cases of the same waters under an even sky (all of Snell's cone), half an attenuation length to five over the
 camera, walks back from the camera to floor or sky ([daylight.csv](validation/daylight.csv)). `all orders`: the floor's light
@@ -289,7 +333,5 @@ those of formulas and power laws, which differ by factors. Within 0.0035° the m
 **What it costs.** The exact search over 10⁹ combinations of `uwopt/bench/scaling.py` (processor time on one shared machine, the
 least of three, with light of all orders over single scattering): {cost_text()}.
 
-**What falls short.** The dimmest corners, see above; their errors hardly touch the mean. Beyond c d = 4 the forward veil is
-up to a third too much, and backscatter of narrow lobes that stand far from the camera up to a quarter too little: small-angle
-scattering no longer tells ways that bend; a result says when the water is so thick. Daylight's
-path radiance is within 15 %, not 5 %; a low sun was not followed."""
+**What falls short.** {worst_text()}
+A result says when the water is thicker than c d = 4. Daylight's path radiance is within {path_text()}, not 5 %; a low sun was not followed."""

@@ -215,6 +215,7 @@ class Legs(NamedTuple):
     back: tuple[Array, Array]  # of backscatter, from the lamp and to the camera
 
 
+@cache
 def legs(case: Case) -> Legs:
     """By the page's rules: single scattering, or a + s b with s from shares scattered by more than an angle."""
     c, k = water_loss(case.water, case.table)
@@ -229,10 +230,24 @@ def legs(case: Case) -> Legs:
         return particles_beyond(math.radians(degrees)), molecules_beyond(math.radians(degrees))
 
     half = beyond(90.0)
-    share = 2.78 - 2.90 * math.radians(case.half_angle)
-    back = np.maximum(lost(share * half[0], share * half[1]), 0.5 * lost(0.0, 0.0))
+    share = 3.52 - 4.00 * math.radians(case.half_angle)
+    back = np.maximum(lost(*(min(share * one, 1.0) for one in half)), 0.5 * lost(0.0, 0.0))  # none loses more than all
     lamp = lost(*beyond(20.2 + 0.86 * case.half_angle))
-    return Legs(c, lamp, lost(*beyond(16.5)), lost(*beyond(72.5)), (back, back))
+    a_way = lost(0.0, 0.0) * case.altitude
+    floor = c - b[0] * arriving(particles_beyond, a_way) - b[1] * arriving(molecules_beyond, a_way)
+    return Legs(c, lamp, lost(*beyond(16.9)), floor, (back, back))
+
+
+def arriving(beyond: Callable[[float], float], absorbed: Array) -> Array:
+    """What is scattered by less than 76.9 deg and bears the longer way: the way and angles by Gauss and fine bins."""
+    edges = np.geomspace(1e-6, math.radians(76.9), 800)
+    middle, mass = np.sqrt(edges[1:] * edges[:-1]), -np.diff([beyond(edge) for edge in edges])
+    total = (1.0 - beyond(edges[0])) * np.ones_like(absorbed)
+    for s, weight in zip(*gauss(0.0, 1.0, 20), strict=True):
+        lateral = (1.0 - s) * np.tan(middle)
+        detour = s + (1.0 - s) / np.cos(middle) - np.hypot(1.0, lateral)
+        total = total + weight * np.exp(-np.multiply.outer(absorbed, detour)) @ mass
+    return np.asarray(total)
 
 
 def particles_beyond(psi: float) -> float:
@@ -245,6 +260,7 @@ def particles_beyond(psi: float) -> float:
     return 1.0 - within
 
 
+@cache
 def molecules_beyond(psi: float) -> float:
     return quad(lambda t: 2 * math.pi * math.sin(t) * float(molecule_phase(np.cos(t))), psi, math.pi)[0]
 
@@ -375,7 +391,14 @@ def widened_rows(case: Case, ways: tuple[float, ...]) -> tuple[Array, Array]:
     for way in ways:
         seen = led() * STEPS_NM * np.exp(-(c + k) * way)
         b = [float((one * seen).sum() / seen.sum()) for one in scattering(case)]
-        gain = np.exp(sum(own * way * share for own, share in zip(b, carried(case.half_angle), strict=True)))
+        absorbed, sent = (c - sum(scattering(case))) * seen, floor_reflectance(case.floor) * seen
+        every, floor = float(absorbed.sum() / seen.sum()), float(sent.sum() / seen.sum())
+        turned = b[0] * particles_beyond(math.pi / 2) + b[1] * 0.5
+        sent_back = len(ways) > 1
+        shares = carried(case.half_angle, every * way, sent_back)
+        gain = np.exp(sum(own * way * share for own, share in zip(b, shares, strict=True)))
+        streams = two_streams(every * way, turned * way, 0.0 if sent_back else floor) if way else 1.0
+        gain = gain + gain[0] * (streams - 1.0) * from_all_about()
         series = (2 * np.arange(121) + 1) / (4 * math.pi) * lobe * (gain - gain[-1])
         kept.append(gain[-1])
         halo.append(np.maximum(series @ np.array(polynomials), 0.0))
@@ -383,17 +406,67 @@ def widened_rows(case: Case, ways: tuple[float, ...]) -> tuple[Array, Array]:
 
 
 @cache
-def carried(half_angle: float) -> list[Array]:
-    """Of particles and of molecules chi_l - 1 + s, l 0 to 120: bins of angle by closed form, the way by Gauss."""
-    edges = np.geomspace(1e-6, math.pi / 2, 500)
-    middle = np.r_[0.0, np.sqrt(edges[1:] * edges[:-1])]
-    ways = list(zip(*gauss(0.0, 1.0, 20), strict=True))
+def from_all_about() -> Array:
+    """Legendre series of 3 cos^2 over the front."""
+    mu, weight = gauss(0.0, 1.0, 80)
+    return np.array([3.0 * (np.square(mu) * eval_legendre(n, mu)) @ weight for n in range(121)])
+
+
+def two_streams(absorbed: float, back: float, reflectance: float) -> float:
+    """Light on a floor in a deep sea of two even streams over what never turned back, which goes straight.
+
+    The streams as a linear system: down A e^-kz + r B e^kz, up r A e^-kz + B e^kz between lamp and floor; above the
+    lamp the sea sends r of what goes up down again, the floor sends up its share of what comes down.
+    """
+    a, b = 2.0 * absorbed, 2.0 * back
+    k = math.sqrt((a + b) ** 2 - b**2)
+    r, fall = (a + b - k) / b, math.exp(-k)
+    system = [[1 - r * r, 0.0], [(r - reflectance) * fall, (1 - reflectance * r) / fall]]
+    down, up = np.linalg.solve(system, [1.0, 0.0])
+    straight = math.exp(-(a + b))
+    return float((down * fall + r * up / fall) / straight)
+
+
+@cache
+def carried(half_angle: float, absorbed: float, sent_back: bool) -> list[Array]:
+    """Of particles and of molecules chi_l - 1 + s, l 0 to 120: bins of angle by closed form, the way by Gauss.
+
+    To a floor square to the way by coordinates; to a place at the same distance by the law of cosines.
+    """
     found = []
-    for beyond in (particles_beyond, molecules_beyond):
-        mass = -np.diff([1.0, *map(beyond, edges)])
-        chi = [sum(w * eval_legendre(n, np.cos((1.0 - s) * middle)) @ mass for s, w in ways) for n in range(121)]
-        found.append(np.array(chi) - 1.0 + beyond(math.radians(20.2 + 0.86 * half_angle)))
+    for beyond, mass in zip((particles_beyond, molecules_beyond), turned_masses()[1], strict=True):
+        chi = np.zeros(121)
+        for weight, (p, detour) in zip(gauss(0.0, 1.0, 20)[1], turned_polynomials(sent_back), strict=True):
+            chi += weight * (p @ (mass * np.exp(-absorbed * detour)))
+        chi = 2.0 * chi - chi[0] if sent_back else chi
+        found.append(chi - 1.0 + beyond(math.radians(20.2 + 0.86 * half_angle)))
     return found
+
+
+def longer(s: float, psi: Array, sent_back: bool) -> tuple[Array, Array]:
+    """Cosine of the apparent angle, and how much longer the way is, in ways straight there."""
+    if not sent_back:
+        x, z = (1.0 - s) * np.tan(psi), 1.0
+        straight = np.hypot(x, z)
+        return z / straight, s + (1.0 - s) / np.cos(psi) - straight
+    second = np.array([np.roots([1.0, 2.0 * s * math.cos(one), s * s - 1.0]).max() for one in psi])
+    return s + second * np.cos(psi), s + second - 1.0
+
+
+@cache
+def turned_masses() -> tuple[Array, tuple[Array, Array]]:
+    """Angles up to 90 deg, and of particles and of molecules what is scattered about each."""
+    edges = np.r_[np.geomspace(1e-6, 0.2, 300), np.linspace(0.2, math.pi / 2, 400)[1:]]
+    particles, molecules = (-np.diff([1.0, *map(one, edges)]) for one in (particles_beyond, molecules_beyond))
+    return np.r_[0.0, np.sqrt(edges[1:] * edges[:-1])], (particles, molecules)
+
+
+@cache
+def turned_polynomials(sent_back: bool) -> list[tuple[Array, Array]]:
+    """P_l of the apparent angles at each node of the way, and how much longer the ways are."""
+    order, middle = np.arange(121)[:, None], turned_masses()[0]
+    turns = [longer(s, middle, sent_back) for s in gauss(0.0, 1.0, 20)[0]]
+    return [(eval_legendre(order, cosine), detour) for cosine, detour in turns]
 
 
 def lamp_intensity(case: Case, cos_beam: Array) -> Array:
@@ -1030,6 +1103,7 @@ def murky(folder: Path, c_per_m: float) -> str:
 def test_electrons_stay_right_down_to_1e_100(tmp_path: Path, c_per_m: float) -> None:
     case = Case(water=murky(tmp_path, c_per_m))
     water_loss.cache_clear()
+    legs.cache_clear()
     got, expected = figures(case), smooth_mean(case, order=64)
     assert got["electrons_signal"] == pytest.approx(expected, rel=SMOOTH)
     assert got["snr_db"] == pytest.approx(20 * math.log10(snr_by_hand(expected)), abs=0.002)

@@ -61,10 +61,18 @@ def test_attenuations_lie_between_absorption_and_c_and_grow_with_what_is_lost() 
     a = scene.attenuation_per_m - sum(one.scattering_per_m for one in scene.scattering)
     k = np.stack([made.lamp_leg_per_m(n) for n in range(3)])
     assert np.all(a < k) and np.all(k < scene.attenuation_per_m) and np.all(np.diff(k, axis=0) < 0)
-    assert np.all(made.veil_leg_per_m() > a)
+    veil = np.stack([made.veil_leg_per_m(way_m) for way_m in (0.5, 2.0, 8.0)])  # longer ways round bear more
+    assert np.all(veil > a) and np.all(np.diff(veil, axis=0) > 0) and np.all(veil <= made.near_leg_per_m())
     for n in range(3):
         lamp, camera = made.back_legs_per_m(n)
         assert np.all(lamp >= 0.49 * a) and np.all(camera < scene.attenuation_per_m)
+
+
+def test_the_veil_from_elsewhere_is_never_less_than_none() -> None:
+    """However far the floor: what would go round is absorbed at last."""
+    scene = scene_of()
+    near, far = scene.near_leg_per_m(), scene.veil_leg_per_m(200.0)
+    assert np.all(far <= near) and np.any(far == near) and np.any(scene.veil_leg_per_m(2.0) < near)
 
 
 def test_single_scattering_is_what_the_scene_or_the_model_asks_for() -> None:

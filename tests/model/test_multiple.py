@@ -38,3 +38,31 @@ def test_wider_lobes_lose_less_of_what_is_scattered() -> None:
     lobes = np.deg2rad([10.0, 40.0, 70.0])
     assert np.rad2deg(multiple.lamp_angle_rad(lobes)) == pytest.approx([28.8, 54.6, 80.4])  # by hand
     assert np.all(np.diff(multiple.back_share(lobes)) < 0)
+
+
+@pytest.mark.parametrize(
+    ("absorbed", "back", "floor"), [(0.1, 0.02, 0.3), (0.5, 0.2, 0.0), (1.5, 0.03, 0.9), (0.05, 0.3, 0.5)]
+)
+def test_light_that_turns_back_is_that_of_layers_laid_on_each_other(absorbed: float, back: float, floor: float) -> None:
+    # even light goes twice as far: thin layers of 2 a r and 2 b_b r doubled (Stokes 1862), a deep sea above the lamp
+    n = 20
+    r, t, slab = 2.0 * back / 2**n, 1.0 - 2.0 * (absorbed + back) / 2**n, (0.0, 0.0)
+    for doubled in range(n + 12):
+        r, t = r + t * t * r / (1.0 - r * r), t * t / (1.0 - r * r)
+        if doubled == n - 1:
+            slab = r, t
+    sea, (r, t) = r, slab
+    down, arrived = 1.0, 0.0
+    while down > 1e-18:  # turn by turn, lamp to floor and back
+        held, up = down * t, down * r
+        while held > 1e-18:  # between floor and slab
+            up, arrived, held = up + held * floor * t, arrived + held, held * floor * r
+        down = sea * up
+    straight = np.exp(-2.0 * (absorbed + back))
+    found = float(multiple.returned_gain(absorbed, turned_back=back, reflectance=floor))
+    assert found == pytest.approx(arrived / straight, rel=1e-5)  # thin layers are thin to 1e-6
+
+
+def test_no_light_turns_back_where_nothing_turns_it() -> None:
+    assert float(multiple.returned_gain(0.7, turned_back=0.0, reflectance=0.5)) == 1.0
+    assert float(multiple.returned_gain(0.0, turned_back=0.0, reflectance=0.5)) == 1.0

@@ -25,6 +25,7 @@ Array = NDArray[Any]
 NARROW = beams.cosine_power_beam(np.deg2rad(16.0))
 LOBES = {
     "narrow": NARROW, "wide": beams.cosine_power_beam(np.deg2rad(120.0)), "needle": beams.cosine_power_beam(0.01),
+    "spot": beams.cosine_power_beam(np.deg2rad(6.0)),
     "disc": beams.disc_beam(np.deg2rad(20.0)), "cone": beams.cone_beam(np.deg2rad(35.0)),
     "profile": beams.tabulated_beam(np.deg2rad([0, 10, 20, 50, 70]), [3, 4, 2, 1, 0], medium="water", n_w=1.34),
     "profile that ends lit": beams.tabulated_beam(np.deg2rad([0, 20, 40]), [3, 2, 1], medium="water", n_w=1.34),
@@ -87,20 +88,20 @@ def test_the_mean_square_angle_grows_by_a_third_of_what_is_turned(way: float) ->
 @pytest.mark.parametrize("way", [0.2, 3.0])
 def test_no_light_is_lost_but_what_is_absorbed_and_turned_back(name: str, way: float) -> None:
     # over exp(-K r), K = a + 0.2 b, arrives exp(-(a + b_b) r): a factor exp(b r (0.2 - b_b/b)); share beyond 90 deg of
-    # Henyey-Greenstein in closed form; 1 %: what goes behind the front plane counts as lost, and ripples are cut
+    # Henyey-Greenstein in closed form; 1.5 %: what goes behind the front plane counts as lost, and ripples are cut
     g = 0.9
     back = (1 - g * g) / (2 * g) * (1 / np.sqrt(1 + g * g) - 1 / (1 + g))
     made = widened(LOBES[name], [Turned(way, 0.2, henyey_greenstein(g))])
     known = np.exp(way * (0.2 - back))
-    assert flux(made) == pytest.approx(known, rel=0.012)
+    assert flux(made) == pytest.approx(known, rel=0.015)
     assert flux(made) * (1 - 1e-5) <= beams.flux_per_lm(made) <= known * (1 + 1e-3)
 
 
 def test_molecules_and_particles_add_up() -> None:
     sea = henyey_greenstein(0.95)
     both = widened(NARROW, [Turned(1.0, 0.1, sea), Turned(0.5, 0.4, None)])
-    assert carried_share(None)[0] == pytest.approx(0.5, rel=5e-3)  # symmetric: half goes forward; bins of 2 deg there
-    known = np.exp(1.0 * (carried_share(sea)[0] - 1.0 + 0.1) + 0.5 * (0.5 - 1.0 + 0.4))
+    assert carried_share(None)[0, 0] == pytest.approx(0.5, rel=1e-3)  # symmetric: half goes forward
+    known = np.exp(1.0 * (carried_share(sea)[0, 0] - 1.0 + 0.1) + 0.5 * (0.5 - 1.0 + 0.4))
     assert beams.flux_per_lm(both) == pytest.approx(known, rel=0.01)
 
 
@@ -165,15 +166,15 @@ def points_mean(beam: beams.Beam, half: float) -> float:
     return float(np.mean(beams.intensity_per_sr(cos_beam, beam) * 2.0 / lamp_m**3 * loss / secant2**2))
 
 
-@pytest.mark.parametrize("name", ["narrow", "disc", "cone", "wide", "profile"])
+@pytest.mark.parametrize("name", ["narrow", "spot", "disc", "cone", "wide", "profile"])
 def test_backscatter_of_a_widened_lobe_is_that_of_its_parts(name: str) -> None:
-    # its own share and the halo apart, each by rules that are fit for it; and the mean of 20 x 20 pixels
+    # its own share and the halo apart, each by rules fit for it; and the mean of 20 x 20 pixels, of a spot 48 x 48
     made = widened(LOBES[name], [Turned(1.5, 0.15, henyey_greenstein(0.9))])
     assert made.widening is not None
     own, halo = (beams.widened_by(made, made.widening.alone(part)) for part in ("own", "halo"))
     scatterers = (Scatterer(lambda cos: scattering.look_up(cos, henyey_greenstein(0.9)), LOSS),)
     lit: dict[str, Any] = dict(shape=DOME, range_m=2.0, lamps=ONE_LAMP, scatterers=scatterers)
-    node, weight = np.polynomial.legendre.leggauss(20)
+    node, weight = np.polynomial.legendre.leggauss(48 if name == "spot" else 20)
     u, v = np.meshgrid(0.7 * node, 0.7 * node)
     parts = sum(backscatter_gain(u, v, beam=one, order=96, **lit) for one in (own, halo))
     got = backscatter_gain(u, v, beam=made, **lit)

@@ -9,6 +9,13 @@ FIT, LIGHT, API = "uwopt/solvers/calibration/fit.py", "uwopt/solvers/calibration
 
 DEFECTS = (
     Defect(
+        name="shots of which the model tells no whole number are fitted",
+        file=API,
+        old="LEAST_TOLD_DN = 1.0",
+        new="LEAST_TOLD_DN = 1e-9",
+        test=f"{FITS}::test_a_shot_of_which_the_model_tells_less_than_a_number_is_left_out",
+    ),
+    Defect(
         name="intervals of test shots are one standard error",
         file=FIT,
         old="return np.asarray(student.ppf(0.5 * (1.0 + LEVEL), n - p) * spread)",

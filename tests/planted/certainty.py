@@ -47,6 +47,13 @@ DEFECTS = (
         test=f"{TESTS}::test_light_in_other_water_is_that_of_the_model",
     ),
     Defect(
+        name="scenarios see a floor in proportion to its reflectance, whatever water turns back to it",
+        file=f"{ROOM}/response.py",
+        old="for name in (*LIT, *VEILED):",
+        new="for name in VEILED:",
+        test=f"{TESTS}::test_a_brighter_floor_in_murk_is_lit_by_its_own_light_too",
+    ),
+    Defect(
         name="clear water is taken for murky",
         file=f"{ROOM}/waters.py",
         old='self.toward(other, leg, "low" if clarity < 0 else "high", abs(clarity))',

@@ -181,6 +181,15 @@ def test_saturated_and_dark_shots_are_left_out_by_name(tmp_path: Path) -> None:
     assert len(made.shots) == 14 and made.fit.factors["water"].value == pytest.approx(1.6, rel=1e-3)
 
 
+def test_a_shot_of_which_the_model_tells_less_than_a_number_is_left_out(tmp_path: Path) -> None:
+    """Half a number by hand, and two of stray light; another of two numbers counts."""
+    net = hand_dn(DISTANCES, EXPOSURES, GAINS)
+    told_dn_s = float(hand_dn(2.0, 1.0, 1.0, light=1.0, c=C_TOLD))
+    more = "\n".join(f"{name},{1e3 * dn / told_dn_s!r},1,2,66,64" for name, dn in (("faint", 0.5), ("seen", 2.0)))
+    shots = csv_of(tmp_path / "s.csv", net + 64.0, 0 * net + 64.0, more)
+    assert list(calibrate(mission(tmp_path), SYSTEM, shots, again=False).left_out) == ["faint"]
+
+
 def test_a_full_well_saturates_below_the_last_number(tmp_path: Path) -> None:
     """16 000 electrons at 4 DN are 64 000 at gain 1, at gain 2 the numbers end first."""
     net = hand_dn(DISTANCES, EXPOSURES, GAINS)

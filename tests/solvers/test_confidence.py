@@ -287,6 +287,21 @@ def test_light_in_other_water_is_that_of_the_model() -> None:
     assert ours[both] == pytest.approx(exact[both], rel=0.02)
 
 
+def test_a_brighter_floor_in_murk_is_lit_by_its_own_light_too() -> None:
+    """What it sends up and water turns down again, by the search itself: 2 % of power at 1.5 times the reflectance."""
+    murk = {"water": "9C", "water_table": "solonenko-mobley", "seafloor": 0.35, "backscatter_ratio": 0.03}
+    wanted = {"max_blur_px": 1.0, "min_snr_db": 12.0}
+    lamp = {"flux_lm": 2e5, "power_w": 2000.0}
+    sought = sought_of(one(wanted=wanted, light=lamp, scenes=(murk,), vehicle={"altitude_m": 1.0}), floor=[0.4, 2.5])
+    doubt = sought.problem.mission.doubt
+    scenarios = Scenarios.drawn(sought.problem.mission, sought.problem.scenes, doubt, seed=2, count=32)
+    made = outcomes(sought.problem, sought.outcome.best[0], sought.search.objective, scenarios)
+    stop = made.best(0.5)
+    for k in np.argsort([state.floor for state in scenarios.states])[[10, 21, 31]]:
+        there = worked_out(sought, scenarios, int(k), float(made.f_numbers[stop]))
+        assert made.value[stop, k] == pytest.approx(there, rel=0.01)
+
+
 def test_a_murkier_water_takes_more_power_and_a_brighter_floor_less() -> None:
     """With nothing else in doubt, scenario by scenario."""
     sought = murky()

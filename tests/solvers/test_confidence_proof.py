@@ -343,7 +343,7 @@ def test_the_best_of_waters_is_no_worse_where_light_is_scattered_more_than_once(
 
     def beside(scene: Any) -> list[Any]:
         c, lamp, back = scene.attenuation_per_m, scene.lamp_leg_per_m(lobe_rad), scene.back_leg_per_m(lobe_rad)
-        wide = scene.near_leg_per_m() - scene.veil_leg_per_m()
+        wide = scene.near_leg_per_m() - scene.veil_leg_per_m(2.0)
         return [c, lamp, c - scene.near_leg_per_m(), wide, c - back, lamp - back]
 
     for one_ in scenes:

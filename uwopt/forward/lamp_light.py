@@ -184,9 +184,11 @@ class LampField:
         """The same of light that the water sends back."""
         return dict(shape=self.shape, range_m=range_m, beam=self.contraction.back_lobe(self.optics))
 
-    def loss_table(self, part: LightPart = "image") -> Any:
+    def loss_table(self, part: LightPart = "image", range_m: float = 0.0) -> Any:
         """Water's loss on both legs; see `Contraction.table`."""
-        return self.problem.table(self.scene_index, self.spectrum, self.efficiency, self.channel, part=part)
+        return self.problem.table(
+            self.scene_index, self.spectrum, self.efficiency, self.channel, part=part, range_m=range_m
+        )
 
     def mean_gain(self, view: Views, *, forward: bool) -> Array:
         """Mean over the image of the light that forms it, or of the forward veil, (n, n_altitudes) [1/m^2]."""
@@ -199,13 +201,13 @@ class LampField:
 
     def mean_wide(self, view: Views) -> Array:
         """Mean over the image of the forward veil from elsewhere on the floor, (n, n_altitudes) [1/m^2]."""
-        seen = dict(shape=self.shape, table=self.loss_table("wide"), fineness=self.fineness.image)
         return np.stack(
             [
                 mean_wide_gain(
-                    view.tan_along, view.tan_across, spots=self.spots(float(r), one_side(self.lamps)), **seen
+                    view.tan_along, view.tan_across, spots=self.spots(range_m, one_side(self.lamps)), shape=self.shape,
+                    table=self.loss_table("wide", range_m), fineness=self.fineness.image,
                 )
-                for r in self.scene.range_m
+                for range_m in map(float, self.scene.range_m)
             ],
             axis=1,
         )  # fmt: skip
@@ -219,7 +221,8 @@ class LampField:
         tables = self.loss_table(), self.loss_table("near")
         image, veil = local_gains(along, across, tables=tables, lamps=self.lamps, **self.common(range_m))
         if self.contraction.multiple:
-            seen = dict(spots=self.spots(range_m, self.lamps), shape=self.shape, table=self.loss_table("wide"))
+            table = self.loss_table("wide", range_m)
+            seen = dict(spots=self.spots(range_m, self.lamps), shape=self.shape, table=table)
             veil = veil + wide_gain(along, across, **seen)
         return image, veil
 

@@ -441,12 +441,12 @@ class Problem:
 
     def table(
         self, scene_index: int, spectrum: int, efficiency: int, channel: str | None = None, *,
-        part: LightPart = "image",
+        part: LightPart = "image", range_m: float = 0.0,
     ) -> Any:  # fmt: skip
         """Water's loss table of one scene, light spectrum and efficiency curve."""
         return self.contractions[scene_index].table(
             spectrum, efficiency, channel, lowest_m=self.lowest_m(scene_index),
-            nearest_m=self.nearest_m(scene_index, 0), part=part,
+            nearest_m=self.nearest_m(scene_index, 0), part=part, range_m=range_m,
         )  # fmt: skip
 
     def lowest_m(self, scene_index: int) -> float:

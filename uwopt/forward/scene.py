@@ -26,7 +26,7 @@ from uwopt.model.beam import Beam, half_power_angle_rad
 from uwopt.model.phase_formulas import molecular_per_sr
 from uwopt.model.scattering import PhaseTable, look_up, share_beyond
 from uwopt.model.spectrum import resample, trapezoid_weights_nm, wavelength_grid_nm
-from uwopt.model.widened import Turned, ways_m, widened
+from uwopt.model.widened import Turned, arriving_share, ways_m, widened
 
 Array = NDArray[Any]
 LampLeg = Literal["diffuse", "least", "most"]
@@ -129,10 +129,11 @@ class SceneOptics:
         angle = float(np.deg2rad(multiple.NEAR_DEG))
         return self._effective_per_m(lambda one: one.share_beyond(angle))
 
-    def veil_leg_per_m(self) -> Array:
-        """K of all light that comes from the floor to the camera."""
-        angle = float(np.deg2rad(multiple.VEIL_DEG))
-        return self._effective_per_m(lambda one: one.share_beyond(angle))
+    def veil_leg_per_m(self, way_m: float) -> Array:
+        """K of all light that comes from a floor so far off to the camera, no more than near its straight way."""
+        angle, absorbed = float(np.deg2rad(multiple.VEIL_DEG)), self.absorption_per_m() * way_m
+        k = self._effective_per_m(lambda one: 1.0 - arriving_share(one.table, absorbed, within_rad=angle))
+        return np.minimum(k, self.near_leg_per_m())
 
     def sun_leg_per_m(self) -> Array:
         """K of daylight that comes from the floor to the camera, by whatever way."""
@@ -179,9 +180,18 @@ class SceneOptics:
             Turned(ways * (weight @ one.scattering_per_m), one.share_beyond(angle), one.table)
             for one in self.scattering
         ]
-        return widened(lobe, turned, way_m)
+        absorbed = ways * (weight @ self.absorption_per_m())
+        returned = multiple.returned_gain(
+            absorbed, turned_back=ways * (weight @ self.backward_per_m()),
+            reflectance=0.0 if back else weight @ self.reflectance,
+        )  # fmt: skip
+        return widened(lobe, turned, way_m, absorbed=absorbed, returned=returned, sent_back=back)
 
-    def _effective_per_m(self, lost_share: Callable[[Scattering], float]) -> Array:
+    def backward_per_m(self) -> Array:
+        """b_b: what is scattered by more than 90 deg."""
+        return np.asarray(sum(one.scattering_per_m * one.share_beyond(np.pi / 2) for one in self.scattering))
+
+    def _effective_per_m(self, lost_share: Callable[[Scattering], float | Array]) -> Array:
         left = self.attenuation_per_m
         for one in self.scattering:
             left = multiple.effective_attenuation_per_m(

@@ -141,11 +141,11 @@ class Contraction:
             return self.scene.lamp_attenuation_per_m
         return self._kept("near leg", self.scene.near_leg_per_m)
 
-    def veil_leg_per_m(self) -> Array:
-        """Attenuation of all light that comes from the floor to the camera, by whatever way."""
+    def veil_leg_per_m(self, way_m: float) -> Array:
+        """Attenuation of all light that comes from a floor so far off to the camera, by whatever way."""
         if not self.multiple:
             return self.scene.lamp_attenuation_per_m
-        return self._kept("veil leg", self.scene.veil_leg_per_m)
+        return self._kept(("veil leg", way_m), lambda: self.scene.veil_leg_per_m(way_m))
 
     def back_legs_per_m(self, spectrum: int) -> tuple[Array, Array]:
         """Attenuation of light that the water sends back: from these lamps, and to the camera."""
@@ -252,24 +252,24 @@ class Contraction:
 
     def table(
         self, spectrum: int, efficiency: int, channel: str | None = None, *, nearest_m: float, lowest_m: float = 0.0,
-        part: LightPart = "image",
+        part: LightPart = "image", range_m: float = 0.0,
     ) -> PathTable:  # fmt: skip
         """Loss over lamp leg and camera leg, as a table over both lengths; the least are `lowest_m` and `nearest_m`.
 
         `part`: of what forms the image, or of the forward veil: `near` its straight way, exp(-K_near r) - exp(-c r) on
-        the camera leg, or from elsewhere (`wide`), exp(-K_all r) - exp(-K_near r).
+        the camera leg, or from elsewhere (`wide`), exp(-K_all r) - exp(-K_near r), of a floor that is `range_m` off.
         """
         scene = self.scene
         lowest = min(lowest_m, nearest_m) * 0.999
         reach_m = self.reach_m if part != "wide" else (WIDE_REACH * float(scene.range_m[-1]),) * 2
-        key = ("table", *self.key(spectrum, efficiency, channel), reach_m, lowest, nearest_m, part)
+        key = ("table", *self.key(spectrum, efficiency, channel), reach_m, lowest, nearest_m, part, range_m)
         if key not in scene.cache:
             scene.cache[key] = build_path_table(
                 self.weight(spectrum, efficiency, channel),
                 wavelength_nm=None,  # the weight holds the trapezoid's steps
                 k_lamp_per_m=self.lamp_leg_per_m(spectrum),
                 c_camera_per_m=self.near_leg_per_m() if part == "wide" else scene.attenuation_per_m,
-                k_camera_per_m=None if part == "image" else self._veil_legs_per_m()[part],
+                k_camera_per_m=None if part == "image" else self._lesser_leg_per_m(part, range_m),
                 lamp_range_m=(lowest, reach_m[0]),
                 camera_range_m=(nearest_m * 0.999, reach_m[1]),
                 **self.table_settings(),
@@ -277,9 +277,9 @@ class Contraction:
         table: PathTable = scene.cache[key]
         return table
 
-    def _veil_legs_per_m(self) -> dict[LightPart, Array]:
-        """The lesser attenuation of each part of the forward veil."""
-        return {"near": self.near_leg_per_m(), "wide": self.veil_leg_per_m()}
+    def _lesser_leg_per_m(self, part: LightPart, range_m: float) -> Array:
+        """The lesser attenuation of a part of the forward veil."""
+        return self.veil_leg_per_m(range_m) if part == "wide" else self.near_leg_per_m()
 
     def table_settings(self) -> dict[str, Any]:
         """Order and tolerance of the loss tables."""

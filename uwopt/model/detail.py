@@ -93,13 +93,14 @@ def detail_gain(cycles_per_rad: ArrayLike, *, scattered: ArrayLike, table: Detai
 
 
 def masses_by_angle(table: PhaseTable) -> tuple[FloatArray, FloatArray]:
-    """Scattering angles (BINS,) and the share scattered about each: d Omega = 8 pi x dx, x = sin(psi / 2)."""
+    """Scattering angles (BINS + 1,) and the share scattered about each: d Omega = 8 pi x dx, x = sin(psi / 2)."""
     n, phase = table.n_cell, table.phase_per_sr[:-1]
     x = np.arange(n + 1) / n
     step = 1.0 / n
     cell = 8 * np.pi * step / 6 * (phase[:-1] * (2 * x[:-1] + x[1:]) + phase[1:] * (x[:-1] + 2 * x[1:]))
     within = np.r_[0.0, np.cumsum(cell)]
     edges = np.r_[np.linspace(0.0, 1.0, 9)[:-1] * step, np.geomspace(step, 1.0, BINS - 7)]
+    edges = np.sort(np.append(edges, np.sqrt(0.5)))  # 90 deg: forward or back
     in_first = within[1] * np.square(edges / step)  # p even there
     at_edge = np.where(edges < step, in_first, np.interp(edges, x, within))
     middle = np.sqrt(0.5 * (np.square(edges[1:]) + np.square(edges[:-1])))

@@ -1,18 +1,33 @@
 """A lamp's lobe as light that is scattered on its way from the lamp widens it.
 
-Light that turns by psi at a share s of its way r arrives as if it had left the lamp by (1 - s) psi aside. Of order l of
-the lobe's Legendre series arrives, all orders of scattering counted, as in `model.detail` for what is seen,
+Light that turns by psi at a share s of its way r to a floor square to it arrives as if it had left the lamp by alpha
+aside, on a way that is longer by r e than straight there, and so absorbed more:
 
-    I_l exp(-c r + b r chi_l),   chi_l = integral over s from 0 to 1, psi from 0 to 90 deg, of p P_l(cos((1 - s) psi))
+    tan(alpha) = (1 - s) tan(psi),   e = s + (1 - s) / cos(psi) - 1 / cos(alpha)
 
-Nothing in it is fitted; light that turns by more than 90 deg counts as lost. The lobe stands beside the water's loss of
-all that is not turned far, exp(-K r) with K = c - b (1 - s_K) of `model.multiple`, so that what is left over it is
+Of order l of the lobe's Legendre series arrives, all orders of scattering counted, as in `model.detail` for what is
+seen,
+
+    I_l exp(-c r + b r chi_l),   chi_l = mean over s, integral over psi up to 90 deg, of p P_l(cos alpha) exp(-a r e)
+
+Light that turns by more than 90 deg is lost to this. What of it turns again, or comes back from floor and water, is
+that of two streams, and falls from all about (`multiple.returned_gain`, a lobe cos^2). Nothing in it is fitted. The
+lobe stands beside the water's loss of all that is not turned far, exp(-K r) with K = c - b (1 - s_K) of
+`model.multiple`, so that what is left over it is
 
     I_l exp(b r (chi_l - 1 + s_K))
 
 What turns by less than the last order resolves, half a degree, keeps the lamp's own shape, edges included; the rest is
-a smooth halo. For light on the floor r is the way to it along the axis; for backscatter, which comes from all along the
-way, the lobe goes with the distance from the lamp.
+a smooth halo. For light on the floor r is the way to it along the axis. Backscatter comes from all along the way, and
+there the lobe goes with the distance from the lamp: a place is a point of a sphere about it,
+
+    w = sqrt(1 - s^2 sin^2(psi)) - s cos(psi),   sin(alpha) = w sin(psi),   e = s + w - 1
+
+What the water sends back is turned on its way to the camera, too. By the rule that light's ways may be walked in either
+sense this widens what a pixel looks at as it does the lobe, once more along a way of about that length, and moves light
+without a loss that K of backscatter would not have:
+
+    I_l exp(b r (2 chi_l - chi_0 - 1 + s_K))
 
 Wells (1969), J. Opt. Soc. Am. 59, 686, for small angles; docs/validation.md, section 10, for all.
 """
@@ -24,6 +39,7 @@ from functools import cache, lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import ArrayLike
 
 from uwopt.model import beam as beams
@@ -32,11 +48,12 @@ from uwopt.model.halo import Widening
 from uwopt.model.image_mean import gauss
 from uwopt.model.path_table import product
 from uwopt.model.phase_formulas import molecular_per_sr
-from uwopt.model.scattering import PhaseTable, phase_table_of
+from uwopt.model.scattering import PhaseTable, phase_table_of, share_beyond
 from uwopt.model.spectrum import FloatArray
 
 ORDERS = 120
 WAY_NODES = 12
+THICK_NODES = 64  # of a r
 PANELS, PANEL_NODES = 20, 16  # over the lobe, for its own series
 HALO_CELLS = 1024  # even in sqrt(1 - cos): 0.08 deg at the axis
 BACK_ROWS = 49  # of ways, even in their square root
@@ -56,10 +73,14 @@ def ways_m(reach_m: float) -> FloatArray:
     return reach_m * np.square(np.linspace(0.0, 1.0, BACK_ROWS))
 
 
-def widened(lobe: beams.Beam, turned: Sequence[Turned], reach_m: float = 0.0) -> beams.Beam:
+def widened(
+    lobe: beams.Beam, turned: Sequence[Turned], reach_m: float = 0.0, *, absorbed: ArrayLike = 0.0,
+    returned: ArrayLike = 1.0, sent_back: bool = False,
+) -> beams.Beam:  # fmt: skip
     """A lobe with what scattering on a way makes of it, over what the attenuation K of that way leaves of it.
 
-        I_w = e^(t_L) I + sum over l of (2 l + 1) / (4 pi) I_l (e^(t_l) - e^(t_L)) P_l(cos theta)
+        I_w = e^(t_L) I + sum over l of (2 l + 1) / (4 pi) I_l (g_l - g_L) P_l(cos theta)
+        g_l = e^(t_l) + (G - 1) e^(t_0) kappa_l,   kappa_l = integral from 0 to 1 of 3 mu^2 P_l(mu) d mu
         t_l = sum over kinds of b r (chi_l - 1 + s_K),   I_l = 2 pi integral of I P_l d cos theta,   L = 120
 
     Parameters
@@ -67,22 +88,29 @@ def widened(lobe: beams.Beam, turned: Sequence[Turned], reach_m: float = 0.0) ->
     lobe : the lamp's own beam
     turned : kinds of things that scatter, on one way or on each of `ways_m`
     reach_m : the last of those ways
+    absorbed : a r, one, or of each way (k,)
+    returned : G, all light there over that which never turned back, one, or of each way (k,); see
+        `multiple.returned_gain`
+    sent_back : of backscatter, widened on both its legs; else of light on a floor
 
     Returns
     -------
-    Beam, its flux that of the lobe times e^(t_0) but for what would go behind the front plane, which counts as lost,
-    and for ripples below 0, which are cut
+    Beam, its flux that of the lobe times g_0 but for what would go behind the front plane, which counts as lost, and
+    for ripples below 0, which are cut
 
     Notes
     -----
     Valid for lobes and ways of `multiple.TESTED_LOBES_DEG` and up to c r = `multiple.TESTED_THICKNESS`; without limit
     in form. At b r = 0 the lobe is left as it is.
     """
-    log_gain = sum(
-        np.multiply.outer(np.atleast_1d(one.thickness), carried_share(one.phase) - 1.0 + one.lost_share)
-        for one in turned
-    )
+    log_gain: FloatArray = np.zeros(())
+    for one in turned:
+        carried = carried_share(one.phase, absorbed, sent_back=sent_back)
+        if sent_back:
+            carried = 2.0 * carried - carried[:, :1]
+        log_gain = log_gain + np.atleast_1d(one.thickness)[:, None] * (carried - 1.0 + one.lost_share)
     gain = np.exp(np.clip(log_gain, -MOST_LOG, MOST_LOG))
+    gain = gain + (np.atleast_1d(returned)[:, None] - 1.0) * gain[:, :1] * _from_all_about()
     order = np.arange(ORDERS + 1)
     series = (2 * order + 1) / (4.0 * np.pi) * lobe_series(lobe) * (gain - gain[:, -1:])
     return beams.widened_by(lobe, Widening.of(gain[:, -1], product(series, _at_knots()), reach_m))
@@ -122,15 +150,83 @@ def bounding(lobes: Sequence[beams.Beam], weights: Sequence[float], *, most: boo
     return beams.widened_by(lobe, Widening.of(share, pick(halos, axis=0), made[0].reach_m, bound=most))
 
 
+def carried_share(phase: PhaseTable | None, absorbed: ArrayLike = 0.0, *, sent_back: bool = False) -> FloatArray:
+    """chi_l for l = 0 to 120, at each a r (k, ORDERS + 1) [1], at most the share scattered forward.
+
+    By a polynomial in y / (1 + y), y = sqrt(a r), within 2e-5 up to a r = 30.
+    """
+    root = np.sqrt(np.atleast_1d(np.asarray(absorbed, dtype=float)))
+    return np.asarray(chebvander((root - 1.0) / (root + 1.0), THICK_NODES - 1) @ _carried(phase, sent_back))
+
+
 @lru_cache(maxsize=64)
-def carried_share(phase: PhaseTable | None) -> FloatArray:
-    """chi_l for l = 0 to 120 (ORDERS + 1,) [1], at most the share scattered forward."""
+def _carried(phase: PhaseTable | None, sent_back: bool) -> FloatArray:
+    """chi_l as Chebyshev's series in (y - 1) / (y + 1), y = sqrt(a r): (THICK_NODES, ORDERS + 1)."""
+    node = np.cos(np.pi * (np.arange(THICK_NODES) + 0.5) / THICK_NODES)
+    thick = np.square((1.0 + node) / (1.0 - node))
+    angle, mass = _forward(phase)
+    there = np.zeros((THICK_NODES, ORDERS + 1))
+    for polynomial, detour, part in _turns(angle.tobytes(), sent_back):
+        there += part * product(np.exp(-np.multiply.outer(thick, detour)) * mass, polynomial)
+    series = chebvander(node, THICK_NODES - 1).T @ there * (2.0 / THICK_NODES)
+    series[0] *= 0.5
+    return np.asarray(series)
+
+
+def arriving_share(phase: PhaseTable | None, absorbed: ArrayLike, *, within_rad: float) -> FloatArray:
+    """Share of what is scattered on a way that still arrives at its end, square to it, wherever.
+
+        integral over s from 0 to 1, psi from 0 to the angle, of p e^(-a r e)
+
+    Parameters
+    ----------
+    absorbed : (k,) [1], a r
+    within_rad : scalar [rad], from which light counts as lost, below 90 deg
+
+    Returns
+    -------
+    (k,) [1], at most the share scattered by less than that angle, which it is at a r = 0
+    """
+    angle, mass = _forward(phase)
+    mass = np.where(angle < within_rad, mass, 0.0)
+    kept = sum(
+        part * (np.exp(-np.multiply.outer(np.atleast_1d(absorbed), detour)) @ mass)
+        for _, detour, part in _turns(angle.tobytes(), False)
+    )
+    within = 1.0 - share_beyond(within_rad, phase)  # bins of angle do not end there
+    return np.asarray(within * kept / mass.sum())
+
+
+@lru_cache(maxsize=64)
+def _forward(phase: PhaseTable | None) -> tuple[FloatArray, FloatArray]:
+    """Scattering angles below 90 deg, and the share scattered about each."""
     angle, mass = masses_by_angle(_molecules() if phase is None else phase)
     forward = angle < 0.5 * np.pi
-    angle, mass = angle[forward], mass[forward]
-    node, weight = gauss(WAY_NODES)
-    ways = zip(0.5 * (node + 1.0), weight, strict=True)
-    return np.sum([part * (legendre(np.cos((1.0 - s) * angle)) @ mass) for s, part in ways], axis=0)
+    return angle[forward], mass[forward]
+
+
+@lru_cache(maxsize=4)
+def _turns(angles: bytes, sent_back: bool) -> list[tuple[FloatArray, FloatArray, float]]:
+    """Of turns by these angles (n,) at nodes of the way: P_l(cos alpha) (n, ORDERS + 1), e (n,), weight of the node."""
+    angle, found = np.frombuffer(angles), []
+    for node, weight in zip(*gauss(WAY_NODES), strict=True):
+        s = 0.5 * (node + 1.0)
+        if sent_back:
+            rest = np.sqrt(1.0 - np.square(s * np.sin(angle))) - s * np.cos(angle)
+            apparent, detour = np.arcsin(np.minimum(rest * np.sin(angle), 1.0)), s + rest - 1.0
+        else:
+            apparent = np.arctan((1.0 - s) * np.tan(angle))
+            detour = s + (1.0 - s) / np.cos(angle) - 1.0 / np.cos(apparent)
+        found.append((np.ascontiguousarray(legendre(np.cos(apparent)).T), np.maximum(detour, 0.0), float(weight)))
+    return found
+
+
+@cache
+def _from_all_about() -> FloatArray:
+    """kappa_l, for l = 0 to 120: light that comes back is spread as cos^2 about the axis."""
+    node, weight = gauss(ORDERS)
+    mu = 0.5 * (node + 1.0)
+    return np.asarray(legendre(mu) @ (3.0 * np.square(mu) * weight))
 
 
 @lru_cache(maxsize=1024)

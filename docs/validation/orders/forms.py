@@ -15,7 +15,7 @@ from scipy.optimize import least_squares
 from uwopt.forward.spectra import ENDLESS
 from uwopt.model import beam as beams
 from uwopt.model import multiple, scattering
-from uwopt.model.widened import Turned, ways_m, widened
+from uwopt.model.widened import Turned, arriving_share, ways_m, widened
 
 from .cases import TALLIES, Case, Light, read
 from .model import Legs, phase_table, uwopt_light
@@ -54,19 +54,66 @@ def attenuations(case: Case, constants: Constants = USED) -> Legs:
 
     back = leg((now.back - now.back_by_lobe * np.deg2rad(lobe)) * beyond(90.0))
     least = multiple.LEAST_OF_ABSORPTION * (case.c_per_m - b)
-    lamp, near, veil = (leg(beyond(angle)) for angle in (now.lamp + now.lamp_by_lobe * lobe, now.near, now.veil))
+    lamp, near = (leg(beyond(angle)) for angle in (now.lamp + now.lamp_by_lobe * lobe, now.near))
+    within = float(np.deg2rad(np.clip(now.veil, 1.0, 89.0)))
+    absorbed = (case.c_per_m - b) * case.altitude_m
+    veil = min(leg(1.0 - float(arriving_share(phase_table(case.phase), absorbed, within_rad=within)[0])), near)
     return Legs(lamp, near, veil, max(back, least), max(back, least))
 
 
 def effective(case: Case, constants: Constants = USED) -> Legs:
     """The same with the lobe that scattering widens on the lamp's way."""
-    legs, b = attenuations(case, constants), case.c_per_m * case.albedo
-    lobe = beams.cosine_power_beam(np.deg2rad(2 * case.lobe_half_deg))
-    lost, phase = 1.0 - (case.c_per_m - legs.lamp) / b, phase_table(case.phase)
-    reach_m = ENDLESS / (case.c_per_m + legs.lamp)
-    floor = widened(lobe, [Turned(b * case.altitude_m, lost, phase)], case.altitude_m)
-    back = widened(lobe, [Turned(b * ways_m(reach_m), lost, phase)], reach_m)
-    return legs._replace(lobes=(floor, back))
+    legs = attenuations(case, constants)
+    return legs._replace(lobes=(floor_lobe(case, legs.lamp), back_lobe(case, legs.lamp)))
+
+
+def no_farther(case: Case) -> Legs:
+    """As if light that goes round had no longer way."""
+    legs = attenuations(case)
+    near, within = legs.near, float(np.deg2rad(USED.veil))
+    lost = 1.0 - float(arriving_share(phase_table(case.phase), 0.0, within_rad=within)[0])
+    veil = case.c_per_m - scattered(case)[1] * (1.0 - lost)
+    straight = floor_lobe(case, legs.lamp, longer=False), back_lobe(case, legs.lamp, longer=False)
+    return legs._replace(veil=min(veil, near), lobes=straight)
+
+
+def never_again(case: Case) -> Legs:
+    """As if nothing that turned back fell on the floor again."""
+    legs = attenuations(case)
+    lost = floor_lobe(case, legs.lamp, again=False), back_lobe(case, legs.lamp, again=False)
+    return legs._replace(lobes=lost)
+
+
+@cache
+def floor_lobe(case: Case, lamp_per_m: float, *, longer: bool = True, again: bool = True) -> beams.Beam:
+    """A case's lobe on the floor, over what K leaves of it."""
+    a, b, backward = scattered(case)
+    height, lost = case.altitude_m, 1.0 - (case.c_per_m - lamp_per_m) / b
+    gain = multiple.returned_gain(a * height, turned_back=again * backward * height, reflectance=case.reflectance)
+    turned = [Turned(b * height, lost, phase_table(case.phase))]
+    return widened(own_lobe(case), turned, height, absorbed=longer * a * height, returned=gain)
+
+
+@cache
+def back_lobe(case: Case, lamp_per_m: float, *, longer: bool = True, again: bool = True) -> beams.Beam:
+    """A case's lobe as the water sends it back, over what K leaves of it."""
+    a, b, backward = scattered(case)
+    reach_m, lost = ENDLESS / (case.c_per_m + lamp_per_m), 1.0 - (case.c_per_m - lamp_per_m) / b
+    ways = ways_m(reach_m)
+    gain = multiple.returned_gain(a * ways, turned_back=again * backward * ways, reflectance=0.0)
+    turned = [Turned(b * ways, lost, phase_table(case.phase))]
+    return widened(own_lobe(case), turned, reach_m, absorbed=longer * a * ways, returned=gain, sent_back=True)
+
+
+def scattered(case: Case) -> tuple[float, float, float]:
+    """a, b and b_b [1/m]."""
+    b = case.c_per_m * case.albedo
+    return case.c_per_m - b, b, b * scattering.backscatter_ratio(phase_table(case.phase))
+
+
+def own_lobe(case: Case) -> beams.Beam:
+    """As the lamp sends it out."""
+    return beams.cosine_power_beam(np.deg2rad(2 * case.lobe_half_deg))
 
 
 def rows_of(use: str, *, thin: bool = True) -> list[Light]:

@@ -191,7 +191,7 @@ class EasiestScene(SceneOptics):
         """What leaves the least veil beside the image."""
         return self.attenuation_per_m - least([one.attenuation_per_m - one.near_leg_per_m() for one in self.states])
 
-    def veil_leg_per_m(self) -> Array:
+    def veil_leg_per_m(self, way_m: float) -> Array:
         """No veil from elsewhere."""
         return self.near_leg_per_m()
 

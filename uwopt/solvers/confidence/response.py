@@ -2,8 +2,8 @@
 
 Signal and veils of one imager are worked out in each table at five degrees of clarity, at five of K on the lamps' way,
 and where both are at their ends. Their logarithms are interpolated by parabolas on either side of the central water,
-where the spectra have a kink, and by what the ends have beyond the sum. The floor scales the signal and the
-forward veil, not what the water sends back.
+where the spectra have a kink, and by what the ends have beyond the sum. The floor scales the signal, a little more than
+in proportion where the water turns its light back to it, and the forward veil, not what the water sends back.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ class WaterResponse:
     clarity: tuple[float, ...]
     leg: tuple[float, ...]
     columns: list[dict[str, dict[bool, TableResponse]]]  # by scene, column and table
-    from_floor: list[dict[str, Array]]  # by scene: share of a veil that the floor sends, by column
+    from_floor: list[dict[str, Array]]  # by scene and column: see `floor_shares`
 
     @staticmethod
     def of_each(
@@ -130,7 +130,7 @@ class WaterResponse:
             bright = floor.reshape(-1, *([1] * (factor.ndim - 1)))
             if name in LIT:
                 factor = factor * bright
-            elif name in VEILED:
+            if name in self.from_floor[index]:
                 factor = factor * (1.0 + (bright - 1.0) * self.from_floor[index][name])
             changes[name] = getattr(rows, name) * factor
         return balanced(replace(rows, **changes))
@@ -155,12 +155,12 @@ def nodes_for(values: Sequence[float]) -> tuple[float, ...]:
 
 
 def floor_shares(known: SceneRows, brighter: SceneRows, row: int) -> dict[str, Array]:
-    """Which share of each veil grows with the floor's reflectance."""
+    """Which share of each veil grows with the floor's reflectance, and of light what grows beyond it in proportion."""
     shares = {}
-    for name in VEILED:
-        column = getattr(known, name)
-        if column is not None:
+    for name in (*LIT, *VEILED):
+        if getattr(known, name) is not None:
             grown = level(brighter, name, row) / np.maximum(level(known, name, row), TINY)
+            grown = grown / BRIGHTER if name in LIT else grown
             shares[name] = np.clip((grown - 1.0) / (BRIGHTER - 1.0), 0.0, 1.0)
     return shares
 
