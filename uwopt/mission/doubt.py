@@ -1,6 +1,6 @@
 """How certain a recommendation is to be, and what is uncertain beside the numbers of the parts."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field
 from pydantic_core import PydanticCustomError
@@ -105,7 +105,7 @@ class Doubt(Section):
     )
 
     @property
-    def none(self) -> Doubt:
+    def none(self) -> Self:
         """The same settings where nothing is in doubt: every number at its central value."""
         known = {"parts": False, "clarity": False, "lamp_leg": False, "other_water_table": 0.0, "beyond_band": 0.0}
         return self.model_copy(update=known | dict.fromkeys(("floor", "lamp_output", "focus"), (1.0, 1.0)))
