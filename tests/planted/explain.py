@@ -224,6 +224,13 @@ DEFECTS = (
         test="tests/solvers/test_least_change.py::test_what_a_design_misses_alone_is_known_to_help",
     ),
     Defect(
+        name="a limit that other hardware meets is told with digits that nobody types",
+        file="uwopt/solvers/explain/least_change.py",
+        old="Change(rounded_away(step, asked), closer)",
+        new="Change(step, closer)",
+        test="tests/solvers/test_least_change.py::test_a_limit_can_be_typed_where_time_ends_at_other_hardware",
+    ),
+    Defect(
         name="no slower vehicle comes to fewer images a second",
         file="uwopt/solvers/explain/relaxed.py",
         old='"speed_m_s": frozenset({"max_blur_px", "frame_rate", "data_rate_mb_s",',
