@@ -163,8 +163,8 @@ DEFECTS = (
     Defect(
         name="what is dropped at once is taken for useless though something fits",
         file="uwopt/solvers/explain/singles.py",
-        old="        if fits is None:\n            return []\n        if not fits:\n",
-        new="        if fits is None or fits:\n",
+        old="        if found is None:\n            return []\n        if not found.outcome.best:\n",
+        new="        if found is None or found.outcome.best:\n",
         test="tests/solvers/test_least_change.py::test_dropped_at_once_no_requirement_is_lost_that_helps",
     ),
     Defect(
