@@ -78,7 +78,8 @@ rows in `explained_rows.jsonl`, to which `--sample N` adds, drawn a requirement 
 
 *answered* counts what the mission asks for: whether it alone, left out, would let something through is known. *keys* is
 the same of height, water, speed and time. A told change is tried by a search of its own: *does* is how many of those
-tried let something fit; *least* is how many of those that are told as the least do not do when they are 5 % smaller.
+tried let something fit; *least* is how many of those that are told as the least do not do when they are 5 % smaller, or
+by one in the third digit, with which limits are told, where that is more.
 Seconds are of the processor, in a process that has started, with no time given: the program's own patience ends it
 after 9 s, or 5 s after the search that finds nothing, and it says what is open. *told* counts single changes, and *+ n*
 changes that help together.
@@ -226,10 +227,10 @@ def try_changes(row: Row, mission: Mission, result: Result, *, tried: bool) -> N
             check(row, with_central_prices(mission), None, row.told[-1])
             continue
         least = not any(text.endswith(f"change of {one.name} would do") for text in row.other)
-        shorter = one.needed + SHORT * (one.limit - one.needed)
+        shorter = smaller(one.limit, one.needed) if least else None
         check(
             row, relaxed(mission, section, key, one.limit, one.needed),
-            relaxed(mission, section, key, one.limit, shorter) if least else None, row.told[-1],
+            None if shorter is None else relaxed(mission, section, key, one.limit, shorter), row.told[-1],
         )  # fmt: skip
     for move in result.infeasible.moves:
         row.told.append(f"{move.name} {move.asked} → {move.needed}")
@@ -239,11 +240,18 @@ def try_changes(row: Row, mission: Mission, result: Result, *, tried: bool) -> N
                       if move.name in VariedMission._names()[one.section])  # fmt: skip
         closer: Value | None = None
         if move.nearest and not isinstance(move.needed, str) and not isinstance(move.asked, str):
-            closer = rounded(move.needed + SHORT * (move.asked - move.needed))
+            closer = smaller(move.asked, move.needed)
         check(
             row, base.with_values({varied: move.needed}),
             None if closer is None else base.with_values({varied: closer}), row.told[-1],
         )  # fmt: skip
+
+
+def smaller(asked: float, needed: float) -> float | None:
+    """A change a little smaller than one that is told with three digits; None where that would be none."""
+    change = abs(asked - needed)
+    step = max(SHORT * change, 10.0 ** (math.floor(math.log10(abs(needed))) - 2)) if needed else SHORT * change
+    return None if step >= change else rounded(needed + math.copysign(step, asked - needed))
 
 
 def changed(mission: Mission, together: list[Relaxed]) -> Mission:

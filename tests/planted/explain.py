@@ -163,8 +163,8 @@ DEFECTS = (
     Defect(
         name="what is dropped at once is taken for useless though something fits",
         file="uwopt/solvers/explain/singles.py",
-        old="        if fits is None:\n            return []\n        if not fits:\n",
-        new="        if fits is None or fits:\n",
+        old="        if found is None:\n            return []\n        if not found.outcome.best:\n",
+        new="        if found is None or found.outcome.best:\n",
         test="tests/solvers/test_least_change.py::test_dropped_at_once_no_requirement_is_lost_that_helps",
     ),
     Defect(
@@ -222,6 +222,13 @@ DEFECTS = (
         old="        if len(missed) != 1 or",
         new="        if True or",
         test="tests/solvers/test_least_change.py::test_what_a_design_misses_alone_is_known_to_help",
+    ),
+    Defect(
+        name="a limit that other hardware meets is told with digits that nobody types",
+        file="uwopt/solvers/explain/least_change.py",
+        old="Change(rounded_away(step, asked), closer)",
+        new="Change(step, closer)",
+        test="tests/solvers/test_least_change.py::test_a_limit_can_be_typed_where_time_ends_at_other_hardware",
     ),
     Defect(
         name="no slower vehicle comes to fewer images a second",

@@ -884,7 +884,7 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="what a few imagers do not do nothing does",
         file="uwopt/solvers/explain/relaxed.py",
-        old="return found if found.outcome.best or found.outcome.interrupted else None",
+        old="return found if found is not None and (found.outcome.best or found.outcome.interrupted) else None",
         new="return found",
         test=f"{RELAXED}::test_a_first_design_is_found_where_a_whole_search_finds_one",
     ),

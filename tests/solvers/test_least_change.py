@@ -18,7 +18,7 @@ from uwopt.report.text.helps import depth_lines
 from uwopt.results.basis import WhyNothing
 from uwopt.results.result import Result
 from uwopt.solvers.exact.certificate import certificate
-from uwopt.solvers.explain import infeasible, singles
+from uwopt.solvers.explain import infeasible, least_change, singles
 from uwopt.solvers.explain.infeasible import why_nothing
 from uwopt.solvers.explain.least_change import rounded_away
 from uwopt.solvers.explain.relaxed import Relaxer
@@ -154,6 +154,20 @@ def test_least_change_of_swath_takes_the_wider_lens_though_the_other_needs_less_
     narrow = told(mission(parts, min_swath_m=9.0), catalog)["min_swath_m"]
     wide = told(mission(parts, both, min_swath_m=9.0), catalog)["min_swath_m"]
     assert wide == pytest.approx(narrow * 12.0 / 8.0, rel=0.02)
+    assert wide == float(f"{wide:.3g}")
+
+
+def test_a_limit_can_be_typed_where_time_ends_at_other_hardware(parts, catalog, monkeypatch):
+    """The wider lens is found a little closer than the narrow one reaches; there is no time to draw it in."""
+    asked, both = 9.0, ("zz-lens", "zz-wide")
+    wanted = mission(parts, both, min_swath_m=asked)
+    narrow = seek(mission(parts, min_swath_m=1.0), catalog, POWER, generic="never", top=1)
+    monkeypatch.setattr(least_change, "with_its_hardware", lambda asked, change, relaxed, deadline: change)
+    made = least_change.least_change(
+        asked, 1.4234, narrow, relaxed=lambda value: mission(parts, both, min_swath_m=value),
+        search=lambda one: seek(one, catalog, POWER, generic="never", top=1), deadline=NEVER, name="min_swath_m",
+    )  # fmt: skip
+    assert not fits(wanted, catalog) and made.limit == float(f"{made.limit:.3g}")
 
 
 def test_least_change_of_depth_is_that_of_the_part_rated_deepest(parts, catalog):

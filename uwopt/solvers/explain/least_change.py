@@ -52,7 +52,8 @@ def least_change(
         step = change.limit + share * ((too_near if share > CLOSER else asked) - change.limit)
         closer = search(relaxed(step))
         if closer.outcome.best:  # not the least by far, it seems: halve what is left
-            change, share = with_its_hardware(too_near, Change(step, closer), relaxed, deadline), 0.5
+            typed = Change(rounded_away(step, asked), closer)
+            change, share = with_its_hardware(too_near, typed, relaxed, deadline), 0.5
         elif closer.outcome.complete:
             too_near, share = step, CLOSER
             if abs(too_near - change.limit) <= CLOSER * abs(asked - change.limit) * (1.0 + 1e-9):
