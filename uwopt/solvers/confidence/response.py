@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward.lamp_light import ImageLight
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.setting_rows import BALANCE_ROUND, SceneRows
 from uwopt.model import sensor
@@ -179,27 +180,23 @@ def weights(nodes: tuple[float, ...], at: Array) -> Array:
     return made
 
 
-def of_deciding_pixels(rows: SceneRows, image: Array) -> SceneRows:
-    """Rows whose SNR is asked of two pixels instead of hundreds: those that all but the pixels that may miss it reach.
+def of_deciding_pixels(image: ImageLight) -> ImageLight:
+    """Images whose SNR is asked of two pixels, not hundreds: of those that all but the pixels that may miss it reach.
 
     One by the signal, which decides where the camera's own noise counts, one by s^2 / (s + v), where that of the light
-    does; both must reach the SNR. Under the sun, which mixes with the lamps, all stay.
-
-    image : of each row, (n,): in rows of one image the light of all pixels is the same but for a factor
+    does; both must reach the SNR. In rows of one image the light of all pixels is the same but for a factor.
     """
-    signal, veil = rows.worst_e, rows.worst_veil_e
-    if signal is None or rows.sunlit or signal.shape[2] <= 2:
-        return rows
-    _, first, of = np.unique(image, return_index=True, return_inverse=True)
-    some = signal[first]
-    over = np.zeros_like(some) if veil is None else np.broadcast_to(veil[first], some.shape)
-    place = min(rows.may_miss, signal.shape[2] - 1)
-    by_light = some**2 / np.maximum(some + over, TINY)
-    picks = np.stack([np.argpartition(key, place, axis=2)[:, :, place] for key in (some, by_light)], axis=2)[of]
+    signal, veil = image.worst_e, image.worst_veil_e
+    if signal is None or signal.shape[2] <= 2:
+        return image
+    over = np.zeros_like(signal) if veil is None else np.broadcast_to(veil, signal.shape)
+    place = min(image.may_miss, signal.shape[2] - 1)
+    by_light = signal**2 / np.maximum(signal + over, TINY)
+    picks = np.stack([np.argpartition(key, place, axis=2)[:, :, place] for key in (signal, by_light)], axis=2)
     changes: dict[str, Any] = {"worst_e": np.take_along_axis(signal, picks, axis=2), "may_miss": 0}
     if veil is not None:
-        changes["worst_veil_e"] = np.take_along_axis(np.broadcast_to(veil, signal.shape), picks, axis=2)
-    return replace(rows, **changes)
+        changes["worst_veil_e"] = np.take_along_axis(over, picks, axis=2)
+    return replace(image, **changes)
 
 
 def balanced(rows: SceneRows) -> SceneRows:

@@ -30,7 +30,7 @@ from uwopt.solvers.confidence.response import LIT, VEILED, WaterResponse, of_dec
 from uwopt.solvers.confidence.scenarios import SAME_FIELD, Scenarios
 from uwopt.solvers.confidence.waters import may_leave_band, over_band_of
 from uwopt.solvers.exact.candidates import Candidates
-from uwopt.solvers.exact.design_rows import NodeRows
+from uwopt.solvers.exact.design_rows import Narrowed, NodeRows
 from uwopt.solvers.exact.imager_rules import Tally, only_tied
 from uwopt.solvers.exact.imagers import (
     IMAGER_RULES,
@@ -198,12 +198,9 @@ class Together:
 
     def _lit(self, problem: Problem, objective: Objective, deadline: Deadline) -> list[SceneRows]:
         """Rows in the light of some water, by scene, each under its own light."""
-        made = node_rows(problem, self.imagers, objective, deadline)
-        # of one image under as many lamps: each number of them shares its light out otherwise over the pixels
-        image, parts = made.tables.images[1] * (int(self.count.max(initial=0)) + 1) + self.count, []
+        made, parts = node_rows(problem, self.imagers, objective, deadline, of_deciding_pixels), []
         for lighting, mine in self._under_each(made.tables.lightings):
-            rows = rows_under(made, mine, self.light[mine], self.count[mine], lighting)
-            parts.append((mine, [of_deciding_pixels(one, image[mine]) for one in rows]))
+            parts.append((mine, rows_under(made, mine, self.light[mine], self.count[mine], lighting)))
         every = range(len(problem.scenes))
         return [SceneRows.in_places([(mine, rows[k]) for mine, rows in parts], len(self.scenario)) for k in every]
 
@@ -413,10 +410,12 @@ def eased(rows: SceneRows, *, iris: bool) -> SceneRows:
     return replace(made, dims_freely=rows.dims_freely | flash, min_level=np.where(flash, 0.0, rows.min_level))
 
 
-def node_rows(problem: Problem, imagers: Imagers, objective: Objective, deadline: Deadline) -> NodeRows:
-    """What makes rows of these imagers under any lighting."""
+def node_rows(
+    problem: Problem, imagers: Imagers, objective: Objective, deadline: Deadline, narrowed: Narrowed | None = None
+) -> NodeRows:
+    """What makes rows of these imagers under any lighting; `narrowed`: of each image, the pixels that count."""
     none = np.zeros(len(problem.parts.lights), bool)  # bounds of lights are not asked for
-    return NodeRows(problem, objective, Candidates.of(problem, objective, imagers, lights=none), deadline)
+    return NodeRows(problem, objective, Candidates.of(problem, objective, imagers, lights=none), deadline, narrowed)
 
 
 def rows_under(

@@ -5,6 +5,7 @@ Bounds look at the pixels that are likely to decide, without veils; what is solv
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -31,11 +32,18 @@ from uwopt.solvers.exact.node_designs import NodeDesigns
 Array = NDArray[Any]
 
 
+Narrowed = Callable[[ImageLight], ImageLight]
+
+
 class NodeRows:
     """The rows of designs of some candidates."""
 
-    def __init__(self, problem: Problem, objective: Objective, candidates: Candidates, deadline: Deadline):
-        self.problem, self.objective, self.deadline = problem, objective, deadline
+    def __init__(
+        self, problem: Problem, objective: Objective, candidates: Candidates, deadline: Deadline,
+        narrowed: Narrowed | None = None,
+    ):  # fmt: skip
+        """Of some candidates; `narrowed`: the pixels of an image that are kept for all rows of it."""
+        self.problem, self.objective, self.deadline, self.narrowed = problem, objective, deadline, narrowed
         self.imagers, self.tables, self.bounds = candidates.imagers, candidates.tables, candidates.bounds
 
     def rows(
@@ -182,7 +190,8 @@ class NodeRows:
         veils: Veils,
     ) -> ImageLight:
         """With the light at the pixels that the SNR is asked of: their share of each lamp depends on the number."""
-        first, back = rows_alike(imager, count)
+        narrowed = None if self.bounds.is_sunlit(scene_index) else self.narrowed  # sun and lamps decide together
+        first, back = rows_alike(imager if narrowed is None else self.tables.images[1][imager], count)
         parts = []
         for number in distinct(count)[0]:
             mine = np.nonzero(count[first] == number)[0]
@@ -197,4 +206,8 @@ class NodeRows:
                 deadline=self.deadline,
             )
             parts.append((mine, at))
-        return seen.with_pixels(ImageLight.in_places(parts, len(first)).take(back))
+        there = ImageLight.in_places(parts, len(first))
+        if narrowed is None:
+            return seen.with_pixels(there.take(back))
+        collecting = self.imagers.scenes[scene_index].view.collecting_m2[imager]
+        return seen.with_pixels(narrowed(there).take(back).scaled(collecting / collecting[first][back]))
