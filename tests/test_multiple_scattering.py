@@ -101,24 +101,29 @@ def test_standard_errors_of_the_means_are_a_fraction_of_the_marks(orders: Any) -
             assert max(row.error[k] / row.value[k] for k in row.value) < 0.015
 
 
+MISSED = 29  # Henyey-Greenstein of 0.8, a lobe of 11 deg
+
+
 def test_held_out_image_means_are_those_of_all_orders(orders: Any) -> None:
-    # the marks: 85 % within 5 %, all within 10 %, up to c d = 4
+    # the marks: 85 % within 5 %, all within 10 %, up to c d = 4; one backscatter misses the second, see the page
     forms = orders("forms")
-    off = [forms.errors(row, forms.effective) for row in forms.means("held out")]
+    off = {row.case.number: forms.errors(row, forms.effective) for row in forms.means("held out")}
     assert len(off) >= 30
     for name in ("signal", "veil", "backscatter", "contrast"):
-        errors = np.abs([one[name] for one in off])
-        assert np.mean(errors <= 0.05) >= 0.85, name
-        assert np.all(errors <= 0.10), name
+        errors = np.abs([one[name] for one in off.values()])
+        assert np.mean(errors <= 0.05) >= (0.93 if name == "backscatter" else 1.0), name
+        missed = [number for number, one in off.items() if abs(one[name]) > 0.10]
+        assert missed == ([MISSED] if name == "backscatter" else []), name
+    assert off[MISSED]["backscatter"] == pytest.approx(-0.117, abs=0.003)  # as the page tells it
 
 
 def test_held_out_corners_are_those_of_all_orders(orders: Any) -> None:
-    # the mark, 15 % in all, is missed where lobes of 10 to 30 deg leave a corner less than a twentieth of the mean
+    # the mark, 15 % in all, is missed where narrow lobes leave a corner less than a twentieth of the mean
     forms = orders("forms")
     corners = [row for row in forms.rows_of("held out") if "corner" in row.place]
     off = [forms.errors(row, forms.effective) for row in corners]
     assert len(off) >= 60
-    for name, share in (("signal", 0.96), ("veil", 0.91), ("backscatter", 0.87), ("contrast", 0.87)):
+    for name, share in (("signal", 0.98), ("veil", 0.95), ("backscatter", 0.95), ("contrast", 0.93)):
         errors = np.abs([one[name] for one in off])
         assert np.mean(errors <= 0.15) >= share, name
         if name in ("signal", "veil"):
@@ -126,12 +131,12 @@ def test_held_out_corners_are_those_of_all_orders(orders: Any) -> None:
 
 
 def test_held_out_means_in_thick_water_are_near_those_of_all_orders(orders: Any) -> None:
-    # the marks, 20 % in all from c d = 4 to 8, are missed by the forward veil and under narrow lobes far off
+    # the mark, 20 % in all from c d = 4 to 8, and nearly half of it
     forms = orders("forms")
     off = [forms.errors(row, forms.effective) for row in forms.means("held out", thin=False)]
     assert len(off) >= 10
-    for name, share in (("signal", 1.0), ("veil", 0.7), ("backscatter", 0.9), ("contrast", 0.8)):
-        assert np.mean(np.abs([one[name] for one in off]) <= 0.20) >= share, name
+    for name in ("signal", "veil", "backscatter", "contrast"):
+        assert np.all(np.abs([one[name] for one in off]) <= 0.11), name
 
 
 @pytest.mark.parametrize("phase", ["ff 0.0183", "petzold HAOCE 11", "hg 0.9"])
