@@ -611,7 +611,7 @@ DEFECTS: tuple[Defect, ...] = (
         file="uwopt/solvers/front/points.py",
         old="wide = ((spans > largest) | end) & ~narrow",
         new="wide = (spans > largest) & ~narrow",
-        test="tests/solvers/test_front.py::test_ends_are_what_the_exact_search_finds[snr_db-7]",
+        test="tests/solvers/test_front.py::test_the_best_quality_is_on_the_front_however_roughly_it_is_asked",
     ),
     Defect(
         name="cells' sunlit signal loosened by a hundredth",

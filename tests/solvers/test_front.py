@@ -177,6 +177,14 @@ def test_ends_are_what_the_exact_search_finds(key, name):
     assert end == pytest.approx(found.best[0].minimised, rel=1e-6)
 
 
+def test_the_best_quality_is_on_the_front_however_roughly_it_is_asked(monkeypatch):
+    monkeypatch.setattr(front_module, "ROUGH_SEGMENT", 1.0)
+    monkeypatch.setattr(front_module, "FRONT_GAP", 1.0)
+    _, front = fc.searched(fc.case_of(7), TRIPLE)
+    found = replace(fc.case_of(7), objective=Objective.of("snr_db")).solve(top=1)[1]
+    assert front.values[:, TRIPLE.index("snr_db")].min() == pytest.approx(found.best[0].minimised, rel=1e-6)
+
+
 @pytest.mark.parametrize("key", ["bars", "bars over the frame"])
 def test_bars_that_arrive_draw_no_more_power_than_anything_that_is_tried(key):
     """The exact search where bars on the floor must arrive, over altitudes; its cells end within 1e-4 of the least."""

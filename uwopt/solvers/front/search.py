@@ -43,7 +43,7 @@ from uwopt.tolerances import ROUND
 Array = NDArray[Any]
 Progress = Callable[[float, str], None]
 FIRST_NODES, LARGEST_NODES, GROWTH = 128, 16384, 6  # nodes taken together
-ROUGH_SEGMENT, FINEST_SEGMENT = 1e-2, 1e-6  # share of the box that a segment may span: at first, and ever
+ROUGH_SEGMENT, FINEST_SEGMENT = 3e-3, 1e-6  # share of the box that a segment may span: at first, and ever
 FRONT_GAP = 5e-4  # of the hypervolume: what the sampled curves may miss
 WAVE_ROUNDS, REFINEMENTS = 1, 8  # of asking the segments of one wave, and of all that stayed
 MOST_PIECES = 8  # of a segment at a time
@@ -449,8 +449,8 @@ class FrontSearch:
                 break
             gap_before = upper - lower
             curves = self.curves[-1]
-            spans = self.points.open_segments(curves, 0.0)[1]
-            if not self._ask(curves, max(_small_together(spans, FRONT_GAP * upper), FINEST_SEGMENT), 2):
+            count = len(self.points.open_segments(curves, 0.0)[0])
+            if not self._ask(curves, max(FRONT_GAP * upper / max(count, 1), FINEST_SEGMENT), 2):
                 return False
             self.history.append((time.perf_counter() - self.start, self.points.archive.values))
         return True
@@ -479,10 +479,3 @@ class FrontSearch:
             self.axes, every[kept], [designs[i] for i in kept], frame, lower, upper, complete, interrupted,
             self.account, time.perf_counter() - self.start, self.history,
         )  # fmt: skip
-
-
-def _small_together(spans: Array, room: float) -> float:
-    """The largest of the spans that with all smaller ones together fill no more than some room; 0: none."""
-    spans = np.sort(spans)
-    small = np.nonzero(np.cumsum(spans) <= room)[0]
-    return float(spans[small[-1]]) if len(small) else 0.0
