@@ -29,7 +29,7 @@ def tried_snr(rows: SceneRows) -> list[float]:
     levels = np.linspace(rows.min_level[0], 1.0, 101) if rows.dims_freely[0] else rows.levels[0]
     levels = levels[np.isfinite(levels) & (levels > 0.0)]
     times = np.geomspace(rows.time_min_s[0], rows.time_max_s[0], 101)
-    f_numbers = np.geomspace(rows.n_low[0], rows.n_high[0], 501)
+    f_numbers = np.geomspace(rows.n_low[0], rows.n_high[0], 201)
     level, time_s, f_number = (one.ravel() for one in np.meshgrid(levels, times, f_numbers, indexing="ij"))
     light_x = rows.light_lm[0] * level * time_s / np.square(f_number * rows.working_factor[0])
     fits = np.flatnonzero((light_x >= low) & (light_x <= high))
