@@ -142,7 +142,7 @@ class SceneOptics:
 
     def absorption_per_m(self) -> Array:
         """What daylight's path radiance loses on its way: a."""
-        return self._effective_per_m(lambda one: 0.0)
+        return np.maximum(self._effective_per_m(lambda one: 0.0), 0.0)  # c - b of water that only scatters rounds
 
     def particles_per_m(self) -> Array:
         """What particles scatter, of which some shows detail; 0 where none are known."""

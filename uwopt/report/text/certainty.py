@@ -111,8 +111,8 @@ def central_text(result: Result, known: Confidence) -> str:
     value, parts = words.objective_text(result, known.central_objective), with_parts(result, known.central_hardware)
     text = f"{value} with {parts}; of the {formats.count_text(known.scenarios_in_choice)} scenarios of the choice"
 
-    def does(held: float, median: float | None) -> str:
-        told = f"holds in {percent(held)}"
+    def does(held: float | None, median: float | None) -> str:
+        told = f"holds in {percent(held or 0.0)}"
         return told if median is None else f"{told}, in half of all with {words.objective_text(result, median)}"
 
     theirs, ours = does(known.central_held, known.central_p50), does(known.held_in_choice, known.p50_in_choice)
