@@ -136,6 +136,7 @@ def solve_mixed(program: MixedProgram, *, max_seconds: float) -> Answer:
     options: dict[str, Any] = {
         **BONMIN,
         "bonmin.time_limit": max(max_seconds, 1e-2),
+        "bonmin.max_cpu_time": max(max_seconds, 1e-2),  # of one relaxation, within which the other is not looked at
         "discrete": [False] * (n - n_binary) + [True] * n_binary,
     }
     least = np.concatenate([np.full(len(rules), -np.inf), np.zeros(len(choices))])
