@@ -19,7 +19,7 @@ from hand_made_rows import STEPS, scene
 import uwopt
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective, Terms
-from uwopt.solvers.continuous import opinions
+from uwopt.solvers.continuous import casadi_ipopt, opinions
 from uwopt.solvers.continuous.casadi_ipopt import solve_mixed
 from uwopt.solvers.continuous.mixed import Candidate, MixedProgram, Picked
 from uwopt.solvers.recommend import Sought
@@ -113,6 +113,20 @@ def test_a_rule_is_let_go_by_as_much_as_it_can_be_missed() -> None:
 def test_bonmin_prints_nothing(capfd: pytest.CaptureFixture[str]) -> None:
     chosen(list(HARDWARE.values()), Objective.of("power"))
     assert capfd.readouterr() == ("", "")
+
+
+def test_no_relaxation_of_bonmin_lasts_longer_than_the_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Bonmin looks at its own limit between nodes alone: one of eight systems took 142 s where 1 s was given."""
+    given: dict[str, Any] = {}
+
+    def asked(name: str, plugin: str, problem: Any, options: dict[str, Any]) -> Any:
+        given.update(options)
+        raise InterruptedError
+
+    monkeypatch.setattr(casadi_ipopt.casadi, "nlpsol", asked)
+    with pytest.raises(InterruptedError):
+        chosen(list(HARDWARE.values()), Objective.of("power"))
+    assert given["bonmin.max_cpu_time"] == given["bonmin.time_limit"] == GENEROUS_S
 
 
 # ---------------------------------------------------------------- small catalogues
