@@ -17,8 +17,8 @@ DEFECTS = (
     Defect(
         name="the nearest change has all the time until it is the least",
         file="uwopt/solvers/explain/least_change.py",
-        old="-one.size))):",
-        new="-one.size))[:1]):",
+        old="            one.step(phase.at_most(max(fair_s, LEAST_TURN_S)))",
+        new="            while not (one.is_done or phase.passed()):\n                one.step(phase)",
         test=f"{ROUNDS}::test_with_little_time_each_is_nearer",
     ),
     Defect(
