@@ -24,7 +24,7 @@ from uwopt.solvers.explain.trials import Trials
 from uwopt.solvers.explain.weakened import RELAXABLE, without
 
 BOUNDED = ("light", "max_white_balance", "bound", "power_w", "energy_wh", "cost", "mass_kg")
-LEAST_SHARE = 0.8  # of the time left, for the least of each change that helps
+LEAST_SHARE = 0.9  # of the time left, for the least of each change that helps
 KEPT_SHARE = 0.35  # of the time left, for changes together where none is known to help alone
 ONLY_SHARE = 0.75  # of what is left then, for these
 TOGETHER_SHARE = 0.6  # of the time left, for changes together; the rest is for what contradicts each other
