@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 Made = TypeVar("Made")
@@ -54,6 +54,10 @@ class Deadline:
     def at_most(self, seconds: float) -> Deadline:
         """This deadline, or one in so many seconds if that is sooner; what is left out is told to neither's caller."""
         return Deadline(min(self.end_s, self.clock() + seconds), self.clock)
+
+    def but_for(self, share: float) -> Deadline:
+        """So much sooner by a share of the time left; what is left out is told to the same caller."""
+        return self if math.isinf(self.end_s) else replace(self, end_s=self.end_s - share * self.left_s)
 
     def within(self, what: str, work: Callable[[], Made], otherwise: Made) -> Made:
         """What a step makes; where the time does not reach, something else instead, and a note of what is missing."""

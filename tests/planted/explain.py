@@ -11,7 +11,38 @@ PRICES, PRICED = "uwopt/solvers/explain/prices.py", "tests/solvers/test_prices.p
 
 EVERY = "tests/solvers/test_every_price.py"
 
+ROUNDS = "tests/solvers/test_in_rounds.py"
+
 DEFECTS = (
+    Defect(
+        name="the nearest change has all the time until it is the least",
+        file="uwopt/solvers/explain/least_change.py",
+        old="            one.step(phase.at_most(max(fair_s, LEAST_TURN_S)))",
+        new="            while not (one.is_done or phase.passed()):\n                one.step(phase)",
+        test=f"{ROUNDS}::test_with_little_time_each_is_nearer",
+    ),
+    Defect(
+        name="the smallest change comes first, which is of use as it is",
+        file="uwopt/solvers/explain/least_change.py",
+        old="(one.gap, -one.size)",
+        new="(one.gap, one.size)",
+        test=f"{ROUNDS}::test_the_largest_change_comes_first",
+    ),
+    Defect(
+        name="a search that took too long is made again as near",
+        file="uwopt/solvers/explain/least_change.py",
+        old="step if self.share > CLOSER and far_enough else None, 0.5",
+        new="None, 0.5",
+        test=f"{ROUNDS}::test_where_searches_take_too_long_the_change_is_drawn_in_as_far_as_they_do_not",
+    ),
+    Defect(
+        name="single changes that do not help leave no time for changes together",
+        file="uwopt/solvers/explain/infeasible.py",
+        old="whole.but_for(KEPT_SHARE)",
+        new="whole",
+        test="tests/solvers/test_least_change.py"
+        "::test_changes_together_are_told_where_looking_for_single_ones_takes_all_the_time",
+    ),
     Defect(
         name="evenness is asked of the fewest lamps alone before there is light",
         file="uwopt/solvers/exact/evaluation.py",
@@ -49,8 +80,8 @@ DEFECTS = (
     ),
     Defect(
         name="the best SNR of the mean is told as the least change of the darkest pixel's",
-        file="uwopt/solvers/explain/singles.py",
-        old='return name != "min_snr" or all(',
+        file="uwopt/solvers/explain/least_limit.py",
+        old='return self.name != "min_snr" or all(',
         new='return True or all(',
         test="tests/solvers/test_least_change.py::test_the_least_snr_is_that_of_the_pixel_that_is_asked_for",
     ),
@@ -71,9 +102,9 @@ DEFECTS = (
     ),
     Defect(
         name="a figure that was reached is told with digits that nobody types",
-        file="uwopt/solvers/explain/singles.py",
-        old="            needed = rounded_away(needed, one.limit)\n",
-        new="",
+        file="uwopt/solvers/explain/least_limit.py",
+        old="rounded_away(needed, self.one.limit)",
+        new="needed",
         test="tests/solvers/test_least_change.py::test_best_figure_said_to_be_possible_can_be_typed_and_is_enough",
     ),
     Defect(
@@ -121,15 +152,15 @@ DEFECTS = (
     Defect(
         name="a move is as far as it was tried",
         file=MOVES,
-        old="rounded(change.limit), unit_of(name)",
-        new="rounded(float(one.value)), unit_of(name)",
+        old="rounded(drawn.change.limit), unit_of(name)",
+        new="rounded(float(self.far.value)), unit_of(name)",
         test=f"{TESTS}::test_speed_and_height_move_as_far_as_they_must",
     ),
     Defect(
         name="the clearest water is told where the next would do",
         file=MOVES,
-        old="        while not_known - fits > 1:",
-        new="        while False:",
+        old="            self.fits = middle",
+        new="            self.not_known = self.fits",
         test=f"{TESTS}::test_the_nearest_clearer_water_is_told",
     ),
     Defect(
@@ -226,7 +257,7 @@ DEFECTS = (
     Defect(
         name="a limit that other hardware meets is told with digits that nobody types",
         file="uwopt/solvers/explain/least_change.py",
-        old="Change(rounded_away(step, asked), closer)",
+        old="Change(rounded_away(step, self.asked), closer)",
         new="Change(step, closer)",
         test="tests/solvers/test_least_change.py::test_a_limit_can_be_typed_where_time_ends_at_other_hardware",
     ),

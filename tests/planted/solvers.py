@@ -130,8 +130,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a limit is said to be possible that the cheapest design happens to reach",
         file="uwopt/solvers/explain/least_change.py",
-        old="    change, too_near, share = with_its_hardware(",
-        new="    return Change(reached, found)\n    change, too_near, share = with_its_hardware(",
+        old="self.change = with_its_hardware(self.asked, self.change, self.relaxed, turn)",
+        new="self.is_least = True",
         test="tests/solvers/test_least_change.py::test_least_blur_is_that_of_the_lamp_at_full_level",
     ),
     Defect(

@@ -10,7 +10,7 @@ import pytest
 
 from uwopt.api.solving import solve
 from uwopt.catalog.catalogue import Catalog
-from uwopt.deadline import NEVER
+from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.objectives.objective import Objective
@@ -20,7 +20,7 @@ from uwopt.results.result import Result
 from uwopt.solvers.exact.certificate import certificate
 from uwopt.solvers.explain import infeasible, least_change, singles
 from uwopt.solvers.explain.infeasible import why_nothing
-from uwopt.solvers.explain.least_change import rounded_away
+from uwopt.solvers.explain.least_change import Change, Narrowing, in_rounds, rounded_away
 from uwopt.solvers.explain.relaxed import Relaxer
 from uwopt.solvers.explain.singles import Singles
 from uwopt.solvers.explain.together import CommonShare
@@ -163,10 +163,12 @@ def test_a_limit_can_be_typed_where_time_ends_at_other_hardware(parts, catalog, 
     wanted = mission(parts, both, min_swath_m=asked)
     narrow = seek(mission(parts, min_swath_m=1.0), catalog, POWER, generic="never", top=1)
     monkeypatch.setattr(least_change, "with_its_hardware", lambda asked, change, relaxed, deadline: change)
-    made = least_change.least_change(
-        asked, 1.4234, narrow, relaxed=lambda value: mission(parts, both, min_swath_m=value),
-        search=lambda one: seek(one, catalog, POWER, generic="never", top=1), deadline=NEVER, name="min_swath_m",
+    one = Narrowing(
+        asked, Change(1.4234, narrow), lambda value: mission(parts, both, min_swath_m=value),
+        lambda wanted, turn: seek(wanted, catalog, POWER, generic="never", top=1),
     )  # fmt: skip
+    in_rounds([one], NEVER)
+    made = one.change
     assert not fits(wanted, catalog) and made.limit == float(f"{made.limit:.3g}")
 
 
@@ -408,3 +410,19 @@ def test_a_reserve_of_depth_that_alone_keeps_all_ports_out_is_named_with_the_one
     assert "No port that the mission allows otherwise reaches the 562.5 m" in said
     assert "450.0 m asked for, times 1.25 kept in reserve" in said and "reserve.depth 1.111 would do" in said
     assert within(1.111).recommendation is not None and within(1.112).recommendation is None
+
+
+def test_changes_together_are_told_where_looking_for_single_ones_takes_all_the_time(parts, catalog, monkeypatch):
+    """The clock stands still until the last single requirement is dropped, which takes all that it may."""
+    now = [0.0]
+
+    def last(self: Singles) -> None:
+        now[0] = max(now[0], self.trials.deadline.end_s)
+
+    monkeypatch.setattr(Singles, "drop_rest", last)
+    wanted = mission(parts, min_swath_m=9.0, min_snr_db=60.0)  # as above: neither helps alone
+    found = seek(wanted, catalog, POWER, generic="never", top=1)
+    proof = certificate(found.selection, found.problem, found.outcome, POWER)
+    why = why_nothing(Trials(wanted, catalog, POWER, "never", Deadline(100.0, lambda: now[0])), proof)
+    assert not why.relaxations
+    assert {one.name for one in why.together} == {"min_swath_m", "min_snr"}

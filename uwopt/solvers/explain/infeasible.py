@@ -7,21 +7,26 @@ each other (`contradiction`). What there was no time for is noted.
 
 from __future__ import annotations
 
-from uwopt.results.basis import Excluded, Relaxed, WhyNothing
+from uwopt.results.basis import Excluded, Moved, Relaxed, WhyNothing
 from uwopt.results.design import Design
 from uwopt.results.result import Certificate
 from uwopt.solvers.explain.contradiction import Contradiction, contradiction
+from uwopt.solvers.explain.least_change import in_rounds
+from uwopt.solvers.explain.least_limit import Relaxation
 from uwopt.solvers.explain.moves import SHARE, Mover
 from uwopt.solvers.explain.nearest_fit import nearest_fit
 from uwopt.solvers.explain.none_left import none_left
+from uwopt.solvers.explain.reached import judged_by
 from uwopt.solvers.explain.relaxed import ANY, MAY_PASS
-from uwopt.solvers.explain.singles import Relaxation, Singles
+from uwopt.solvers.explain.singles import Singles
 from uwopt.solvers.explain.together import CommonShare, least_set
 from uwopt.solvers.explain.trials import Trials
 from uwopt.solvers.explain.weakened import RELAXABLE, without
 
 BOUNDED = ("light", "max_white_balance", "bound", "power_w", "energy_wh", "cost", "mass_kg")
-MOVES_SHARE = 0.5  # of the time left, for how far keys have to move
+LEAST_SHARE = 0.9  # of the time left, for the least of each change that helps
+KEPT_SHARE = 0.35  # of the time left, for changes together where none is known to help alone
+ONLY_SHARE = 0.75  # of what is left then, for these
 TOGETHER_SHARE = 0.6  # of the time left, for changes together; the rest is for what contradicts each other
 
 
@@ -36,6 +41,9 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
     mover.interrupted |= trials.interrupted
     mover.try_few()
     trials.interrupted |= mover.interrupted
+    whole = trials.deadline
+    if not singles.helpful and not mover.far:  # it may be that no single change helps
+        trials.deadline = mover.deadline = whole.but_for(KEPT_SHARE)
     singles.drop_hopeful()
     singles.drop_light()
     if not trials.interrupted:
@@ -45,14 +53,14 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
     fit = nearest_fit(trials.relaxer) if by_size and not trials.interrupted else None
     if not mover.far:
         singles.drop_others()
+    trials.deadline = mover.deadline = whole
     singles.tell_open()
-    every = singles.relaxations()
-    moves = mover.nearest(trials.deadline.at_most(MOVES_SHARE * trials.deadline.left_s))
+    every, moves = least_changes(trials, singles, mover)
     relaxations = [one for one in every if one.is_of_use]
     together, nearest = changes_together(trials, relaxations, bool(moves))
     if not relaxations and not moves and not together:  # a limit that is out of reach by far: better told than nothing
         relaxations = every
-        nearest = every[0].design if every else None
+        nearest = design_of(trials, every)
     clash = clash_of(trials, relaxations)
     helpful = [Relaxed(r.name, r.limit, r.needed, r.miss_rel, r.fits_at_central_prices) for r in relaxations]
     return WhyNothing(
@@ -66,6 +74,23 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
         contradiction_is_least=clash.is_least,
         none_left=[*none_left(trials.mission, trials.relaxer.selection)],
     )
+
+
+def least_changes(trials: Trials, singles: Singles, mover: Mover) -> tuple[list[Relaxation], list[Moved]]:
+    """Of each single requirement and key that helps the least change, by turns; the smallest of requirements first."""
+    limits, moves = singles.changes(), mover.changes()
+    if not trials.interrupted:
+        phase = trials.deadline.at_most(LEAST_SHARE * trials.deadline.left_s)
+        try:
+            in_rounds([*limits, *(move.drawn for move in moves)], phase)
+        except KeyboardInterrupt:
+            trials.interrupted = True
+    return sorted((one.told() for one in limits), key=lambda one: one.miss_rel), [move.told() for move in moves]
+
+
+def design_of(trials: Trials, relaxations: list[Relaxation]) -> Design | None:
+    """What the smallest change lets through, judged by the mission as it stands."""
+    return judged_by(trials.mission, relaxations[0].found, trials.objective) if relaxations else None
 
 
 def clash_of(trials: Trials, relaxations: list[Relaxation]) -> Contradiction:
@@ -96,11 +121,12 @@ def changes_together(
     trials: Trials, relaxations: list[Relaxation], moved: bool
 ) -> tuple[list[Relaxed], Design | None]:
     """Changes that help together, and the design that comes nearest."""
-    nearest = relaxations[0].design if relaxations else None
+    nearest = design_of(trials, relaxations)
     if trials.over:
         return [], nearest
     trials.say(0.9, "smaller changes together")
-    together = CommonShare(trials, trials.deadline.at_most(TOGETHER_SHARE * trials.deadline.left_s))
+    share = TOGETHER_SHARE if relaxations or moved else ONLY_SHARE
+    together = CommonShare(trials, trials.deadline.at_most(share * trials.deadline.left_s))
     if relaxations:
         return together.smaller_than(relaxations[0].miss_rel), nearest
     made, design = together.of_all()

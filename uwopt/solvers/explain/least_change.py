@@ -2,27 +2,32 @@
 
 A requirement that is dropped leaves a design that misses it by some amount, not by the least. The limit is drawn
 towards what was asked: first with that design's hardware, which takes little time, then all hardware is searched
-at a limit a little closer still. Where nothing fits there, the change is the least; else the next hardware is drawn
-in likewise, and all hardware is searched half-way to what was asked.
+half-way to what was asked, and each next hardware drawn in likewise. Where nothing fits half-way, all hardware is
+searched at a limit a little closer than what does: where nothing fits there either, the change is the least.
+Several changes are drawn in by turns, so that time that does not suffice for all makes each of them smaller.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from typing import Protocol
 
-from uwopt.deadline import NEVER, Deadline
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain.one_hardware import problem_of
+from uwopt.solvers.explain.reached import miss
 from uwopt.solvers.recommend import Sought, same_scenes
 
 CLOSER = 0.02  # of a change: what is proven not to be enough is a change smaller by this share
 DIGITS = 3  # of a limit, rounded away from what was asked: it can be typed as it stands
 HALVINGS = 30
-ROUNDS = 12  # each takes a search over all hardware
+ROUNDS = 20  # each takes a search over all hardware
+LEAST_TURN_S = 0.3  # a search over all hardware seldom finds anything in less
+ROUND_SHARE = 0.5  # of the time left, for one step of every change
 
 
 @dataclass(frozen=True)
@@ -33,35 +38,112 @@ class Change:
     found: Sought
 
 
-def least_change(
-    asked: float, reached: float, found: Sought, *, relaxed: Callable[[float], Mission],
-    search: Callable[[Mission], Sought], deadline: Deadline, name: str,
-) -> Change:  # fmt: skip
-    """The limit nearest to what is asked with which something fits.
+class Stepwise(Protocol):
+    """A change that is drawn in step by step."""
 
-    Parameters
-    ----------
-    asked, reached : of the mission, and of a design found without the requirement
-    relaxed : the mission with another limit
-    search : over all hardware
+    @property
+    def is_done(self) -> bool:
+        """Whether no step is left."""
+
+    @property
+    def gap(self) -> float:
+        """The share of the change of which it is not known whether it is needed: 0 to 1."""
+
+    @property
+    def size(self) -> float:
+        """Of the change, relative to what is asked."""
+
+    def step(self, turn: Deadline) -> None:
+        """Draw it in once, in this time."""
+
+
+def in_rounds(changes: Iterable[Stepwise], phase: Deadline) -> None:
+    """Draw all in by turns until each is the least, or time ends: one step each a round, nearest to done first.
+
+    Of those that are as near, the largest change comes first: it is of least use as it is. Each step gets a fair part
+    of what another round leaves of the time, but no less than a search takes that finds anything.
     """
-    change, too_near, share = with_its_hardware(asked, Change(reached, found), relaxed, deadline), asked, CLOSER
-    for _ in range(ROUNDS):
-        if deadline.passed():
-            break
-        step = change.limit + share * ((too_near if share > CLOSER else asked) - change.limit)
-        closer = search(relaxed(step))
+    left = [one for one in changes if not one.is_done]
+    while left:
+        for number, one in enumerate(sorted(left, key=lambda one: (one.gap, -one.size))):
+            if phase.passed():
+                return
+            fair_s = ROUND_SHARE * phase.left_s / (len(left) - number)
+            one.step(phase.at_most(max(fair_s, LEAST_TURN_S)))
+        left = [one for one in left if not one.is_done]
+
+
+@dataclass
+class Narrowing:
+    """A change between what is known to do and what is known not to.
+
+    asked : of the mission
+    change : as far as it is drawn in
+    relaxed : the mission with another limit
+    search : over all hardware, in some time; may raise OutOfTimeError
+    """
+
+    asked: float
+    change: Change
+    relaxed: Callable[[float], Mission]
+    search: Callable[[Mission, Deadline], Sought]
+    is_least: bool = False
+    steps: int = 0
+    share: float = 0.5  # of what is left, that is tried next
+    too_near: float = field(init=False)  # at which nothing fits
+    too_long: float | None = None  # nearer than the change, where a search took longer than its turn
+
+    def __post_init__(self) -> None:
+        self.too_near = self.asked
+
+    @property
+    def is_done(self) -> bool:
+        """Whether it is the least, or gave no more in many steps."""
+        return self.is_least or self.steps > ROUNDS
+
+    @property
+    def gap(self) -> float:
+        """The share of the change of which it is not known whether it is needed."""
+        whole = abs(self.asked - self.change.limit)
+        return abs(self.too_near - self.change.limit) / whole if whole else 0.0
+
+    @property
+    def size(self) -> float:
+        """Of the change, relative to what is asked."""
+        return miss(self.asked, self.change.limit)
+
+    def step(self, turn: Deadline) -> None:
+        """First as near as the hardware of the change reaches, then a search a little or half-way closer."""
+        self.steps += 1
+        if self.steps == 1:
+            self.change = with_its_hardware(self.asked, self.change, self.relaxed, turn)
+            return
+        limit = self.change.limit
+        near = self.asked if self.share == CLOSER else self.too_near if self.too_long is None else self.too_long
+        step = limit + self.share * (near - limit)
+        try:
+            closer = self.search(self.relaxed(step), turn)
+        except OutOfTimeError:
+            self._put_off(step)
+            return
         if closer.outcome.best:  # not the least by far, it seems: halve what is left
-            typed = Change(rounded_away(step, asked), closer)
-            change, share = with_its_hardware(too_near, typed, relaxed, deadline), 0.5
+            typed = Change(rounded_away(step, self.asked), closer)
+            self.change, self.share = with_its_hardware(self.too_near, typed, self.relaxed, turn), 0.5
         elif closer.outcome.complete:
-            too_near, share = step, CLOSER
-            if abs(too_near - change.limit) <= CLOSER * abs(asked - change.limit) * (1.0 + 1e-9):
-                return change
+            self.too_near, self.share, self.too_long = step, CLOSER, None
+            self.is_least = self.gap <= CLOSER * (1.0 + 1e-9)
         else:
-            break
-    deadline.left_out.append(f"whether less than that change of {name} would do")
-    return change
+            self._put_off(step)
+
+    def _put_off(self, step: float) -> None:
+        """A search took too long: next one half as close, and from the middle again where that is no step."""
+        far_enough = abs(step - self.change.limit) > CLOSER * abs(self.asked - self.change.limit)
+        self.too_long, self.share = step if self.share > CLOSER and far_enough else None, 0.5
+
+
+def less_of(name: str) -> str:
+    """What is not known of a change that is not drawn in to the end."""
+    return f"whether less than that change of {name} would do"
 
 
 def with_its_hardware(

@@ -6,15 +6,16 @@ drawn back as near as something still fits (`least_change`). Whatever is told ha
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import partial
 
 from uwopt.deadline import Deadline, OutOfTimeError
 from uwopt.errors import UwoptError
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Value, Varied, VariedMission, rounded
 from uwopt.results.basis import Moved
-from uwopt.solvers.explain.least_change import least_change, rounded_away
+from uwopt.solvers.explain.least_change import Change, Narrowing, in_rounds, rounded_away
 from uwopt.solvers.explain.relaxed import OTHER_WATER, Relaxer
 from uwopt.solvers.recommend import Sought
 from uwopt.units import split_unit
@@ -49,6 +50,73 @@ class Far:
 
 
 @dataclass
+class NearestType:
+    """The type of water nearest to the mission's at which something fits: between halves of what is open."""
+
+    asked: str
+    search: Callable[[str, Deadline], Sought | None]
+    fits: int = 0  # the clearest does
+    steps: int = 0
+    not_known: int = field(init=False)  # the first at which nothing fits; what is asked does not
+
+    def __post_init__(self) -> None:
+        self.not_known = CLEAREST_FIRST.index(self.asked)
+
+    @property
+    def is_least(self) -> bool:
+        """Whether the next type is known not to do."""
+        return self.not_known - self.fits <= 1
+
+    @property
+    def is_done(self) -> bool:
+        """Whether no step is left, or many gave no more."""
+        return self.is_least or self.steps > len(CLEAREST_FIRST)
+
+    @property
+    def gap(self) -> float:
+        """The share of the types of which it is not known whether they do."""
+        return (self.not_known - self.fits) / len(CLEAREST_FIRST)
+
+    @property
+    def size(self) -> float:
+        """Of the change: by so large a part of all types."""
+        return (CLEAREST_FIRST.index(self.asked) - self.fits) / len(CLEAREST_FIRST)
+
+    @property
+    def needed(self) -> str:
+        """The murkiest that is known to do."""
+        return CLEAREST_FIRST[self.fits]
+
+    def step(self, turn: Deadline) -> None:
+        """Ask of the type in the middle."""
+        self.steps += 1
+        middle = (self.fits + self.not_known) // 2
+        try:
+            found = self.search(CLEAREST_FIRST[middle], turn)
+        except OutOfTimeError:
+            return
+        if found is not None and found.outcome.best:
+            self.fits = middle
+        elif found is None or found.outcome.complete:
+            self.not_known = middle
+
+
+@dataclass(frozen=True)
+class Move:
+    """A key that helps, and how far it has to move."""
+
+    far: Far
+    drawn: Narrowing | NearestType
+
+    def told(self) -> Moved:
+        """As far as it is drawn in."""
+        name, drawn = self.far.tried.key.name, self.drawn
+        if isinstance(drawn, NearestType):
+            return Moved(name, drawn.asked, drawn.needed, "", drawn.is_least)
+        return Moved(name, drawn.asked, rounded(drawn.change.limit), unit_of(name), drawn.is_least)
+
+
+@dataclass
 class Mover:
     """Searches of one mission with single keys moved."""
 
@@ -70,7 +138,9 @@ class Mover:
         """The keys that help when moved alone, each as little as is known to do."""
         self.try_few()
         self.try_all()
-        return self.nearest(self.deadline)
+        changes = self.changes()
+        in_rounds([move.drawn for move in changes], self.deadline)
+        return [move.told() for move in changes]
 
     def try_few(self) -> None:
         """Move each key far and look among a few imagers, as `Singles.try_few`."""
@@ -109,19 +179,9 @@ class Mover:
             if not known:
                 self.deadline.left_out.append(f"whether another {one.key.name} would do")
 
-    def nearest(self, phase: Deadline) -> list[Moved]:
-        """The keys that help, each as near to what is asked as is known to do."""
-        made = []
-        for one in self.far:
-            turn = phase.at_most(TURN * phase.left_s)
-            try:
-                made.append(self._untried(one) if self.interrupted else self._nearest(one, turn))
-            except OutOfTimeError:
-                made.append(self._untried(one))
-            except KeyboardInterrupt:
-                self.interrupted = True
-                made.append(self._untried(one))
-        return made
+    def changes(self) -> list[Move]:
+        """Keys that help, to be drawn in."""
+        return [Move(one, self._drawn(one)) for one in self.far]
 
     # ------------------------------------------------------------ which keys
 
@@ -179,38 +239,15 @@ class Mover:
             known = known and (found is None or found.outcome.complete)
         return known
 
-    @staticmethod
-    def _untried(one: Far) -> Moved:
-        """A key as far as it was tried."""
-        name = one.tried.key.name
-        return Moved(name, one.tried.asked, one.value, unit_of(name), False)
-
-    def _nearest(self, one: Far, turn: Deadline) -> Moved:
-        """The value nearest to what is asked at which something fits."""
-        tried = one.tried
-        if isinstance(one.value, str) or isinstance(tried.asked, str):
-            return self._nearest_type(tried, turn)
-        change = least_change(
-            float(tried.asked), float(one.value), one.found, relaxed=lambda v: self._at(tried.key, v), deadline=turn,
-            search=lambda mission: self._seek(tried.key, mission, turn), name=tried.key.name,
+    def _drawn(self, far: Far) -> Narrowing | NearestType:
+        """What draws a key back towards what is asked."""
+        key, asked = far.tried.key, far.tried.asked
+        if isinstance(far.value, str) or isinstance(asked, str):
+            return NearestType(str(asked), lambda water, turn: self._search(key, water, turn))
+        return Narrowing(
+            float(asked), Change(float(far.value), far.found), lambda value: self._at(key, value),
+            partial(self._seek, key),
         )  # fmt: skip
-        name = tried.key.name
-        return Moved(name, float(tried.asked), rounded(change.limit), unit_of(name), not turn.left_out)
-
-    def _nearest_type(self, one: Try, turn: Deadline) -> Moved:
-        """The type of water nearest to the mission's at which something fits: between halves of what is open."""
-        place = CLEAREST_FIRST.index(str(one.asked))
-        fits, not_known = 0, place  # the first fits, and what is asked does not
-        while not_known - fits > 1:
-            middle = (fits + not_known) // 2
-            found = self._search(one.key, CLEAREST_FIRST[middle], turn)
-            if found is not None and found.outcome.best:
-                fits = middle
-            elif turn.passed() or (found is not None and not found.outcome.complete):
-                break
-            else:
-                not_known = middle
-        return Moved(one.key.name, one.asked, CLEAREST_FIRST[fits], "", not_known - fits == 1)
 
     def _at(self, key: Varied, value: Value) -> Mission:
         return self.base.with_values({key: value})

@@ -5,63 +5,27 @@ Several that no imager's rule knows are first dropped at once: where nothing fit
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
 from uwopt.deadline import Deadline
-from uwopt.mission.mission import Mission
-from uwopt.mission.reserves import asked_when_held
 from uwopt.objectives.objective import Objective
-from uwopt.results.design import Design
-from uwopt.solvers.explain.least_change import Change, least_change, rounded_away
-from uwopt.solvers.explain.reached import deepest, judged_by, miss, missed_by, rated_depth, reached_value
-from uwopt.solvers.explain.relaxed import ANY, CHEAPEST, FEW_IMAGERS, OF_LIGHT, hope
+from uwopt.solvers.explain.least_limit import LeastLimit, Without
+from uwopt.solvers.explain.reached import judged_by, missed_by
+from uwopt.solvers.explain.relaxed import ANY, FEW_IMAGERS, OF_LIGHT, hope
 from uwopt.solvers.explain.trials import BRIGHT, Trials
-from uwopt.solvers.explain.weakened import RELAXABLE, with_central_prices, with_limit, without
+from uwopt.solvers.explain.weakened import RELAXABLE, with_central_prices, without
 from uwopt.solvers.recommend import Sought
 
 LIGHT_SHARE, REST_SHARE = 0.5, 0.5  # of the time left, for what each loses when dropped
 FEW_SHARE, FEW_TURN = 0.3, 3.0  # of the time left, for all among a few imagers, and of a fair part of that for each
 MORE = 8  # times as many, where nothing helps among a few
-SOON = 0.3  # of the time for the best figure: for the best of a few imagers
 HELPED = 0.4  # of their shares is what the others get where something is known to help
 LONG_TURN = 0.5  # of the time left, for the question whether all would fit at central prices
 ROUNDS = 3  # of the time that is left, as long as nothing helps
-MOST_TIMES = 30.0  # what is asked of an image: beyond, it is another image that would be of no use
 HOPE_SHARE, HOPE_TURN = 0.5, 0.6  # of the time left, for what is likely to help, and of that for each
 FEW = 3  # requirements that are as well dropped one by one
-
-
-@dataclass(frozen=True)
-class Relaxation:
-    """A requirement whose loss alone makes the mission feasible."""
-
-    name: str
-    limit: float | None
-    needed: float | None
-    miss_rel: float
-    design: Design
-    fits_at_central_prices: bool = False
-
-    @property
-    def is_of_use(self) -> bool:
-        """Whether a person could live with it: any limit may give, but not an image many times over."""
-        if RELAXABLE[self.name][0] == "limits" or self.name == "min_snr" or not self.limit or not self.needed:
-            return True
-        return 1.0 / MOST_TIMES <= self.needed / self.limit <= MOST_TIMES
-
-
-@dataclass(frozen=True)
-class Without:
-    """The mission without one requirement, and a design that meets the rest."""
-
-    name: str
-    limit: float  # as asked
-    mission: Mission
-    found: Sought
-    at_central_prices: bool = False  # the limit of cost is kept, but for estimated prices at their high ends
 
 
 @dataclass
@@ -229,83 +193,9 @@ class Singles:
 
     # ------------------------------------------------------------ the least change
 
-    def relaxations(self) -> list[Relaxation]:
-        """The least change of each that helps, the smallest first."""
-        made = []
-        for number, one in enumerate(self.helpful):
-            self.trials.say(0.5 + 0.4 * number / len(self.helpful), f"the least change of {one.name}")
-            made.append(self._relaxation(one))
-        return sorted(made, key=lambda r: r.miss_rel)
-
-    def _relaxation(self, one: Without) -> Relaxation:
-        """The least change of a requirement that helps, or that of the design at hand."""
-        _, key, best = RELAXABLE[one.name]
-        trials, found, by_depth, turn = self.trials, one.found, key == "depth_rating_m", self.trials.turn()
-        by_figure = best is not None and self._is_what_counts(one.name)
-        if by_depth and not trials.interrupted:
-            found = deepest(
-                found, one.mission, trials.catalog, ANY, generic=trials.generic, deadline=trials.deadline
-            )
-        if by_figure and not trials.interrupted:
-            found = self._best_without(one, Objective.of(best or ""), turn)
-        design = judged_by(trials.mission, found, trials.objective)
-        needed = rated_depth(found) if by_depth else reached_value(design, key)
-        if needed is not None:
-            kept = trials.mission.depth_factor
-            needed = needed / kept if by_depth else asked_when_held(trials.mission.reserve, key, needed)
-            needed = rounded_away(needed, one.limit)
-        if not by_figure and not by_depth and needed is not None and not trials.interrupted:
-            try:
-                change = self._least_change(one, needed, turn)
-                needed, design = change.limit, judged_by(trials.mission, change.found, trials.objective)
-            except KeyboardInterrupt:
-                trials.interrupted = True
-            trials.deadline.left_out.extend(turn.left_out)
-        return Relaxation(one.name, one.limit, needed, miss(one.limit, needed), design, one.at_central_prices)
-
-    def _is_what_counts(self, name: str) -> bool:
-        """Whether the best figure is the best of what is asked: the SNR to get best is that of the mean."""
-        return name != "min_snr" or all(view.requirements.snr_at == "mean" for view in self.trials.mission.views)
-
-    def _best_without(self, one: Without, goal: Objective, turn: Deadline) -> Sought:
-        """The design whose figure is best without its limit; the first that was found where there is no time."""
-        known, relaxer = one.found, self.trials.relaxer
-        if goal == CHEAPEST:
-            better = self._cheapest(one, turn)
-        else:
-            first = judged_by(one.mission, known, goal).objective_value
-            ceiling = math.inf if first is None else goal.minimised(first)
-            soon = turn.at_most(SOON * turn.left_s)
-            few = relaxer.among_few(one.mission, goal, {one.name}, soon, enough=False, ceiling=ceiling)
-            if few is not None and few.outcome.best:
-                known, ceiling = few, few.outcome.best[0].minimised
-            better = relaxer.seek(one.mission, goal, {one.name}, deadline=turn, ceiling=ceiling)
-        self.trials.interrupted |= better.outcome.interrupted
-        if not better.outcome.complete:
-            self.trials.deadline.left_out.append(f"whether less than that change of {one.name} would do")
-        return better if better.outcome.best else known
-
-    def _cheapest(self, one: Without, turn: Deadline) -> Sought:
-        """A search for the design with which the least limit of cost can be kept, by the prices that count there."""
-        first = reached_value(judged_by(self.trials.mission, one.found, CHEAPEST), "cost")
-        free = self.trials.without([one.name])
-        ceiling = math.inf if first is None else first
-        return self.trials.relaxer.cheapest(free, {one.name}, deadline=turn, ceiling=ceiling)
-
-    def _least_change(self, one: Without, needed: float, turn: Deadline) -> Change:
-        """The limit nearest to what is asked with which something fits."""
-        section, key, _ = RELAXABLE[one.name]
-
-        def search(wanted: Mission) -> Sought:
-            found = self.trials.relaxer.seek(wanted, ANY, {one.name}, deadline=turn, enough=True)
-            if found.outcome.interrupted:
-                raise KeyboardInterrupt
-            return found
-
-        return least_change(
-            one.limit, needed, one.found, search=search, deadline=turn, name=one.name,
-            relaxed=partial(with_limit, self.trials.mission, section, key, one.limit),
-        )  # fmt: skip
+    def changes(self) -> list[LeastLimit]:
+        """Those that help, to be drawn in."""
+        return [LeastLimit(self.trials, one) for one in self.helpful]
 
 
 def goal_without(name: str) -> Objective:

@@ -1,0 +1,177 @@
+"""The least limit of one requirement with which a mission that nothing meets can be met, drawn in step by step.
+
+Where an objective makes its figure best, one search tells the least; where that takes longer than its turn, and of all
+other requirements, the limit is drawn in as any change is (`least_change`).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import partial
+
+from uwopt.deadline import Deadline
+from uwopt.mission.mission import Mission
+from uwopt.mission.reserves import asked_when_held
+from uwopt.objectives.objective import Objective
+from uwopt.solvers.explain.least_change import Change, Narrowing, less_of, rounded_away
+from uwopt.solvers.explain.reached import deepest, judged_by, miss, rated_depth, reached_value
+from uwopt.solvers.explain.relaxed import ANY, CHEAPEST
+from uwopt.solvers.explain.trials import Trials
+from uwopt.solvers.explain.weakened import RELAXABLE, with_limit
+from uwopt.solvers.recommend import Sought
+
+MOST_TIMES = 30.0  # what is asked of an image: beyond, it is another image that would be of no use
+SOON = 0.3  # of the time for the best figure: for the best of a few imagers
+
+
+@dataclass(frozen=True)
+class Relaxation:
+    """A requirement whose loss alone makes the mission feasible."""
+
+    name: str
+    limit: float | None
+    needed: float | None
+    miss_rel: float
+    found: Sought
+    fits_at_central_prices: bool = False
+
+    @property
+    def is_of_use(self) -> bool:
+        """Whether a person could live with it: any limit may give, but not an image many times over."""
+        if RELAXABLE[self.name][0] == "limits" or self.name == "min_snr" or not self.limit or not self.needed:
+            return True
+        return 1.0 / MOST_TIMES <= self.needed / self.limit <= MOST_TIMES
+
+
+@dataclass(frozen=True)
+class Without:
+    """The mission without one requirement, and a design that meets the rest."""
+
+    name: str
+    limit: float  # as asked
+    mission: Mission
+    found: Sought
+    at_central_prices: bool = False  # the limit of cost is kept, but for estimated prices at their high ends
+
+
+@dataclass
+class LeastLimit:
+    """A requirement that helps, and the limit nearest to what is asked with which something is known to fit."""
+
+    trials: Trials
+    one: Without
+    narrowing: Narrowing | None = None  # once the figure of the design at hand is known
+    is_least: bool = False
+    found: Sought = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.found = self.one.found
+
+    @property
+    def name(self) -> str:
+        """Of the requirement."""
+        return self.one.name
+
+    @property
+    def is_done(self) -> bool:
+        """Whether no step is left."""
+        return self.is_least or (self.narrowing is not None and self.narrowing.is_done)
+
+    @property
+    def gap(self) -> float:
+        """The share of the change of which it is not known whether it is needed."""
+        return 1.0 if self.narrowing is None else self.narrowing.gap
+
+    @property
+    def size(self) -> float:
+        """Of the change, relative to what is asked: nothing is known of it at first."""
+        return 0.0 if self.narrowing is None else self.narrowing.size
+
+    def step(self, turn: Deadline) -> None:
+        """Draw the limit in once."""
+        self.trials.say(0.5, f"the least change of {self.name}")
+        if self.narrowing is not None:
+            self.narrowing.step(turn)
+        elif RELAXABLE[self.name][1] == "depth_rating_m":
+            trials = self.trials
+            self.found = deepest(
+                self.found, self.one.mission, trials.catalog, ANY, generic=trials.generic, deadline=turn
+            )
+            self.is_least = not turn.passed()
+        elif not self._by_figure(turn):
+            self._narrow(turn)
+
+    def _by_figure(self, turn: Deadline) -> bool:
+        """Whether one search tells the least: it seeks the design with the best figure."""
+        best = RELAXABLE[self.name][2]
+        if best is None or not self._is_what_counts():
+            return False
+        sought = self._best_without(Objective.of(best), turn)
+        self.is_least = sought.outcome.complete
+        self.found = sought if sought.outcome.best else self.found
+        if sought.outcome.interrupted:
+            raise KeyboardInterrupt
+        return self.is_least
+
+    def _narrow(self, turn: Deadline) -> None:
+        """Begin at what the design at hand reaches; where that has no figure, nothing less is known."""
+        needed = self._reached()
+        if needed is None:
+            self.is_least = True
+            return
+        section, key, _ = RELAXABLE[self.name]
+        relaxed = partial(with_limit, self.trials.mission, section, key, self.one.limit)
+        self.narrowing = Narrowing(self.one.limit, Change(needed, self.found), relaxed, self._search)
+        self.narrowing.step(turn)
+
+    def _search(self, wanted: Mission, turn: Deadline) -> Sought:
+        """A search of all hardware."""
+        found = self.trials.relaxer.seek(wanted, ANY, {self.name}, deadline=turn, enough=True)
+        if found.outcome.interrupted:
+            raise KeyboardInterrupt
+        return found
+
+    def told(self) -> Relaxation:
+        """As far as it is drawn in."""
+        change, one = self.narrowing.change if self.narrowing else None, self.one
+        if not (self.is_least or (self.narrowing and self.narrowing.is_least)):
+            self.trials.deadline.left_out.append(less_of(self.name))
+        needed, found = (self._reached(), self.found) if change is None else (change.limit, change.found)
+        return Relaxation(one.name, one.limit, needed, miss(one.limit, needed), found, one.at_central_prices)
+
+    def _reached(self) -> float | None:
+        """The limit that the design at hand would keep, as it would be typed."""
+        key, mission = RELAXABLE[self.name][1], self.trials.mission
+        if key == "depth_rating_m":
+            rated = rated_depth(self.found)
+            needed = None if rated is None else rated / mission.depth_factor
+        else:
+            value = reached_value(judged_by(mission, self.found, self.trials.objective), key)
+            needed = None if value is None else asked_when_held(mission.reserve, key, value)
+        return None if needed is None else rounded_away(needed, self.one.limit)
+
+    def _is_what_counts(self) -> bool:
+        """Whether the best figure is the best of what is asked: the SNR to get best is that of the mean."""
+        views = self.trials.mission.views
+        return self.name != "min_snr" or all(view.requirements.snr_at == "mean" for view in views)
+
+    def _best_without(self, goal: Objective, turn: Deadline) -> Sought:
+        """A search for the design whose figure is best without its limit, better than the one at hand."""
+        one, relaxer = self.one, self.trials.relaxer
+        if goal == CHEAPEST:
+            return self._cheapest(turn)
+        first = judged_by(one.mission, self.found, goal).objective_value
+        ceiling = math.inf if first is None else goal.minimised(first)
+        soon = turn.at_most(SOON * turn.left_s)
+        few = relaxer.among_few(one.mission, goal, {self.name}, soon, enough=False, ceiling=ceiling)
+        if few is not None and few.outcome.best:
+            self.found, ceiling = few, few.outcome.best[0].minimised
+        return relaxer.seek(one.mission, goal, {self.name}, deadline=turn, ceiling=ceiling)
+
+    def _cheapest(self, turn: Deadline) -> Sought:
+        """A search for the design with which the least limit of cost can be kept, by the prices that count there."""
+        first = reached_value(judged_by(self.trials.mission, self.found, CHEAPEST), "cost")
+        free = self.trials.without([self.name])
+        ceiling = math.inf if first is None else first
+        return self.trials.relaxer.cheapest(free, {self.name}, deadline=turn, ceiling=ceiling)
