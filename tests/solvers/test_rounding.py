@@ -130,6 +130,16 @@ def test_few_pixels_say_of_any_settings_whether_the_snr_holds(prnu_frac: float) 
     assert (full == less).all() and full.any() and not full.all()
 
 
+def test_what_misses_at_any_setting_is_told_where_pixels_ask_too() -> None:
+    """No setting keeps a blur of nothing, so that the SNR of no pixel is worth looking at: the nearest miss is told."""
+    murky: dict[str, Any] = {"min_snr_db": 8.0, "snr_at": "worst"}
+    problem, best = best_of(rc.planted("power", (BURNING,), murky))
+    still = rc.planted("power", (BURNING,), murky | {"max_blur_px": 1e-9})
+    made = rounded_design(still.problem(), hardware_of(best), best.settings, still.objective).design
+    assert not made.feasible
+    assert {margin.requirement for margin in made.scenes[0].margins if not margin.satisfied} >= {"max_blur_px"}
+
+
 def test_rounding_ends_with_the_time() -> None:
     case = rc.planted("power", (STEPPED,), {"min_snr_db": 20.0, "max_blur_px": 1.0})
     search, outcome = case.solve(top=1)

@@ -279,7 +279,8 @@ class SettableScene:
         scene, worst = self.model.problem.scenes[self.index], self.rows.light.worst_e
         assert worst is not None
         rest, each = np.nonzero(shortfall == 0.0)[0], max(MOST_PIXELS // worst.size, 1)
-        for some in np.split(rest, range(each, len(rest), each)):
+        for first in range(0, len(rest), each):  # none where all miss something else
+            some = rest[first : first + each]
             few = settings.take(some)
             seen = [figures_of(scene, model.rows_at(self.index, self.dioptre_per_m), few) for model in self.models]
             shortfall[some] = self._shortfall(few, seen, rooms=rooms, at=some)
