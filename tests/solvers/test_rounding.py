@@ -133,7 +133,7 @@ def test_few_pixels_say_of_any_settings_whether_the_snr_holds(prnu_frac: float) 
 def test_what_misses_at_any_setting_is_told_where_pixels_ask_too() -> None:
     """No setting keeps a blur of nothing, so that the SNR of no pixel is worth looking at: the nearest miss is told."""
     murky: dict[str, Any] = {"min_snr_db": 8.0, "snr_at": "worst"}
-    problem, best = best_of(rc.planted("power", (BURNING,), murky))
+    _, best = best_of(rc.planted("power", (BURNING,), murky))
     still = rc.planted("power", (BURNING,), murky | {"max_blur_px": 1e-9})
     made = rounded_design(still.problem(), hardware_of(best), best.settings, still.objective).design
     assert not made.feasible
