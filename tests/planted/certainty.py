@@ -120,10 +120,24 @@ DEFECTS = (
     Defect(
         name="of what is still tied the dearest is bought",
         file=f"{ROOM}/search.py",
-        old="return (least, one.outcomes.price, own) if own <= still",
-        new="return (least, -one.outcomes.price, own) if own <= still",
+        old="price = pair[1].quantile(0.5), float(told_apart(pair[1].outcomes.price))",
+        new="price = pair[1].quantile(0.5), -float(told_apart(pair[1].outcomes.price))",
         test="tests/solvers/test_confidence_proof.py"
         "::test_of_what_further_scenarios_cannot_tell_apart_the_cheapest_is_bought",
+    ),
+    Defect(
+        name="what further scenarios refute comes first",
+        file=f"{ROOM}/search.py",
+        old="*rest[:hold], *(one for one, _ in refuted), *rest[hold:]]",
+        new="*(one for one, _ in refuted), *rest]",
+        test="tests/solvers/test_confidence_proof.py::test_what_further_scenarios_refute_comes_last_however_cheap",
+    ),
+    Defect(
+        name="of what is refuted the cheapest comes first",
+        file=f"{ROOM}/search.py",
+        old="        key=lambda pair: rank(pair[1], share),",
+        new="        key=lambda pair: pair[1].outcomes.price,",
+        test="tests/solvers/test_confidence_proof.py::test_what_further_scenarios_refute_comes_last_however_cheap",
     ),
     Defect(
         name="no hardware with room is looked for",
@@ -233,8 +247,8 @@ DEFECTS = (
     Defect(
         name="luck decides between what is as good as tied",
         file=f"{ROOM}/search.py",
-        old="*sorted(tied, key=order)",
-        new="*tied",
+        old="(one for one, _ in sorted(held, key=order))",
+        new="(one for one, _ in held)",
         test=f"{PROOF}::test_what_is_as_good_as_tied_is_told_apart_by_further_scenarios",
     ),
     Defect(

@@ -191,6 +191,41 @@ def test_of_what_further_scenarios_cannot_tell_apart_the_cheapest_is_bought(monk
     assert told == counted_[::-1]
 
 
+def test_what_further_scenarios_refute_comes_last_however_cheap(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of three tied by 256: by how often each holds anew, behind a fourth that is worse but holds."""
+
+    def one_(price: float, held: float, median: float) -> Any:
+        return SimpleNamespace(
+            held=held, quantile=lambda share: median, outcomes=SimpleNamespace(price=price), settings=None
+        )
+
+    sought, certain = known()
+    cheap, middle, dear, worse = one_(1.0, 0.9, 5.0), one_(2.0, 0.9, 5.0), one_(3.0, 0.9, 5.0), one_(1.0, 0.9, 6.0)
+    ranked = [cheap, middle, dear, worse]
+    seen = search_module.Looked(SHARE, certain.scenarios, ranked, True)
+    for anew, expected in (
+        ({1.0: 0.2, 2.0: 0.5, 3.0: 0.7}, [worse, dear, middle, cheap]),
+        ({1.0: 0.2, 2.0: 0.5, 3.0: 0.9}, [dear, worse, middle, cheap]),
+        ({1.0: 0.9, 2.0: 0.9, 3.0: 0.9}, [cheap, middle, dear, worse]),
+    ):
+        monkeypatch.setattr(
+            search_module, "counted_anew",
+            lambda problem, objective, seen, some, deadline, anew=anew: [
+                one_(one.outcomes.price, anew[one.outcomes.price], 5.0) for one in some
+            ],
+        )  # fmt: skip
+        told = search_module.without_luck(sought.problem, sought.search.objective, seen, ranked, NEVER)
+        assert [id(one) for one in told] == [id(one) for one in expected]
+
+
+def test_what_there_is_no_time_to_compare_stays_as_it_is_ranked() -> None:
+    sought, certain = known()
+    pair = [certain.best, certain.best]
+    seen = search_module.Looked(SHARE, certain.scenarios, pair, True)
+    late = Deadline(0.0, lambda: 1.0)
+    assert search_module.without_luck(sought.problem, sought.search.objective, seen, pair, late) is pair
+
+
 def test_no_time_is_lost_on_a_panel_that_leaves_nearly_all(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where the best known is far better in the panel, as here; not of few parts, nor without a limit of time."""
     sought, certain = known()

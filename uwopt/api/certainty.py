@@ -21,7 +21,7 @@ from uwopt.mission.doubt import ENDS
 from uwopt.objectives.objective import Objective
 from uwopt.results.certainty import Confidence
 from uwopt.results.design import FARTHEST_M, Design, Note
-from uwopt.solvers.confidence.counted import Counted, rank
+from uwopt.solvers.confidence.counted import Counted
 from uwopt.solvers.confidence.fixed import SceneSetting
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.search import (
@@ -226,7 +226,7 @@ def focus_to_set_m(design: Design) -> float:
 def stops_that_hold(certain: Certain) -> Iterator[Counted]:
     """The best hardware at its stop, then at the others at which it holds as often as was asked for; then the next."""
     least = min(certain.asked, certain.best.held)
-    others = sorted((one for one in certain.tried if one is not certain.best), key=lambda one: rank(one, certain.asked))
+    others = [one for one in certain.ranked if one is not certain.best]
     for hardware in (certain.best, *others):
         made = hardware.outcomes
         rest = [Counted(hardware.found, made, k) for k in range(len(made.f_numbers)) if k != hardware.stop]

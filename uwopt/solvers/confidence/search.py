@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
@@ -28,7 +28,7 @@ from uwopt.solvers.confidence.polish import polish
 from uwopt.solvers.confidence.proof import NoneBetter, Prover
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.exact.imagers import IMAGER_RULES, Imagers, imagers_behind, joined
-from uwopt.solvers.exact.ranking import Found
+from uwopt.solvers.exact.ranking import Found, told_apart
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain.one_hardware import KINDS, problem_of
 from uwopt.solvers.explain.robustness import among
@@ -67,6 +67,7 @@ class Certain:
     central: Found  # the best with every number at its central value and its iris at that stop
     tried: list[Counted]
     complete: bool  # whether there was time for every search
+    ranked: list[Counted] = field(default_factory=list)  # the same, the first to buy first
     fresh: Counted | None = None
     proof: NoneBetter | None = None
 
@@ -177,7 +178,7 @@ def chosen(
     best, central = first_that_fits(problem, objective, ranked)
     if best is None or central is None:
         return None
-    return Certain(share, scenarios, best, central, tried, seen.complete, proof=proof)
+    return Certain(share, scenarios, best, central, tried, seen.complete, ranked, proof=proof)
 
 
 def without_luck(
@@ -185,36 +186,53 @@ def without_luck(
 ) -> list[Counted]:
     """Hardware best first, where medians are as good as tied by those in further scenarios, if there is time.
 
-    What these cannot tell from the best of them either is ranked by price.
+    What these cannot tell from the best of them either is ranked by price. What does not hold as often as asked in
+    them is refuted: it comes after what is not, that which holds most often first.
     """
-    share = seen.share
-    most = ranked[0].quantile(0.5)
+    share, most = seen.share, ranked[0].quantile(0.5)
     close = [
         one for one in ranked
         if one.held >= share and one.quantile(0.5) <= most + TIED_REL * abs(most) and one.settings is None
     ]  # fmt: skip
     cheap = sorted(close[TIED_BEST:], key=lambda one: one.outcomes.price)[:TIED_CHEAPEST]
     tied = [*close[:TIED_BEST], *cheap]
-    if len(tied) < 2 or deadline.passed():
+    if len(tied) < 2 or not np.isfinite(most):
         return ranked
+    try:
+        anew = counted_anew(problem, objective, seen, tied, deadline)
+    except OutOfTimeError:
+        return ranked
+    held = [(one, again) for one, again in zip(tied, anew, strict=True) if again.held >= share]
+    least = min((again.quantile(0.5) for _, again in held), default=0.0)
+    still = least + STILL_TIED_REL * abs(least)
+
+    def order(pair: tuple[Counted, Counted]) -> tuple[float, float]:
+        """By the median anew, what is still tied with the best first and by price."""
+        median, price = pair[1].quantile(0.5), float(told_apart(pair[1].outcomes.price))
+        return (least, price) if median <= still else (median, price)
+
+    rest = [one for one in ranked if all(one is not other for other in tied)]
+    refuted = sorted(
+        ((one, again) for one, again in zip(tied, anew, strict=True) if again.held < share),
+        key=lambda pair: rank(pair[1], share),
+    )
+    hold = holding(rest, share)  # these come first
+    return [*(one for one, _ in sorted(held, key=order)), *rest[:hold], *(one for one, _ in refuted), *rest[hold:]]
+
+
+def counted_anew(
+    problem: Problem, objective: Objective, seen: Looked, some: Sequence[Counted], deadline: Deadline
+) -> list[Counted]:
+    """The same hardware, each at its stop, in further scenarios."""
     seed = (problem.mission.seed + TIES_SEED) % 2**32
-    scenarios = scenarios_of(problem, seen.asked, seed, TIES, seen.scenarios)
-    median: dict[int, float] = {}
-    for f_number in {one.f_number for one in tied}:
-        some = [one for one in tied if one.f_number == f_number]
-        stops = None if f_number is None else [f_number]
-        made = outcomes_of_each(problem, [one.found for one in some], objective, scenarios, f_numbers=stops)
-        for one, seen_in in zip(some, made, strict=True):
-            median[id(one)] = float(seen_in.quantile(0.5)[0]) if seen_in.held[0] >= share else np.inf
-    least = min(median.values())
-    still = least + STILL_TIED_REL * abs(least) if np.isfinite(least) else least
-
-    def order(one: Counted) -> tuple[float, float, float]:
-        """What is still tied with the best first, by price."""
-        own = median[id(one)]
-        return (least, one.outcomes.price, own) if own <= still else (own, one.outcomes.price, own)
-
-    return [*sorted(tied, key=order), *(one for one in ranked if all(one is not other for other in tied))]
+    scenarios, anew = scenarios_of(problem, seen.asked, seed, TIES, seen.scenarios), dict[int, Counted]()
+    for f_number in {one.f_number for one in some}:
+        deadline.check()
+        alike = [one for one in some if one.f_number == f_number]
+        stops, found = None if f_number is None else [f_number], [one.found for one in alike]
+        made = outcomes_of_each(problem, found, objective, scenarios, deadline, f_numbers=stops)
+        anew |= {id(one): Counted(one.found, own, 0) for one, own in zip(alike, made, strict=True)}
+    return [anew[id(one)] for one in some]
 
 
 def check_fixed(problem: Problem, objective: Objective) -> None:
