@@ -27,13 +27,12 @@ def text_of(some: Block) -> str:
 
 
 def test_what_is_best_by_central_numbers_stands_beside_what_is_recommended(make_result: Callable[..., Result]) -> None:
-    """Both in the scenarios of the choice; of its parts those that differ, all where none is shared."""
+    """Both in the scenarios of the choice; of its parts those that differ, or all; the same parts are told once."""
     best = make_result().best
     assert best is not None
     ours = best.hardware.ids
     for hardware, named in (
         (["acme-cam-9", *ours[1:]], "with acme-cam-9 instead;"),
-        (ours, "with the same parts;"),
         (["acme-cam-9", "acme-lens-9"], "with acme-cam-9 and acme-lens-9;"),
     ):
         result = make_result(confidence=COUNTED | {"central_hardware": hardware})
@@ -43,3 +42,5 @@ def test_what_is_best_by_central_numbers_stands_beside_what_is_recommended(make_
         assert "what is recommended holds in 97 %, in half of all with 61.00 W" in text
         assert "reflectance" not in text  # all that is drawn stands with what else was assumed
         assert "scenarios draw reflectance of the floor" in text_of(robustness_block(result))
+    (block,) = certainty_block(make_result(confidence=COUNTED | {"central_hardware": ours}))
+    assert "30.00 W with the same parts" in text_of(block) and "of the choice" not in text_of(block)

@@ -18,6 +18,7 @@ LOST_TO = {
     "housing": "camera and lens do not fit into the housing",
     "focus": "the lens does not focus behind this port",
 }
+SAME_PARTS = "the same parts"
 EVERY_END = "at every end of what is uncertain"
 
 
@@ -109,6 +110,8 @@ def facts(result: Result, known: Confidence) -> Iterator[tuple[str, str]]:
 def central_text(result: Result, known: Confidence) -> str:
     """What is best by central numbers, and what it does where the choice was made, beside what is recommended."""
     value, parts = words.objective_text(result, known.central_objective), with_parts(result, known.central_hardware)
+    if parts == SAME_PARTS:
+        return f"{value} with {parts}"
     text = f"{value} with {parts}; of the {formats.count_text(known.scenarios_in_choice)} scenarios of the choice"
 
     def does(held: float | None, median: float | None) -> str:
@@ -125,7 +128,7 @@ def with_parts(result: Result, ids: Sequence[str]) -> str:
     ours = set(design.hardware.ids) if design is not None else set()
     others = [formats.one_line(part, 60) for part in ids if part not in ours]
     if not others:
-        return "the same parts"
+        return SAME_PARTS
     return words.listed(others) + (" instead" if len(others) < len(ids) else "")
 
 
