@@ -3,37 +3,29 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
+from reef_of_few import reef_of_few_parts
 
 import uwopt
 from uwopt.api.pricing import every_price
 from uwopt.api.searching import searched
 from uwopt.deadline import NEVER
 from uwopt.forward.assembly import load_catalog
-from uwopt.mission.mission import Mission, load_mission
+from uwopt.mission.mission import Mission
 from uwopt.model.fineness import DEFAULT
 from uwopt.objectives.goal import goal_of
 from uwopt.report.text.prices import price_text
 from uwopt.results.basis import Price
 from uwopt.results.result import Result
 
-PROBLEMS = Path(__file__).parents[2] / "problems"
-FEW = {
-    "cameras": ["avt-alvium-1800-c-040m", "avt-alvium-1800-c-234m"], "generic": "never",
-    "lenses": ["computar-m1214-mp2", "thorlabs-mvl16m1"], "lights": ["arctic-rays-dragonfish-mini-strobe-65deg*"],
-    "ports": ["blue-robotics-4-in-acrylic-end-cap-2026", "blue-robotics-4-in-dome-plastic-ring-2026"],
-}  # fmt: skip
 LOOSE = {"cost", "power_w"}  # limits that keep nothing better out
 
 
 @pytest.fixture(scope="module")
 def reef() -> Mission:
     """The reef with few parts and one altitude, and pixels small enough to keep the better camera out."""
-    base = load_mission(PROBLEMS / "reef-mosaic.yaml").to_dict()
-    vehicle = base["vehicle"] | {"altitude_tolerance_m": 0.0}
-    return load_mission(base | {"catalog": base["catalog"] | FEW, "vehicle": vehicle})
+    return reef_of_few_parts()
 
 
 @pytest.fixture(scope="module")

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from reef_of_few import reef_of_few_parts
 
 import uwopt
 from uwopt.api.pricing import range_price, range_prices
@@ -14,7 +14,7 @@ from uwopt.api.searching import searched
 from uwopt.api.varied import Systems
 from uwopt.deadline import NEVER
 from uwopt.forward.assembly import load_catalog
-from uwopt.mission.mission import Mission, load_mission
+from uwopt.mission.mission import Mission
 from uwopt.mission.varying import VariedMission
 from uwopt.model.fineness import DEFAULT
 from uwopt.objectives.goal import goal_of
@@ -24,20 +24,11 @@ from uwopt.results.result import Result
 from uwopt.solvers.explain.prices import priced_keys, step_of
 from uwopt.solvers.warm.searches import Warm
 
-PROBLEMS = Path(__file__).parents[2] / "problems"
-FEW = {
-    "cameras": ["avt-alvium-1800-c-040m", "avt-alvium-1800-c-234m"], "generic": "never",
-    "lenses": ["computar-m1214-mp2", "thorlabs-mvl16m1"], "lights": ["arctic-rays-dragonfish-mini-strobe-65deg*"],
-    "ports": ["blue-robotics-4-in-acrylic-end-cap-2026", "blue-robotics-4-in-dome-plastic-ring-2026"],
-}  # fmt: skip
-
 
 @pytest.fixture(scope="module")
 def reef() -> Mission:
     """The reef with few parts and one altitude."""
-    base = load_mission(PROBLEMS / "reef-mosaic.yaml").to_dict()
-    vehicle = base["vehicle"] | {"altitude_tolerance_m": 0.0}
-    return load_mission(base | {"catalog": base["catalog"] | FEW, "vehicle": vehicle})
+    return reef_of_few_parts()
 
 
 @pytest.fixture(scope="module")
