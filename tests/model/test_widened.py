@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
 from scipy.integrate import quad
 from scipy.special import j0
@@ -19,7 +20,7 @@ from uwopt.model.scattering import PhaseTable
 from uwopt.model.veil.geometry import Scatterer
 from uwopt.model.veil.mean import mean_backscatter
 from uwopt.model.veil.ray import backscatter_gain
-from uwopt.model.widened import Turned, bounding, carried_share, ways_m, widened
+from uwopt.model.widened import Turned, arriving_share, bounding, carried_share, ways_m, widened
 
 Array = NDArray[Any]
 NARROW = beams.cosine_power_beam(np.deg2rad(16.0))
@@ -103,6 +104,20 @@ def test_molecules_and_particles_add_up() -> None:
     assert carried_share(None)[0, 0] == pytest.approx(0.5, rel=1e-3)  # symmetric: half goes forward
     known = np.exp(1.0 * (carried_share(sea)[0, 0] - 1.0 + 0.1) + 0.5 * (0.5 - 1.0 + 0.4))
     assert beams.flux_per_lm(both) == pytest.approx(known, rel=0.01)
+
+
+@pytest.mark.parametrize("g", [0.8, 0.95])
+@pytest.mark.parametrize("degrees", [30.0, 76.9])
+def test_what_arrives_is_the_integral_over_turns(g: float, degrees: float) -> None:
+    # dense Gauss-Legendre in both, crowded at the forward peak, with the function in closed form
+    within, absorbed = np.deg2rad(degrees), np.array([0.0, 0.3, 3.0, 36.0])
+    node, weight = (leggauss(300)[0] + 1.0) / 2.0, leggauss(300)[1] / 2.0
+    turn, s = within * node[:, None] ** 3, node
+    part = weight[:, None] * 3.0 * within * node[:, None] ** 2 * weight
+    detour = s + (1.0 - s) / np.cos(turn) - 1.0 / np.cos(np.arctan((1.0 - s) * np.tan(turn)))
+    part *= 2.0 * np.pi * np.sin(turn) * phase_formulas.henyey_greenstein_per_sr(np.cos(turn), asymmetry=g)
+    known = [np.sum(part * np.exp(-thick * detour)) for thick in absorbed]
+    assert arriving_share(henyey_greenstein(g), absorbed, within_rad=within) == pytest.approx(known, rel=1e-3)
 
 
 @pytest.mark.parametrize("name", LOBES)

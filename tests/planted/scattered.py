@@ -331,6 +331,13 @@ DEFECTS = (
         test=f"{FULL}::test_mean_veils_under_smooth_lobes[all orders, flat port, narrow lobes, turbid]",
     ),
     Defect(
+        name="light that arrives has come straight",
+        file="uwopt/model/widened.py",
+        old="part * (np.exp(-np.multiply.outer(_thicknesses(), detour)) @ mass)",
+        new="part * (np.exp(-np.multiply.outer(_thicknesses(), 0.0 * detour)) @ mass)",
+        test="tests/model/test_widened.py::test_what_arrives_is_the_integral_over_turns[30.0-0.8]",
+    ),
+    Defect(
         name="the veil from elsewhere bears no longer way",
         file="uwopt/forward/scene.py",
         old="self.absorption_per_m() * way_m",
