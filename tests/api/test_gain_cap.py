@@ -77,6 +77,33 @@ def test_parts_to_be_made_are_searched_once_where_nothing_fits(fits: bool, monke
     assert result.certificate.adds_up()
 
 
+@pytest.mark.parametrize(("dark", "min_snr_db"), [(True, 200.0), (True, 10.0), (False, 10.0)])
+def test_what_is_left_in_vain_is_answered_all_the_same(
+    dark: bool, min_snr_db: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Nothing fits at all, nothing below the cap, and something below it: as where no search is left.
+    mission = survey(CAP_DB, dark=dark)
+    mission["requirements"]["min_snr_db"] = min_snr_db
+    whole = uwopt.solve(mission, top=1, quick=True, explain=False)
+    asked: list[tuple[bool, bool]] = []
+
+    def seek(mission: Any, *args: Any, **named: Any) -> Any:
+        found = recommend.seek(mission, *args, **named)
+        asked.append((mission.reserve.max_gain_db is not None, found.search.is_in_vain))
+        return found
+
+    monkeypatch.setattr(searching, "seek", seek)
+    monkeypatch.setattr(searching, "MOST_IN_VAIN", -1)  # left at once
+    left = uwopt.solve(mission, top=1, quick=True, explain=False)
+    assert left.status == whole.status
+    assert left.objective.value == whole.objective.value
+    assert left.certificate.adds_up()
+    if min_snr_db == 200.0:
+        assert asked == [(True, True), (False, False)]  # not below the cap once more
+    elif dark:
+        assert asked[0] == (True, True)
+
+
 def test_a_number_of_the_requirements_is_hard() -> None:
     mission = load_mission({
         "practice": "bare",

@@ -15,6 +15,13 @@ DEFECTS = (
         test=f"{CAP}::test_parts_to_be_made_are_searched_once_where_nothing_fits[True]",
     ),
     Defect(
+        name="a search that is left in vain is taken for a proof",
+        file="uwopt/api/searching.py",
+        old="            sought = look(mission, generic=first, **known_from(sought))\n",
+        new="",
+        test=f"{CAP}::test_what_is_left_in_vain_is_answered_all_the_same[True-10.0]",
+    ),
+    Defect(
         name="a cap of gain is no bound of the settings",
         file="uwopt/forward/problem.py",
         old="high = most if allowed_db is None else",

@@ -20,6 +20,8 @@ from uwopt.solvers.explain.robustness import SLOW_S
 from uwopt.solvers.recommend import GENERIC_GAIN, Sought, seek
 from uwopt.solvers.settings.best import scenes_need_cells
 
+MOST_IN_VAIN = 200_000  # designs below a cap of gain that yields, of which none fits: then it is asked if any does
+
 
 def searched(
     mission: Mission, catalog: Catalog, goal: Objective, top: int, deadline: Deadline,
@@ -29,8 +31,9 @@ def searched(
     """The search over parts that are sold, and with parts to be made where they could matter.
 
     Where nothing that is sold fits and the gain has a cap that yields, all parts without it are asked first for any
-    design that fits: where none does, nothing fits with the cap either. `like` is a search of the same parts in the
-    same scenes that differs in the cap of gain alone, `scenes_of` a problem whose scenes may be the same.
+    design that fits: where none does, nothing fits with the cap either. A search below the cap that goes long in vain
+    is left for that question, and goes on where the answer is that something fits. `like` is a search of the same parts
+    in the same scenes that differs in the cap of gain alone, `scenes_of` a problem whose scenes may be the same.
     """
     policy, capless = mission.catalog.generic, mission.without_gain_cap
     first: Generic = "allow" if policy == "allow" else "never"
@@ -38,7 +41,13 @@ def searched(
         seek, catalog=catalog, objective=goal, top=top, deadline=deadline, progress=progress, fineness=fineness
     )
     with timed(timing, "search"):
-        sought = look(mission, generic=first, **(known_from(like) or {"like": scenes_of}))
+        in_vain = math.inf if capless is mission or policy == "fallback" else MOST_IN_VAIN
+        sought = look(mission, generic=first, most_in_vain=in_vain, **(known_from(like) or {"like": scenes_of}))
+        if sought.search.is_in_vain:
+            some = look(capless, generic=first, enough=True, **known_from(sought))
+            if not some.outcome.best:
+                return some, None
+            sought = look(mission, generic=first, **known_from(sought))
     alternative: Sought | None = None
     if policy == "fallback" and sought.outcome.complete:
         with timed(timing, "search_generic"):

@@ -58,7 +58,7 @@ def seek(
     mission: Mission, catalog: Catalog, objective: Objective, *, generic: Generic, top: int,
     deadline: Deadline = NEVER, progress: Progress | None = None, ceiling: float = math.inf,
     depth_m: float | None = None, fineness: Fineness = DEFAULT, like: Problem | None = None,
-    enough: bool = False, imagers: Imagers | None = None,
+    enough: bool = False, imagers: Imagers | None = None, most_in_vain: float = math.inf,
 ) -> Sought:  # fmt: skip
     """Select, tabulate and search; light that another search in these scenes has worked out is not worked out again.
 
@@ -69,7 +69,7 @@ def seek(
     problem = build_problem(mission, selection, fineness=fineness, scenes=scenes)
     search = Search(
         problem, objective, top=top, deadline=deadline, progress=progress, ceiling=ceiling, enough=enough,
-        imagers=imagers,
+        imagers=imagers, most_in_vain=most_in_vain,
     )  # fmt: skip
     return Sought(selection, problem, search, search.run())
 

@@ -62,12 +62,15 @@ class Evaluation:
 
     def __init__(
         self, problem: Problem, objective: Objective, *, top: int, deadline: Deadline, ceiling: float,
-        only: Mapping[str, Array] | None = None, enough: bool = False,
+        only: Mapping[str, Array] | None = None, enough: bool = False, most_in_vain: float = np.inf,
     ):  # fmt: skip
         """The keywords are those of `Search`."""
         self.problem, self.objective, self.top, self.ceiling = problem, objective, max(1, top), ceiling
         self.only, self.enough = only or {}, enough
-        self.deadline = UntilFound.of(deadline, lambda: bool(self.ranking.best)) if enough else deadline
+        self.most_in_vain, self.is_in_vain = most_in_vain, False  # it ended as none fits of so many designs
+        self.deadline = deadline
+        if enough or np.isfinite(most_in_vain):
+            self.deadline = UntilFound.of(deadline, self._is_over)
         self.ranking = Ranking(problem, joined(problem, [], {}, {}), top=self.top, ceiling=ceiling)
         self.account = Account()
         self.limits = problem.mission.limits
@@ -75,6 +78,13 @@ class Evaluation:
         self._waiting: list[Waiting] = []
         self.refusals = Refusals()
         self._patient = False  # designs wait while others have lower bounds
+
+    def _is_over(self) -> bool:
+        """Whether a search ends before its time: one design was enough, or too many were looked at in vain."""
+        if self.ranking.best:
+            return self.enough
+        self.is_in_vain |= self.account.evaluated > self.most_in_vain
+        return self.is_in_vain
 
     # ------------------------------------------------------------ candidates
 

@@ -42,7 +42,7 @@ Array = NDArray[Any]
 FIRST_BATCH, LARGEST_BATCH = 32, 8192
 UNBEATEN_GROWTH = 4  # of batches while nothing is found: light is cheaper for many nodes at once
 LARGEST_COSTLY = 256  # where each node takes light at pixels: the next batch then knows what this one found
-LARGEST_UNBEATEN = 2048  # the same as long as nothing is found: where nothing fits all nodes are evaluated
+LARGEST_UNBEATEN = 16384  # the same as long as nothing is found: where nothing fits all nodes are evaluated
 DEAR_REFINED, CHEAP_REFINED = 256, 2048  # at least, where bounds weigh quality: each call sorts all nodes anew
 REFINED_AHEAD = 8  # batches of nodes whose bounds are made better before the first of them is taken
 FIRST_DEAR = 4  # of a first batch where one may be enough, or where information counts: dear to bound while nothing is
@@ -93,11 +93,16 @@ class Search(Evaluation):
         self, problem: Problem, objective: Objective, *, top: int, deadline: Deadline = NEVER,
         progress: Callable[[float, str], None] | None = None, ceiling: float = np.inf,
         only: Mapping[str, Array] | None = None, imagers: Imagers | None = None, enough: bool = False,
+        most_in_vain: float = np.inf,
     ):  # fmt: skip
-        """`imagers`: those to search, of all that there are; `enough`: one design that fits, whichever."""
+        """`imagers`: those to search, of all that there are; `enough`: one design that fits, whichever.
+
+        most_in_vain : designs; where more are looked at and none fits, the search ends without a proof
+        """
         super().__init__(
-            problem, objective, top=top, deadline=deadline, ceiling=ceiling, only=only, enough=enough
-        )
+            problem, objective, top=top, deadline=deadline, ceiling=ceiling, only=only, enough=enough,
+            most_in_vain=most_in_vain,
+        )  # fmt: skip
         self.given = imagers
         self.every_imager: Imagers | None = None  # of all parts, once they are listed
         self.progress = progress or (lambda share, what: None)
