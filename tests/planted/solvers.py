@@ -560,8 +560,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="bounds of a front drawn in below what settings reach",
         file="uwopt/solvers/front/ceilings.py",
-        old="out[lit] = _on_chords(table, known, place.reshape(-1), level) * room[row]",
-        new="out[lit] = 0.8 * _on_chords(table, known, place.reshape(-1), level) * room[row]",
+        old="out[lit] = _on_chords(table, known, place, level) * room[row]",
+        new="out[lit] = 0.8 * _on_chords(table, known, place, level) * room[row]",
         test="tests/solvers/test_trade_curves.py::test_first_bounds_of_information_cover_what_is_tried",
     ),
     Defect(

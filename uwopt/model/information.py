@@ -51,6 +51,7 @@ LEAST_ORDERS = ((0, 0), (20, 8), (24, 12))
 RULE_ERROR = 1e-5
 #: Of the contrast over the noise: from there on a lens without a null leaves nothing that `RULE_ERROR` would show.
 LENS_LEAVES = 1e-4
+MOST_GAIN = 3e4  # C_t SNR whose eighth power single precision holds
 SOFT_PX = (1.2, 2.0)  # pitch of a lens from which the second and third of `LEAST_ORDERS` are needed
 SMEAR_PX = 100.0  # motion from which the third are
 
@@ -104,35 +105,42 @@ def information_bit_per_px(
     return bit.reshape(shape)[()]
 
 
-def information_of_gains(gain: Array, *, sharpness: Sharpness, fineness: float = 1.0) -> Array:
+def information_of_gains(
+    gain: Array, *, sharpness: Sharpness, fineness: float = 1.0, wanted: Array | None = None
+) -> Array:
     """Information of images that are equally sharp at several contrasts over the noise.
 
         I(g) = mean over |nu_x|, |nu_y| <= 1/2 of (1/2) log2(1 + g^2 MTF(nu)^2),   g = C_t SNR
 
     Parameters
     ----------
-    gain : (k,) g
+    gain : (k,) g, at most `MOST_GAIN`
     sharpness : fields (n,)
+    wanted : (n, k) which are worked out; None: all
 
     Returns
     -------
-    (n, k) [bit per pixel].
+    (n, k) [bit per pixel], nan where it is not wanted.
 
     Notes
     -----
-    The rule of `information_bit_per_px` at the greatest gain, as accurate: the transfer is worked out once for all.
+    The rule of `information_bit_per_px` at the greatest gain: the transfer is worked out once for all. Logarithms are
+    of single precision, each node's to 3e-7 of it, far below what `RULE_ERROR` leaves open.
 
     References
     ----------
     As `information_bit_per_px`.
     """
     shape = common_shape(sharpness)
-    bit = np.zeros((*shape, len(gain)))
+    bit = np.full((*shape, len(gain)), np.nan)
     most = np.full(shape, gain.max())
     for some, rows, nodes in _ruled(as_columns(sharpness, shape, (-1, 1, 1)), most, None, fineness):
-        squares = [np.square(transfer) for transfer in _folds(1.0, rows, nodes)]
+        squares = [np.square(transfer).astype(np.float32) for transfer in _folds(1.0, rows, nodes)]
         for column, one in enumerate(gain):
-            bit[some, column] = _sum_of(np.square(one), squares, rows, nodes)
+            mine = slice(None) if wanted is None or wanted[some, column].all() else wanted[some, column]
+            if len(asked := some[mine]):
+                seen = [square[mine] for square in squares]
+                bit[asked, column] = _sum_of(np.float32(np.square(one)), seen, rows, nodes.take(mine))
     return bit
 
 
@@ -202,6 +210,12 @@ class Rule:
     across: Array
     weight: Array  # of the mean of (1/2) log2, over one quadrant that stands for all
     mirrored: bool
+
+    def take(self, rows: Array | slice) -> Rule:
+        """Of some rows, where each has its own."""
+        if len(self.weight) == 1:
+            return self
+        return Rule(self.along[rows], self.across[rows], self.weight[rows], self.mirrored)
 
 
 def rule(kind: int, round_cyc_per_px: Array, motion_cyc_per_px: Array, orders: tuple[int, int]) -> Rule:
@@ -303,18 +317,31 @@ def _sum_bit(gain: Array, sharpness: Sharpness, nodes: Rule) -> Array:
 
 def _sum_of(scale: Numeric, squares: Iterable[Array], sharpness: Sharpness, nodes: Rule) -> Array:
     """The sum over a rule of what squares of transfers, times a scale, tell: (n,) bit per px."""
-    product = np.zeros(())  # product of 1 + power over what a node stands for, less 1: one logarithm for all
-    for square in squares:
-        power = scale * square
-        product = product + power * (1.0 + product)
     signs = 1 if sharpness.spread is None else 2
-    return np.asarray((np.log1p(product) * nodes.weight).sum(axis=(1, 2)) / signs)
+    logs = log_of_all(scale * square for square in squares)
+    return np.asarray((logs * nodes.weight).sum(axis=(1, 2)) / signs)
+
+
+def log_of_all(powers: Iterable[Array]) -> Array:
+    """Sum of ln(1 + power) over what a node stands for: one logarithm for all, that of the product.
+
+    By ln(1 + p) = ln(u) - ((u - 1) - p) / u, u = 1 + p as rounded, to the last digit or two: `log1p` is dearer.
+    """
+    product: Array | None = None  # of 1 + power, less 1
+    for power in powers:
+        product = power if product is None else product + power * (1.0 + product)
+    assert product is not None
+    whole = 1.0 + product
+    left = whole - 1.0
+    left -= product
+    left /= whole
+    return np.asarray(np.subtract(np.log(whole, out=whole), left, out=left))
 
 
 def _folds(gain: Numeric, sharpness: Sharpness, nodes: Rule) -> Iterator[Array]:
     """The transfer times the gain (n, 1, 1) at all that the nodes of a rule stand for."""
     large, small = nodes.along, nodes.across
-    radius = np.hypot(large, small)
+    radius = np.sqrt(np.square(large) + np.square(small))
     common = (gain * round_mtf(radius, sharpness=sharpness)) * (sinc_mtf(large) * sinc_mtf(small))
     for along, across in ((large, small), (small, large))[: 1 + nodes.mirrored]:
         moving = common * sinc_mtf(along, width_px=sharpness.motion_blur_px)
@@ -322,8 +349,19 @@ def _folds(gain: Numeric, sharpness: Sharpness, nodes: Rule) -> Iterator[Array]:
             yield moving
             continue
         for sign in (1.0, -1.0):
-            k = sharpness.lateral_k_along * along + sign * sharpness.lateral_k_across * across
-            yield moving * spread_mtf(k, table=sharpness.spread)
+            yield moving * _colour(along, sign * across, sharpness)
+
+
+def _colour(along: Array, across: Array, sharpness: Sharpness) -> Array:
+    """What lateral colour leaves at frequencies; where all rows share these, once for all that are alike."""
+    k_along, k_across, table = sharpness.lateral_k_along, sharpness.lateral_k_across, sharpness.spread
+    assert table is not None
+    alike = len(along) == 1 < len(k_along) and isinstance(table, SpreadTable)
+    if not alike:
+        return np.asarray(spread_mtf(k_along * along + k_across * across, table=table))
+    found, which = np.unique((k_along + 1j * k_across)[:, 0, 0], return_inverse=True)
+    k = found.real[:, None, None] * along + found.imag[:, None, None] * across
+    return np.asarray(spread_mtf(k, table=table))[which]
 
 
 def _flat(table: Sharpness) -> Sharpness:

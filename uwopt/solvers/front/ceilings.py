@@ -174,14 +174,16 @@ def _seen(rows: SceneRows, snr: Array, pieces: Pieces, span: Span, widest_px: fl
     nodes, place = np.unique(back[row] * pieces.of + number, return_inverse=True)
     mine, number = first[nodes // pieces.of], nodes % pieces.of
     wide_end, small_end = span.ends(mine, number, pieces.of)
-    known = _around(levels, level)
+    place, known = place.reshape(-1), _around(levels, level)
+    wanted, below = np.zeros((len(mine), len(known)), bool), _below(known, level)
+    wanted[place, below] = wanted[place, below + 1] = True
     table = sharp.take(mine).most_bit_per_px(
         np.sqrt(np.expm1(known)), f_number=small_end, working_f_number=wide_end * rows.working_factor[mine],
-        blur_s=least_s[mine], widest_px=widest_px,
+        blur_s=least_s[mine], widest_px=widest_px, wanted=wanted,
     )  # fmt: skip
     wide = rms_px(sharp.rms_k_along, sharp.rms_k_across, max((t.index_rms for t in sharp.spreads), default=0.0))
     room = np.where(wide > NARROW_PX, 1.0 + WIDE_SLACK, 1.0 + RULE_SLACK) / sharp.pixel_area_m2
-    out[lit] = _on_chords(table, known, place.reshape(-1), level) * room[row]
+    out[lit] = _on_chords(table, known, place, level) * room[row]
     return out
 
 
@@ -192,9 +194,14 @@ def _around(levels: Array, wanted: Array) -> Array:
     return levels[begin : max(end, begin + 2)]
 
 
+def _below(levels: Array, level: Array) -> Array:
+    """Places of the levels from which chords to the next begin."""
+    return np.clip(np.searchsorted(levels, level, side="right") - 1, 0, len(levels) - 2)
+
+
 def _on_chords(table: Array, levels: Array, row: Array, level: Array) -> Array:
     """Rows of a table (., n_levels) at levels (m,); inf beyond the last."""
-    below = np.clip(np.searchsorted(levels, level, side="right") - 1, 0, len(levels) - 2)
+    below = _below(levels, level)
     share = (level - levels[below]) / (levels[below + 1] - levels[below])
     value = table[row, below] + share * (table[row, below + 1] - table[row, below])
     return np.where(level <= levels[-1], value, np.inf)
