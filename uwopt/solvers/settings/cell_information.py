@@ -31,6 +31,7 @@ from uwopt.model.information import (
     SQUARE,
     TEXTURE_CONTRAST,
     Ends,
+    log_of_all,
     orders_of,
     rule,
     transfer_ends,
@@ -57,6 +58,7 @@ DARK_BIT = 1e-12  # of an integral: below it a tangent says nothing
 LATERAL_FROM, LATERAL_STEP = 0.1, 0.02  # of colour's phase: a bell below it; steps of its logarithm
 BENDS = 1e-4  # of a slope in logarithms: the table is piecewise linear
 ENDS = tuple(Ends.__dataclass_fields__)
+MOST_POWER = 1e70  # (C_t SNR)^2 that no image has, and whose fourth power is still a number
 BEYOND = 1.1  # a null at so many times where the transfer ends is far enough
 Joined = Literal["all", "rays", "none"]  # which nodes are one integral whose logarithm is concave
 
@@ -88,10 +90,33 @@ class Nodes:
             np.tile(weight / (1 + both_signs), (1, len(folds))), orders[0], len(moving),
         )  # fmt: skip
 
+    def take(self, rows: Array) -> Nodes:
+        """Of some rows, where each has its own."""
+        if len(self.weight) == 1:
+            return self
+        parts = (part[rows] for part in (self.radius_cyc_per_px, self.along, self.across, self.weight))
+        return Nodes(*parts, self.n_radial, self.n_moving)
+
     @property
     def folds(self) -> int:
         """How often the base is taken."""
         return self.along.shape[1] // self.radius_cyc_per_px.shape[1]
+
+    def as_moving(self, by_node: Array) -> Array:
+        """Nodes of the folds that motion tells apart, (m, n_moving, n_base)."""
+        return by_node.reshape(len(by_node), self.n_moving, self.radius_cyc_per_px.shape[1])
+
+    def as_folds(self, by_node: Array) -> Array:
+        """Nodes (m, n_nodes) as (m, n_signs, n_moving, n_base)."""
+        return by_node.reshape(
+            len(by_node), self.folds // self.n_moving, self.n_moving, self.radius_cyc_per_px.shape[1]
+        )
+
+    def bits(self, power: Array) -> Array:
+        """Bit per px of the square of contrast over noise by node, (m, n_signs, n_moving, n_base): (m,)."""
+        first = self.weight[:, : power.shape[3]]  # of every fold
+        each = (power[:, sign, move] for sign in range(power.shape[1]) for move in range(power.shape[2]))
+        return np.asarray((log_of_all(each) * first).sum(axis=1))
 
     def sums(self, by_node: Array, joined: Joined) -> Array:
         """Nodes (m, n_nodes), weighed, as integrals (m, n_integrals)."""
@@ -161,10 +186,10 @@ class Tangents:
 class NodeTangents:
     """(C_t SNR MTF)^2 by node (m, n_nodes), each factor at settings of its own, and the slopes of ln MTF.
 
-    Shifts of the f-number are from the pupil's, and from that of disc and lens.
+    Those of pupil and of disc and lens by base node, that of motion by the folds that it tells apart. Shifts of the f-number are from the pupil's, and from that of disc and lens.
     """
 
-    weight: Array
+    nodes: Nodes
     signal2: Array
     by_pupil: Array
     by_round: Array
@@ -173,10 +198,9 @@ class NodeTangents:
     def at(self, on: Array, shift_snr: Array, from_pupil: Array, from_round: Array, shift_blur: Array) -> Array:
         """Bit per px on the tangents, (k,), at shifts (k,) of some rows."""
         rise = shift_snr[:, None] + self.by_pupil[on] * from_pupil[:, None] + self.by_round[on] * from_round[:, None]
-        rise += self.by_blur[on] * shift_blur[:, None]  # of each node
-        grown = np.log1p(self.signal2[on] * np.exp(2.0 * np.minimum(rise, 300.0)))
-        weight = self.weight if len(self.weight) == 1 else self.weight[on]
-        return np.asarray((grown * weight).sum(axis=1))
+        moved = self.nodes.as_moving(self.by_blur[on]) * shift_blur[:, None, None] + rise[:, None]
+        grown = np.exp(2.0 * np.minimum(moved, 300.0))[:, None] * self.nodes.as_folds(self.signal2[on])
+        return self.nodes.take(on).bits(np.minimum(grown, MOST_POWER, out=grown))
 
 
 @dataclass(frozen=True)
@@ -322,13 +346,11 @@ class Information:
         return still, sinc_mtf(self._moving(nodes), width_px=image.blur_px[:, None])
 
     def _power(self, chunk: Chunk, still: Array, moving: Array, snr: Array) -> Array:
-        """(C_t SNR MTF)^2 by node."""
+        """(C_t SNR MTF)^2 by node, (m, n_signs, n_moving, n_base)."""
         nodes = chunk.nodes
-        power = np.tile(np.square(still), (1, nodes.folds))
-        power *= np.tile(np.square(moving), (1, nodes.folds // nodes.n_moving))
-        power *= chunk.still2
-        power *= np.square(TEXTURE_CONTRAST * snr)[:, None]
-        return power
+        seen = np.square(still * (TEXTURE_CONTRAST * snr)[:, None])
+        moved = seen[:, None] * np.square(nodes.as_moving(moving))
+        return np.asarray(moved[:, None] * nodes.as_folds(chunk.still2))
 
     def value(self, design: Array, snr: Array, *, f_number: Array, working: Array, blur_s: Array) -> Array:
         """Bit per pixel at these settings, (n,)."""
@@ -341,7 +363,7 @@ class Information:
         for chunk in self._chunks(image, self._ends(image)):
             mine = image.take(chunk.rows)
             power = self._power(chunk, *self._seen(chunk.nodes, mine), mine.snr)
-            out[chunk.rows] = chunk.nodes.sums(np.log1p(power), "all")[:, 0]
+            out[chunk.rows] = chunk.nodes.bits(power)
         return out
 
     def _tangents(self, chunk: Chunk, image: Image) -> Tangents:
@@ -349,24 +371,25 @@ class Information:
         nodes = chunk.nodes
         still, by_pupil, by_round, moving, by_blur = self._transfer(nodes, image)
         power = self._power(chunk, still, moving, image.snr)
-        bits = nodes.sums(np.log1p(power), chunk.joined)
-        rising = np.divide(power, 1.0 + power, out=power)  # half the slope of the integrand in ln MTF
-        n_slope = np.tile(by_pupil + by_round, (1, nodes.folds))
-        blur_slope = np.tile(by_blur, (1, nodes.folds // nodes.n_moving))
+        whole = 1.0 + power
+        if chunk.joined == "all":
+            bits = nodes.bits(power)[:, None]
+        else:
+            bits = nodes.sums(log_of_all([power]).reshape(len(power), -1), chunk.joined)
+        rising = np.divide(power, whole, out=power)  # half the slope of the integrand in ln MTF
         scale = 2.0 / np.maximum(bits, 1e-300)
-        return Tangents(
-            bits, nodes.sums(rising, chunk.joined) * scale, nodes.sums(rising * n_slope, chunk.joined) * scale,
-            nodes.sums(rising * blur_slope, chunk.joined) * scale,
-        )  # fmt: skip
+
+        def summed(slope: Array | float) -> Array:
+            return nodes.sums((rising * slope).reshape(len(rising), -1), chunk.joined) * scale
+
+        of_radius = (by_pupil + by_round)[:, None, None]
+        return Tangents(bits, summed(1.0), summed(of_radius), summed(nodes.as_moving(by_blur)[:, None]))
 
     def _node_tangents(self, chunk: Chunk, image: Image) -> NodeTangents:
         """Powers of images by node with the slopes of each factor."""
-        nodes = chunk.nodes
-        still, by_pupil, by_round, moving, by_blur = self._transfer(nodes, image)
-        by_pupil, by_round = (np.tile(slope, (1, nodes.folds)) for slope in (by_pupil, by_round))
-        by_blur = np.tile(by_blur, (1, nodes.folds // nodes.n_moving))
-        power = self._power(chunk, still, moving, image.snr)
-        return NodeTangents(nodes.weight, power, by_pupil, by_round, by_blur)
+        still, by_pupil, by_round, moving, by_blur = self._transfer(chunk.nodes, image)
+        power = self._power(chunk, still, moving, image.snr).reshape(len(still), -1)
+        return NodeTangents(chunk.nodes, power, by_pupil, by_round, by_blur)
 
     # ------------------------------------------------------------ cells
 
