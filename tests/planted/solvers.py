@@ -565,6 +565,33 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/solvers/test_trade_curves.py::test_first_bounds_of_information_cover_what_is_tried",
     ),
     Defect(
+        name="curves of a front guess no settings between those of two limits",
+        file="uwopt/solvers/front/curves.py",
+        old="(a.design[low] == design) & (a.design[high] == design)",
+        new="(a.design[low] == design) & (a.design[high] != design)",
+        test=(
+            "tests/solvers/test_trade_curves.py"
+            "::test_settings_guessed_between_two_limits_cost_less_and_change_no_answer"
+        ),
+    ),
+    Defect(
+        name="of several contrasts the upper end of a chord is not worked out",
+        file="uwopt/solvers/front/ceilings.py",
+        old="wanted[place, below] = wanted[place, below + 1] = True",
+        new="wanted[place, below] = True",
+        test="tests/solvers/test_trade_curves.py::test_bounds_of_information_lie_near_what_settings_reach",
+    ),
+    Defect(
+        name="one logarithm for a node leaves a fold out",
+        file="uwopt/model/information.py",
+        old="product = power if product is None else product + power * (1.0 + product)",
+        new="product = power if product is None else product + power",
+        test=(
+            "tests/model/test_information.py::test_information_is_that_of_a_plain_sum",
+            "tests/model/test_information.py::test_transfers_that_end_early_are_summed_as_sharp_ones_are",
+        ),
+    ),
+    Defect(
         name="a piece of the f-numbers is as far out of focus as at its wide end",
         file="uwopt/solvers/front/ceilings.py",
         old="np.sqrt(np.expm1(known)), f_number=small_end,",

@@ -15,7 +15,8 @@ from uwopt.objectives.objective import Objective
 from uwopt.solvers.front.curves import Curves
 from uwopt.solvers.front.hopeful import Hopeful
 from uwopt.solvers.front.search import FrontSearch
-from uwopt.solvers.front.trade_curves import Answers
+from uwopt.solvers.front.trade_curves import CURVE_GAP, Answers
+from uwopt.solvers.settings.cell_information import Information
 
 KEYS = (
     "dims", "steps", "on", "pulses", "pulses on", "flash", "flash rolling", "dark", "level",
@@ -135,6 +136,31 @@ def test_tangents_where_designs_look_best_bound_them_closely(key):
         return -trade._whole(designs, goal, curves.answers.limit_w[upper], points=False).lower_bound
 
     assert over_found(key, tangents).max() < 1.25
+
+
+def test_settings_guessed_between_two_limits_cost_less_and_change_no_answer(monkeypatch):
+    """A curve asked at its ends and then between: with guesses, without, and with guesses that are far away."""
+    summed, value = [], Information.value
+    monkeypatch.setattr(Information, "value", lambda self, d, *a, **k: summed.append(len(d)) or value(self, d, *a, **k))
+
+    def asked(guess):
+        search, (some, *_) = designs_of("dims", "information")
+        ask = search.trade.best_quality
+        monkeypatch.setattr(search.trade, "best_quality", lambda *a, near=None, **k: ask(*a, near=guess(near), **k))
+        curves, begun = curves_of(search, some), 0
+        for _ in range(4):
+            which = np.arange(len(curves.segments()[0]))
+            begun = len(summed)
+            curves.ask(which, np.full(len(which), -np.inf), np.full(len(which), 3))
+        return curves.answers, sum(summed[begun:])
+
+    plain, all_sums = asked(lambda near: None)
+    for guess, most in ((lambda near: near, 0.75 * all_sums), (lambda near: near * [3.0, 0.01], np.inf)):
+        answers, sums = asked(guess)
+        assert sums < most
+        assert answers.quality == pytest.approx(plain.quality, rel=CURVE_GAP, nan_ok=True)
+        assert (answers.bound >= plain.quality * (1.0 - 1e-9))[answers.found].all()
+        assert (answers.bound <= answers.quality * (1.0 + CURVE_GAP))[answers.found].all()
 
 
 @pytest.mark.parametrize("key", ["dims", "steps", "pulses", "flash", "level"])

@@ -12,6 +12,7 @@ from uwopt.solvers.front.hopeful import Hopeful
 from uwopt.solvers.front.trade_curves import ABOVE, DIMMEST, Answers, Trade
 
 Array = NDArray[Any]
+CLOSE = np.array([0.5, 1.0])  # in ln f-number and ln time: between settings so near to each other others are guessed
 
 
 @dataclass
@@ -63,11 +64,33 @@ class Curves:
         design = np.concatenate([a.design[ends], a.design[low_at]])
         limit = np.concatenate([a.limit_w[ends], between])
         least = np.concatenate([wanted[~known][first], wanted[segment]])
-        new = self.trade.best_quality(self.some, design, limit, wanted=least)
+        new = self.trade.best_quality(self.some, design, limit, wanted=least, near=self._near(design, limit))
         kept = np.ones(len(a.design), bool)
         kept[ends] = False
         self.answers = Answers.joined([a.take(np.nonzero(kept)[0]), new]).drawn_in()
         return new
+
+    def _near(self, design: Array, limit_w: Array) -> Array | None:
+        """F-number and time (n, 2) between the best settings within the limits below and above these, evenly in the
+        logarithms; nan where those are not known or not alike. None where scenes differ."""
+        if len(self.some.rows) > 1:
+            return None
+        a, (chosen,) = self.answers, self.answers.chosen
+        known = np.nonzero(a.asked & np.isfinite(chosen.f_number) & np.isfinite(chosen.time_s))[0]
+        if len(known) == 0:
+            return None
+        # Complex numbers are in the order of designs, then limits.
+        above = np.searchsorted(a.design[known] + 1j * a.limit_w[known], design + 1j * limit_w)
+        low, high = (known[np.clip(above + side, 0, len(known) - 1)] for side in (-1, 0))
+        camera_w = self.some.camera_power_w[design]
+        first, here, last = (np.maximum(w - camera_w, 1e-300) for w in (a.limit_w[low], limit_w, a.limit_w[high]))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = np.log(here / first) / np.log(last / first)
+        ends = np.log(np.stack([chosen.f_number, chosen.time_s], axis=1))
+        close = (a.design[low] == design) & (a.design[high] == design)
+        close &= (np.abs(ends[high] - ends[low]) <= CLOSE).all(axis=1) & np.isfinite(share)
+        between = ends[low] + np.where(close, share, np.nan)[:, None] * (ends[high] - ends[low])
+        return np.asarray(np.exp(between))
 
     @staticmethod
     def bounded(trade: Trade, some: Hopeful) -> Curves | None:

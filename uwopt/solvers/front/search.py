@@ -45,7 +45,7 @@ Progress = Callable[[float, str], None]
 FIRST_NODES, LARGEST_NODES, GROWTH = 128, 16384, 6  # nodes taken together
 ROUGH_SEGMENT, FINEST_SEGMENT = 3e-3, 1e-6  # share of the box that a segment may span: at first, and ever
 FRONT_GAP = 5e-4  # of the hypervolume: what the sampled curves may miss
-WAVE_ROUNDS, REFINEMENTS = 1, 8  # of asking the segments of one wave, and of all that stayed
+ROUNDS, REFINEMENTS = 1, 16  # of asking the segments of one wave, and of all that stayed
 MOST_PIECES = 8  # of a segment at a time
 FEWEST_ASKED, MOST_ASKED = 1024, 8192  # segments at a time, before the points found are looked at
 RARELY = 0.1  # share of the segments asked that hold something new
@@ -349,7 +349,7 @@ class FrontSearch:
         self.points.add(curves, curves.answers)
         in_time = True
         if self.points.has_curves:
-            in_time = self._ask(curves, ROUGH_SEGMENT, WAVE_ROUNDS)
+            in_time = self._ask(curves, ROUGH_SEGMENT, ROUNDS)
             self._forget()
         return in_time
 
@@ -450,7 +450,7 @@ class FrontSearch:
             gap_before = upper - lower
             curves = self.curves[-1]
             count = len(self.points.open_segments(curves, 0.0)[0])
-            if not self._ask(curves, max(FRONT_GAP * upper / max(count, 1), FINEST_SEGMENT), 2):
+            if not self._ask(curves, max(FRONT_GAP * upper / max(count, 1), FINEST_SEGMENT), ROUNDS):
                 return False
             self.history.append((time.perf_counter() - self.start, self.points.archive.values))
         return True

@@ -104,16 +104,20 @@ class Trade:
         return self._answers(some, np.arange(len(some)), best, chosen, quality, None, None)
 
     def best_quality(
-        self, some: Hopeful, design: Array, limit_w: Array, *, wanted: Array | float = -np.inf
-    ) -> Answers:
+        self, some: Hopeful, design: Array, limit_w: Array, *, wanted: Array | float = -np.inf,
+        near: Array | None = None,
+    ) -> Answers:  # fmt: skip
         """Settings of best quality of these designs within these limits of power, and its bound.
 
-        Those that cannot have a `wanted` quality may be given up, with a bound below it.
+        Those that cannot have a `wanted` quality may be given up, with a bound below it. `near` : (n, 2) f-number and
+        time [s] near which the best are thought to be, nan: unknown.
         """
         assert self.quality is not None
         mine = some.take(design)
         limit = np.minimum(limit_w * ABOVE, some.power_limit_w)
-        best = self._best(mine, Objective({self.quality: 1.0}), limit, cutoff=-np.asarray(wanted, float))
+        best = self._best(
+            mine, Objective({self.quality: 1.0}), limit, cutoff=-np.asarray(wanted, float), near=near
+        )
         bound = self._quality_bound(best)
         quality = np.asarray(getattr(best, self.quality))
         return self._answers(
@@ -121,13 +125,14 @@ class Trade:
         )
 
     def _best(
-        self, some: Hopeful, goal: Objective, limit_w: Array | float, cutoff: Array | float = np.inf
-    ) -> Best:
+        self, some: Hopeful, goal: Objective, limit_w: Array | float, cutoff: Array | float = np.inf,
+        near: Array | None = None,
+    ) -> Best:  # fmt: skip
         """Best settings for one goal."""
         constant = some.camera_power_w if goal.weight("power") else 0.0
         return best_settings(
             some.rows, some.motorised, goal, some.camera_power_w, limit_w, gap_rel=self.gap_rel, constant=constant,
-            cutoff=cutoff, mean_limit=some.mean_limit,
+            cutoff=cutoff, mean_limit=some.mean_limit, near=near,
         )  # fmt: skip
 
     def _quality_bound(self, best: Best) -> Array:

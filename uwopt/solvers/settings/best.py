@@ -62,6 +62,7 @@ def best_settings(
     power_limit_w: float | Array, *,
     gap_rel: float = GAP, constant: Array | float = 0.0, cutoff: float | Array = np.inf, hardware: Array | None = None,
     top: int | None = None, mean_limit: MeanLimit | None = None, closed_alone: bool = False,
+    near: Array | None = None,
 ) -> Best:  # fmt: skip
     """Settings that are best for an objective; the keywords as in `cells.best_by_cells`, for where it is used.
 
@@ -85,7 +86,7 @@ def best_settings(
         if is_bounded(rows, objective):
             return best_joint(
                 rows, motorised, objective, camera_power_w, power_limit_w, gap_rel=gap_rel, constant=constant,
-                cutoff=cutoff, hardware=hardware, top=top, mean_limit=mean_limit,
+                cutoff=cutoff, hardware=hardware, top=top, mean_limit=mean_limit, near=near,
             )  # fmt: skip
         return _of_cells(best_by_cells(
             rows, motorised, objective, camera_power_w, power_limit_w, gap_rel=gap_rel, constant=constant,
@@ -185,7 +186,7 @@ def value_of(best: Best, objective: Objective, constant: Array | float) -> Array
 def searched_where(
     which: Array, easy: Best, rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array,
     power_limit_w: float | Array, *,
-    constant: Array | float, cutoff: float | Array, hardware: Array | None, **more: Any,
+    constant: Array | float, cutoff: float | Array, hardware: Array | None, near: Array | None = None, **more: Any,
 ) -> Best:  # fmt: skip
     """Some designs searched over cells, the others as they are."""
     open_ = np.nonzero(which)[0]
@@ -200,7 +201,7 @@ def searched_where(
         np.broadcast_to(power_limit_w, every)[open_],
         constant=np.broadcast_to(constant, every)[open_],
         cutoff=np.broadcast_to(cutoff, every)[open_],
-        hardware=None if hardware is None else hardware[open_], **more,
+        hardware=None if hardware is None else hardware[open_], near=None if near is None else near[open_], **more,
     )  # fmt: skip
 
     def placed(all_: Array, some: Array) -> Array:

@@ -94,8 +94,8 @@ class Nodes:
         """Of some rows, where each has its own."""
         if len(self.weight) == 1:
             return self
-        parts = (part[rows] for part in (self.radius_cyc_per_px, self.along, self.across, self.weight))
-        return Nodes(*parts, self.n_radial, self.n_moving)
+        radius, weight = self.radius_cyc_per_px[rows], self.weight[rows]
+        return Nodes(radius, self.along[rows], self.across[rows], weight, self.n_radial, self.n_moving)
 
     @property
     def folds(self) -> int:
@@ -186,7 +186,8 @@ class Tangents:
 class NodeTangents:
     """(C_t SNR MTF)^2 by node (m, n_nodes), each factor at settings of its own, and the slopes of ln MTF.
 
-    Those of pupil and of disc and lens by base node, that of motion by the folds that it tells apart. Shifts of the f-number are from the pupil's, and from that of disc and lens.
+    Those of pupil and of disc and lens are by base node, that of motion by the folds that it tells apart. Shifts of the
+    f-number are from the pupil's, and from that of disc and lens.
     """
 
     nodes: Nodes

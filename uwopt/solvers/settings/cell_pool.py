@@ -52,8 +52,9 @@ class BoundedCells:
     def __init__(
         self, rows: list[SceneRows], objective: Objective, light_limit_w: Array, *, own_f_number: bool,
         gap_rel: float, constant: Array, cutoff: Array, hardware: Array | None, top: int | None,
-        mean_limit: MeanLimit | None = None, camera_power_w: Array | float = 0.0,
+        mean_limit: MeanLimit | None = None, camera_power_w: Array | float = 0.0, near: Array | None = None,
     ):  # fmt: skip
+        self.near = near
         self.rows, self.constant, self.cutoff = rows, constant, cutoff
         self.hardware = np.arange(len(constant)) if hardware is None else hardware
         self.top, self.mean_limit = top, mean_limit
@@ -289,11 +290,18 @@ class BoundedCells:
         """Where designs look best by the stand-in for information, (n, n_dims); nan where that is not sought."""
         if not self.information or self.mixed or any(self.sunlit) or len(roots.design) == 0:
             return self.start
+        start = self.start if self.near is None or self.n_dims > 2 else np.log(self.near)
+        unknown: Array = np.asarray(np.isnan(start).any(axis=1))
+        roots = roots.take(unknown[roots.design])
+        if len(roots.design) == 0:
+            return start
 
         def cheap(design: Array, place: Array) -> tuple[Array, Array]:
             return self._cheap(Pool(design, place.copy(), place.copy(), np.arange(len(design), dtype=float)))
 
-        return likely_places(self.n, roots.design, roots.lo, roots.hi, self.n_dim, cheap)
+        return np.where(np.isnan(start), likely_places(
+            self.n, roots.design, roots.lo, roots.hi, self.n_dim, cheap
+        ), start)  # fmt: skip
 
     # ------------------------------------------------------------ halves
 

@@ -50,6 +50,7 @@ def best_by_cells(
     power_limit_w: float | Array, *,
     gap_rel: float = 1e-4, constant: Array | float = 0.0, cutoff: float | Array = np.inf, hardware: Array | None = None,
     top: int | None = None, mean_limit: MeanLimit | None = None, halve: bool = True, points: bool = True,
+    near: Array | None = None,
 ) -> CellResult:  # fmt: skip
     """Best settings of n designs to a relative gap of the objective, worst scene.
 
@@ -57,6 +58,7 @@ def best_by_cells(
     cannot get below `cutoff`, common or each its own, are dropped;
     with `top`, neither are those that `top` others (of other `hardware`,
     an index a design) surely beat. Without `halve` boxes are bounded as a whole, and without `points` none is tried.
+    `near` : (n, 2) f-number and time [s] near which the best are thought to be in the one scene there is, nan: unknown.
     """
     n = len(motorised)
     groups = [np.arange(n)]
@@ -72,7 +74,7 @@ def best_by_cells(
             [r.take(mine) for r in rows], objective, light_limit_w[mine],
             own_f_number=len(rows) > 1 and bool(motorised[mine[0]]), gap_rel=gap_rel, constant=fixed[mine],
             cutoff=ceiling[mine], hardware=None if hardware is None else hardware[mine], top=top,
-            mean_limit=mean_limit, camera_power_w=camera[mine],
+            mean_limit=mean_limit, camera_power_w=camera[mine], near=None if near is None else near[mine],
         )  # fmt: skip
         results.append(search.run(halve=halve, points=points))
     return results[0] if len(results) == 1 else merged(groups, results, n)
