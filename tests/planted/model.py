@@ -511,8 +511,8 @@ DEFECTS = (
     Defect(
         name="several contrasts at once count as their roots",
         file="uwopt/model/information.py",
-        old="_sum_of(np.float32(np.square(one)),",
-        new="_sum_of(np.float32(one),",
+        old="_sum_of(number(np.square(one)),",
+        new="_sum_of(number(one),",
         test="tests/model/test_information.py::test_several_contrasts_at_once_tell_what_each_does",
     ),
     Defect(

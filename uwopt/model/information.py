@@ -114,7 +114,7 @@ def information_of_gains(
 
     Parameters
     ----------
-    gain : (k,) g, at most `MOST_GAIN`
+    gain : (k,) g
     sharpness : fields (n,)
     wanted : (n, k) which are worked out; None: all
 
@@ -124,8 +124,8 @@ def information_of_gains(
 
     Notes
     -----
-    The rule of `information_bit_per_px` at the greatest gain: the transfer is worked out once for all. Logarithms are
-    of single precision, each node's to 3e-7 of it, far below what `RULE_ERROR` leaves open.
+    The rule of `information_bit_per_px` at the greatest gain: the transfer is worked out once for all. Up to
+    `MOST_GAIN` logarithms are of single precision, each node's to 3e-7 of it: far below what `RULE_ERROR` leaves open.
 
     References
     ----------
@@ -134,13 +134,14 @@ def information_of_gains(
     shape = common_shape(sharpness)
     bit = np.full((*shape, len(gain)), np.nan)
     most = np.full(shape, gain.max())
+    number = np.float32 if gain.max() <= MOST_GAIN else np.float64
     for some, rows, nodes in _ruled(as_columns(sharpness, shape, (-1, 1, 1)), most, None, fineness):
-        squares = [np.square(transfer).astype(np.float32) for transfer in _folds(1.0, rows, nodes)]
+        squares = [np.square(transfer).astype(number) for transfer in _folds(1.0, rows, nodes)]
         for column, one in enumerate(gain):
             mine = slice(None) if wanted is None or wanted[some, column].all() else wanted[some, column]
             if len(asked := some[mine]):
                 seen = [square[mine] for square in squares]
-                bit[asked, column] = _sum_of(np.float32(np.square(one)), seen, rows, nodes.take(mine))
+                bit[asked, column] = _sum_of(number(np.square(one)), seen, rows, nodes.take(mine))
     return bit
 
 
