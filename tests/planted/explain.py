@@ -227,6 +227,29 @@ DEFECTS = (
         test="tests/solvers/test_least_change.py::test_a_budget_that_is_missed_by_far_weakens_no_limit_to_less_than_nothing",
     ),
     Defect(
+        name="what gives alone among a few imagers is not taken for what helps",
+        file="uwopt/solvers/explain/singles.py",
+        old="len(self.together[0]) != 1",
+        new="True",
+        test="tests/solvers/test_least_change.py"
+        "::test_requirements_that_give_together_are_found_among_a_few_imagers[asked1-given1]",
+    ),
+    Defect(
+        name="requirements are told to give together of which fewer do",
+        file="uwopt/solvers/explain/together.py",
+        old="        if others is not None and others.outcome.best:\n            found = others\n",
+        new="        if False:\n            found = others\n",
+        test="tests/solvers/test_least_change.py"
+        "::test_requirements_that_give_together_are_found_among_a_few_imagers[asked1-given1]",
+    ),
+    Defect(
+        name="good practice is taken for what a person wrote",
+        file="uwopt/solvers/explain/weakened.py",
+        old="values <= {None, FILLED_IN.get(key)}",
+        new="values <= {None}",
+        test="tests/solvers/test_least_change.py::test_what_a_person_wrote_is_known_from_what_good_practice_fills_in",
+    ),
+    Defect(
         name="nothing is told where what helps is out of reach by far",
         file="uwopt/solvers/explain/infeasible.py",
         old="        relaxations = every\n",

@@ -23,8 +23,9 @@ from uwopt.solvers.explain.infeasible import why_nothing
 from uwopt.solvers.explain.least_change import Change, Narrowing, in_rounds, rounded_away
 from uwopt.solvers.explain.relaxed import Relaxer
 from uwopt.solvers.explain.singles import Singles
-from uwopt.solvers.explain.together import CommonShare
+from uwopt.solvers.explain.together import CommonShare, few_that_give, least_set
 from uwopt.solvers.explain.trials import Trials
+from uwopt.solvers.explain.weakened import is_filled_in
 from uwopt.solvers.recommend import seek
 
 POWER = Objective.of("power")
@@ -346,7 +347,8 @@ def test_what_is_out_of_reach_by_far_is_told_where_nothing_else_is(parts, catalo
 
 @pytest.mark.parametrize(
     ("value", "asked", "rounded"),
-    [(2.7134, 1.0, 2.72), (2.71, 1.0, 2.71), (0.061239, 0.5, 0.0612), (1234.5, 0.0, 1240.0), (-3.217, 1.0, -3.22)],
+    [(2.7134, 1.0, 2.72), (2.71, 1.0, 2.71), (0.061239, 0.5, 0.0612), (1234.5, 0.0, 1240.0), (-3.217, 1.0, -3.22),
+     (4.44e-16, 20.0, 0.0)],
 )  # fmt: skip
 def test_limit_to_type_is_rounded_away_from_what_was_asked(value, asked, rounded):
     assert rounded_away(value, asked) == rounded
@@ -426,3 +428,31 @@ def test_changes_together_are_told_where_looking_for_single_ones_takes_all_the_t
     why = why_nothing(Trials(wanted, catalog, POWER, "never", Deadline(100.0, lambda: now[0])), proof)
     assert not why.relaxations
     assert {one.name for one in why.together} == {"min_swath_m", "min_snr"}
+
+
+@pytest.mark.parametrize(
+    ("asked", "given"),
+    [({"min_swath_m": 9.0, "min_snr_db": 60.0}, {"min_swath_m", "min_snr"}), ({"min_swath_m": 9.0}, {"min_swath_m"})],
+)
+def test_requirements_that_give_together_are_found_among_a_few_imagers(parts, catalog, monkeypatch, asked, given):
+    """What is left asked for fits, each that gives is needed, and what is told of them is enough; one alone helps."""
+    monkeypatch.setattr(Trials, "few_without", lambda self, names, turn, number=None: self.seek_without(names))
+    wanted = mission(parts, max_airy_px=9.0, max_blur_px=2.0, **asked)
+    trials = Trials(wanted, catalog, POWER, "never", like=seek(wanted, catalog, POWER, generic="never", top=1))
+    known = few_that_give(trials)
+    assert known is not None and set(known[0]) == given
+    assert fits(trials.without(known[0]), catalog)
+    assert not any(fits(trials.without(given - {name}), catalog) for name in given)
+    limits = {one.name: one.needed for one in least_set(trials, known)[0]}
+    assert fits(trials.with_limits(wanted, limits), catalog)
+    one = Singles(trials)
+    one.give_together(1.0)
+    assert [helps.name for helps in one.helpful] == (["min_swath_m"] if len(given) == 1 else [])
+
+
+def test_what_a_person_wrote_is_known_from_what_good_practice_fills_in():
+    plain = {"scene": {"water": "II", "seafloor": 0.2, "depth_m": 30}, "vehicle": {"altitude_m": 1.0, "speed_m_s": 0.1}}
+    wanted = load_mission({**plain, "requirements": {"overlap": 0.3, "min_uniformity": 0.9}, "limits": {"cost": 9e3}})
+    keys = ("overlap", "min_uniformity", "min_mtf_half_nyquist", "lens_stop_down", "max_airy_px")
+    assert [is_filled_in(wanted, "requirements", key) for key in keys] == [False, False, True, True, True]
+    assert [is_filled_in(wanted, "limits", key) for key in ("cost", "depth_rating_m")] == [False, True]

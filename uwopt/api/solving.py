@@ -61,6 +61,7 @@ if TYPE_CHECKING:
     from uwopt.solvers.confidence.search import Certain
 
 EXPLAIN_S = 9.0  # of the processor, for a mission that nothing meets and what would help, where no time is given
+EXPLAIN_SHARE = 0.4  # of the time that the search took, where that is more
 LEAST_EXPLAIN_S = 5.0  # for what would help, however long the search took: in less hardly any is found
 DOUBTS_S = 6.0  # of the processor, for how firm a proven answer is, likewise
 SEARCH_SHARE = 0.9  # of the time that is given: the rest is for settings that can be set
@@ -431,7 +432,8 @@ def infeasible_result(
     generic: Generic = "allow" if with_generic else "never"
     why, notes = None, interruption_warnings(used)
     if used.outcome.complete and explain:
-        left_s = max(EXPLAIN_S - (time.process_time() - since_s), LEAST_EXPLAIN_S)
+        spent_s = time.process_time() - since_s
+        left_s = max(EXPLAIN_S - spent_s, LEAST_EXPLAIN_S, EXPLAIN_SHARE * spent_s)
         patience = deadline if math.isfinite(deadline.end_s) else Deadline.after(left_s, time.process_time)
         trials = Trials(mission, catalog, goal, generic, patience, progress, used)
         with timed(timing, "explanation"):

@@ -19,7 +19,7 @@ from uwopt.solvers.explain.none_left import none_left
 from uwopt.solvers.explain.reached import judged_by
 from uwopt.solvers.explain.relaxed import ANY, MAY_PASS
 from uwopt.solvers.explain.singles import Singles
-from uwopt.solvers.explain.together import CommonShare, least_set
+from uwopt.solvers.explain.together import CommonShare, Giving, least_set
 from uwopt.solvers.explain.trials import Trials
 from uwopt.solvers.explain.weakened import RELAXABLE, without
 
@@ -27,6 +27,7 @@ BOUNDED = ("light", "max_white_balance", "bound", "power_w", "energy_wh", "cost"
 LEAST_SHARE = 0.9  # of the time left, for the least of each change that helps
 KEPT_SHARE = 0.35  # of the time left, for changes together where none is known to help alone
 ONLY_SHARE = 0.75  # of what is left then, for these
+GIVE_SHARE = 0.6  # of the time left, for requirements that give together, where none is known to help alone
 TOGETHER_SHARE = 0.6  # of the time left, for changes together; the rest is for what contradicts each other
 
 
@@ -41,6 +42,8 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
     mover.interrupted |= trials.interrupted
     mover.try_few()
     trials.interrupted |= mover.interrupted
+    if not singles.helpful and not mover.far and not trials.over:
+        singles.give_together(GIVE_SHARE)
     whole = trials.deadline
     if not singles.helpful and not mover.far:  # it may be that no single change helps
         trials.deadline = mover.deadline = whole.but_for(KEPT_SHARE)
@@ -57,7 +60,7 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
     singles.tell_open()
     every, moves = least_changes(trials, singles, mover)
     relaxations = [one for one in every if one.is_of_use]
-    together, nearest = changes_together(trials, relaxations, bool(moves))
+    together, nearest = changes_together(trials, relaxations, bool(moves), singles.together)
     if not relaxations and not moves and not together:  # a limit that is out of reach by far: better told than nothing
         relaxations = every
         nearest = design_of(trials, every)
@@ -118,9 +121,9 @@ def fits_without_light(trials: Trials, names: list[str]) -> bool:
 
 
 def changes_together(
-    trials: Trials, relaxations: list[Relaxation], moved: bool
+    trials: Trials, relaxations: list[Relaxation], moved: bool, known: Giving | None
 ) -> tuple[list[Relaxed], Design | None]:
-    """Changes that help together, and the design that comes nearest."""
+    """Changes that help together, and the design that comes nearest; `known`: requirements that give together."""
     nearest = design_of(trials, relaxations)
     if trials.over:
         return [], nearest
@@ -131,5 +134,5 @@ def changes_together(
         return together.smaller_than(relaxations[0].miss_rel), nearest
     made, design = together.of_all()
     if not made and not moved:
-        made, design = least_set(trials)
+        made, design = least_set(trials, known)
     return made, design

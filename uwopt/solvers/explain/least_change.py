@@ -24,6 +24,7 @@ from uwopt.solvers.recommend import Sought, same_scenes
 
 CLOSER = 0.02  # of a change: what is proven not to be enough is a change smaller by this share
 DIGITS = 3  # of a limit, rounded away from what was asked: it can be typed as it stands
+NOTHING = 1e-12
 HALVINGS = 30
 ROUNDS = 20  # each takes a search over all hardware
 LEAST_TURN_S = 0.3  # a search over all hardware seldom finds anything in less
@@ -165,8 +166,10 @@ def with_its_hardware(
 
 def rounded_away(value: float, asked: float) -> float:
     """A limit with few digits, no nearer to what is asked."""
-    if value == 0.0 or not math.isfinite(value):
+    if not math.isfinite(value):
         return value
+    if abs(value) < NOTHING:  # an SNR of 0 dB that comes of a ratio
+        return 0.0
     unit = 10.0 ** (math.floor(math.log10(abs(value))) - DIGITS + 1)
     steps = math.ceil(value / unit - 1e-9) if value > asked else math.floor(value / unit + 1e-9)
     return float(f"{steps * unit:.{DIGITS}g}")

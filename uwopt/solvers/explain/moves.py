@@ -25,7 +25,7 @@ ALTITUDES = (0.4, 0.65, 1.5)  # of the altitude that is asked; what is near and 
 FARTHEST_CLARITY = (40.0, 8.0)  # times as clear: the first that is no more than water can be
 FARTHEST_TIME = 10.0  # times as long between images, or as short a duty
 SHARE = 0.6  # of the time, for trying all keys far from where they stand
-FEW_SHARE, FEW_TURN = 0.4, 0.3  # of the time left, for all among a few imagers, and of that for each
+FEW_SHARE, FEW_TURN = 0.3, 0.4  # of the time left, for all among a few imagers, and of that for each
 TURN = 0.7  # of the time left: what one key may take of it
 #: Jerlov types from the clearest on, by their attenuation at 530 nm.
 CLEAREST_FIRST = ("I", "IA", "IB", "II", "1C", "III", "3C", "5C", "7C", "9C")

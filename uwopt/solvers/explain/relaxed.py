@@ -40,7 +40,7 @@ from uwopt.solvers.warm.tables import asking, imagers_of, of_block
 
 Array = NDArray[Any]
 FEW_PAIRS = 5000  # of camera and lens behind ports, likewise, of which most break some rule
-FEW_IMAGERS = 500  # that are tried before all: where something fits at all, it is mostly among them
+FEW_IMAGERS = 250  # that are tried before all: where something fits at all, it is mostly among them
 OTHER_WATER = "other water"  # of which no rule of an imager knows
 CHEAPEST = Objective.of("cost")
 ANY = Objective.of("power")  # where any design that fits will do: by no other objective takes a search less

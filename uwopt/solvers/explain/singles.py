@@ -14,12 +14,14 @@ from uwopt.objectives.objective import Objective
 from uwopt.solvers.explain.least_limit import LeastLimit, Without
 from uwopt.solvers.explain.reached import judged_by, missed_by
 from uwopt.solvers.explain.relaxed import ANY, FEW_IMAGERS, OF_LIGHT, hope
+from uwopt.solvers.explain.together import few_that_give
 from uwopt.solvers.explain.trials import BRIGHT, Trials
 from uwopt.solvers.explain.weakened import RELAXABLE, with_central_prices, without
 from uwopt.solvers.recommend import Sought
 
 LIGHT_SHARE, REST_SHARE = 0.5, 0.5  # of the time left, for what each loses when dropped
 FEW_SHARE, FEW_TURN = 0.3, 3.0  # of the time left, for all among a few imagers, and of a fair part of that for each
+LONGEST_FEW = 0.35  # of the time left for these, for one that comes early
 MORE = 8  # times as many, where nothing helps among a few
 HELPED = 0.4  # of their shares is what the others get where something is known to help
 LONG_TURN = 0.5  # of the time left, for the question whether all would fit at central prices
@@ -38,24 +40,58 @@ class Singles:
     suspects: Sequence[str] = ()  # without all of which something fits
     hopes: dict[str, float] = field(default_factory=dict)  # of those dropped among a few imagers, as `relaxed.hope`
     useless: set[str] = field(default_factory=set)  # known not to help
+    together: tuple[list[str], Sought] | None = None  # that give together, and a design without them
 
     def try_few(self) -> None:
         """Drop each and look among a few imagers, and where no rule lets any through among more.
 
-        The SNR comes last, as the brightest are looked for then, which takes longest.
+        What the mission states itself comes before good practice, and the SNR last, as the brightest are looked for
+        then, which takes longest.
         """
         trials = self.trials
         for number in (FEW_IMAGERS, MORE * FEW_IMAGERS):
             phase = trials.deadline.at_most(FEW_SHARE * trials.deadline.left_s)
-            names = sorted(trials.limits, key=lambda name: (name not in OF_LIGHT, name == "min_snr"))
+            names = sorted(
+                self._hopeful_of_light(number, phase),
+                key=lambda name: (not trials.is_own(name), name not in OF_LIGHT, name == "min_snr"),
+            )
             for place, name in enumerate(names):
                 if trials.interrupted or phase.passed():
                     break
                 trials.say(0.0, f"why nothing fits: without {name}")
                 fair_s = phase.left_s / (len(names) - place)
-                self._try_among(name, number, phase.at_most(FEW_TURN * fair_s))
+                self._try_among(name, number, phase.at_most(max(FEW_TURN * fair_s, LONGEST_FEW * phase.left_s)))
             if self.helpful or any(self.hopes.values()):
                 break
+
+    def _hopeful_of_light(self, number: int, phase: Deadline) -> list[str]:
+        """Without those that no imager's rule knows, where none of a few imagers fits without all of these."""
+        trials = self.trials
+        alike = [name for name in self._open(trials.limits) if name in OF_LIGHT and name != "min_snr"]
+        others = [name for name in self._open(trials.limits) if name not in alike]
+        turn = phase.at_most(LONGEST_FEW * phase.left_s)
+        found = None if len(alike) < FEW else trials.few_without(alike, turn, number)
+        if found is None or not (found.outcome.best or found.outcome.complete):
+            return [*alike, *others]
+        if not found.outcome.best:
+            self.hopes |= dict.fromkeys(alike, 0.0)
+            return others
+        self._take_the_only_miss(found, alike)
+        return [*self._open(dict.fromkeys(alike, 0.0)), *others]
+
+    def give_together(self, share: float) -> None:
+        """Requirements that give together, of which a few imagers show that they do; if it is one, that helps alone."""
+        trials = self.trials
+        whole = trials.deadline
+        trials.deadline = whole.at_most(share * whole.left_s)
+        self.together = few_that_give(trials)
+        trials.deadline = whole
+        if self.together is None or len(self.together[0]) != 1:
+            return
+        (name,), found = self.together
+        relaxed = without(trials.mission, *RELAXABLE[name][:2])
+        if relaxed is not None:
+            self.helpful.append(Without(name, trials.limits[name], relaxed, found))
 
     def drop_hopeful(self) -> None:
         """Drop those without which rules let some of the few imagers through, those that let most through first."""

@@ -29,6 +29,10 @@ from uwopt.solvers.recommend import Sought
 
 KEPT = frozenset({"mean_level", "lens_stop_down"})  # neither more nor less of these is weaker by a share
 TURN = 0.4  # of the time left: what one search may take of it
+FEWER = "whether fewer changes together would do"
+Giving = tuple[list[str], Sought]  # requirements, and what fits without them
+VERY_FEW = 100  # imagers: most fit where nothing is asked
+FIRST_TURN = 0.7  # of the time for a few imagers, for the first of them that fits
 SHARES = 4  # by which all together are tried to give
 FARTHEST = (0.4, 0.75)  # shares that are tried where nothing is known to help alone
 NO_MORE = 0.95  # of a limit from below: all of it would ask for nothing
@@ -178,25 +182,54 @@ def nearest(
 # ---------------------------------------------------------------- all that give
 
 
-def least_set(trials: Trials) -> tuple[list[Relaxed], Design | None]:
-    """Requirements of which all have to give for a system to fit, as far as there is time, and that system."""
+def least_set(trials: Trials, known: Giving | None = None) -> tuple[list[Relaxed], Design | None]:
+    """Requirements of which all have to give for a system to fit, as far as there is time, and that system.
+
+    known : some that give together, with a system that fits without them, where nothing is to be looked for
+    """
     limits = {name: limit for name, limit in trials.by_effort().items() if name in MAY_PASS}
+    if known is not None:
+        trials.deadline.left_out.append(FEWER)
+        return drawn_in(trials, {name: limits[name] for name in limits if name in known[0]}, known[1])
     found = first_of_all(trials, limits)
     if found is None:
         return [], None
-    given, needed = missed_by(judged_by(trials.mission, found, trials.objective), limits), set[str]()
-    while given - needed:
-        name = min(given - needed, key=list(limits).index)
-        others = trials.seek_without(given - {name})
-        if others is None:
-            trials.deadline.left_out.append("whether fewer changes together would do")
-            break
-        if others.outcome.best:
-            found = others
-            given = missed_by(judged_by(trials.mission, found, trials.objective), limits)
-        else:
-            needed.add(name)
+    given, found, sure = without_fewer(trials, limits, found, trials.seek_without)
+    if not sure:
+        trials.deadline.left_out.append(FEWER)
     return drawn_in(trials, {name: limits[name] for name in limits if name in given}, found)
+
+
+def few_that_give(trials: Trials) -> Giving | None:
+    """Requirements that give together, by searches of a few imagers; those last that the mission states itself."""
+    names = sorted((name for name in trials.limits if name in MAY_PASS), key=trials.is_own)
+    found = trials.few_without(names, trials.deadline.at_most(FIRST_TURN * trials.deadline.left_s), VERY_FEW)
+    if found is None or not found.outcome.best:
+        return None
+
+    def seek(some: Collection[str]) -> Sought | None:
+        return trials.few_without(some, trials.turn(), VERY_FEW)
+
+    given, found, _ = without_fewer(trials, names, found, seek)
+    return [name for name in names if name in given], found
+
+
+def without_fewer(
+    trials: Trials, names: Collection[str], found: Sought, seek: Callable[[Collection[str]], Sought | None]
+) -> tuple[set[str], Sought, bool]:
+    """Of what a design misses as little as a search finds; the names in turn; whether every search had its answer."""
+    order = list(names)
+    given, kept, sure = missed_by(judged_by(trials.mission, found, trials.objective), names), set[str](), True
+    while given - kept and not trials.over:
+        name = min(given - kept, key=order.index)
+        others = seek(given - {name})
+        sure = sure and others is not None
+        if others is not None and others.outcome.best:
+            found = others
+            given = missed_by(judged_by(trials.mission, found, trials.objective), names)
+        else:
+            kept.add(name)
+    return given, found, sure and not given - kept
 
 
 def drawn_in(trials: Trials, asked: dict[str, float], found: Sought) -> tuple[list[Relaxed], Design]:
@@ -220,8 +253,7 @@ def drawn_in(trials: Trials, asked: dict[str, float], found: Sought) -> tuple[li
 
 def first_of_all(trials: Trials, names: Collection[str]) -> Sought | None:
     """A design that fits where many requirements are dropped: of imagers that fit if there are any, else of all."""
-    few = [name for name in names if not MAY_PASS[name]]
-    for some in (few, [*names]):
+    for some in ([name for name in names if not MAY_PASS[name]], [*names]):
         found = trials.seek_without(set(some)) if some else None
         if found is not None and found.outcome.best:
             return found

@@ -12,7 +12,7 @@ from uwopt.forward.assembly import Generic
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.explain.relaxed import ANY, OF_LIGHT, Relaxer
-from uwopt.solvers.explain.weakened import RELAXABLE, asked_value, with_limit, without
+from uwopt.solvers.explain.weakened import RELAXABLE, asked_value, is_filled_in, with_limit, without
 from uwopt.solvers.recommend import Progress, Sought
 
 BRIGHT = Objective.of(
@@ -62,6 +62,10 @@ class Trials:
         asked = {name: asked_value(self.mission, *RELAXABLE[name][:2]) for name in RELAXABLE}
         return {name: limit for name, limit in asked.items() if limit is not None}
 
+    def is_own(self, name: str) -> bool:
+        """Whether the mission states a requirement itself: what it does is likelier in the way than good practice."""
+        return not is_filled_in(self.mission, *RELAXABLE[name][:2])
+
     def by_effort(self) -> dict[str, float]:
         """The same: first what takes least to try."""
         if self.over or OF_LIGHT.issuperset(self.limits):
@@ -77,6 +81,12 @@ class Trials:
         for name in names:
             mission = without(mission, *RELAXABLE[name][:2]) or mission
         return mission
+
+    def few_without(self, names: Collection[str], turn: Deadline, number: int | None = None) -> Sought | None:
+        """A search without all of these among a few imagers; None where that is of no use."""
+        found = self.relaxer.among_few(self.without(names), ANY, set(names), turn, number=number)
+        self.interrupted |= found is not None and found.outcome.interrupted
+        return found
 
     def seek_without(self, names: Collection[str]) -> Sought | None:
         """A search without all of these; None where it ends before it knows."""

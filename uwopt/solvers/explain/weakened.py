@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from uwopt.mission.mission import Mission
+from uwopt.mission.practice import LEAST_UNIFORMITY, RECOMMENDED_KEYS, SHARP_OVER_THE_BAND
 from uwopt.mission.reserves import REFUSED
 from uwopt.units import ratio_to_db
 
@@ -57,6 +58,21 @@ def asked_value(mission: Mission, section: str, key: str) -> float | None:
         if value is not None and (value or key != "lens_stop_down"):
             return float(value)
     return None
+
+
+#: What good practice fills in of the requirements.
+FILLED_IN = {
+    **RECOMMENDED_KEYS["requirements"], "min_uniformity": LEAST_UNIFORMITY, "min_dof_m": SHARP_OVER_THE_BAND,
+}  # fmt: skip
+
+
+def is_filled_in(mission: Mission, section: str, key: str) -> bool:
+    """Whether good practice asks for a key, and no person who wrote another number into the mission."""
+    if section == "limits":
+        return getattr(mission.limits, key) is None
+    given = [mission.requirements, *(scene.requirements for scene in mission.scenes)]
+    values = {getattr(one, key, None) for one in given if one is not None}
+    return values <= {None, FILLED_IN.get(key)}
 
 
 def without(mission: Mission, section: str, key: str) -> Mission | None:
