@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 
 from uwopt.deadline import Deadline
 from uwopt.mission.mission import Mission
@@ -22,7 +22,7 @@ from uwopt.solvers.explain.weakened import RELAXABLE, with_limit
 from uwopt.solvers.recommend import Sought
 
 MOST_TIMES = 30.0  # what is asked of an image: beyond, it is another image that would be of no use
-SOON = 0.3  # of the time for the best figure: for the best of a few imagers
+SOON = 0.7  # of the time for the best figure: for the best of a few imagers
 
 
 @dataclass(frozen=True)
@@ -85,8 +85,14 @@ class LeastLimit:
 
     @property
     def size(self) -> float:
-        """Of the change, relative to what is asked: nothing is known of it at first."""
-        return 0.0 if self.narrowing is None else self.narrowing.size
+        """Of the change, relative to what is asked: that of the design at hand at first."""
+        return self._at_first if self.narrowing is None else self.narrowing.size
+
+    @cached_property
+    def _at_first(self) -> float:
+        """How far the design that is found first misses what is asked."""
+        far = miss(self.one.limit, self._reached())
+        return 0.0 if far > MOST_TIMES else far  # an image of no use, or a figure that is not known
 
     def step(self, turn: Deadline) -> None:
         """Draw the limit in once."""

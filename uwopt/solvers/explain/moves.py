@@ -26,6 +26,7 @@ FARTHEST_CLARITY = (40.0, 8.0)  # times as clear: the first that is no more than
 FARTHEST_TIME = 10.0  # times as long between images, or as short a duty
 SHARE = 0.6  # of the time, for trying all keys far from where they stand
 FEW_SHARE, FEW_TURN = 0.3, 0.4  # of the time left, for all among a few imagers, and of that for each
+LEAST_S = 0.5  # in less than that no search of all imagers finds anything, and the time is lost to what else helps
 TURN = 0.7  # of the time left: what one key may take of it
 #: Jerlov types from the clearest on, by their attenuation at 530 nm.
 CLEAREST_FIRST = ("I", "IA", "IB", "II", "1C", "III", "3C", "5C", "7C", "9C")
@@ -171,7 +172,7 @@ class Mover:
             if one.key.name in found:
                 continue
             try:
-                known = not self.interrupted and not phase.passed() and self._is_known(one, phase)
+                known = not self.interrupted and phase.left_s > LEAST_S and self._is_known(one, phase)
             except OutOfTimeError:
                 known = False
             except KeyboardInterrupt:

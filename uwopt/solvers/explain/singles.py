@@ -5,6 +5,7 @@ Several that no imager's rule knows are first dropped at once: where nothing fit
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -13,7 +14,7 @@ from uwopt.deadline import Deadline
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.explain.least_limit import LeastLimit, Without
 from uwopt.solvers.explain.reached import judged_by, missed_by
-from uwopt.solvers.explain.relaxed import ANY, FEW_IMAGERS, OF_LIGHT, hope
+from uwopt.solvers.explain.relaxed import ANY, CHEAPEST, FEW_IMAGERS, OF_LIGHT, hope
 from uwopt.solvers.explain.together import few_that_give
 from uwopt.solvers.explain.trials import BRIGHT, Trials
 from uwopt.solvers.explain.weakened import RELAXABLE, with_central_prices, without
@@ -27,6 +28,7 @@ HELPED = 0.4  # of their shares is what the others get where something is known 
 LONG_TURN = 0.5  # of the time left, for the question whether all would fit at central prices
 ROUNDS = 3  # of the time that is left, as long as nothing helps
 HOPE_SHARE, HOPE_TURN = 0.5, 0.6  # of the time left, for what is likely to help, and of that for each
+IMAGER_S = 4e-6  # that a search takes at least for an imager that another requirement let through
 FEW = 3  # requirements that are as well dropped one by one
 
 
@@ -49,6 +51,7 @@ class Singles:
         then, which takes longest.
         """
         trials = self.trials
+        _ = trials.relaxer.broken  # takes longer than a turn, and all share it
         for number in (FEW_IMAGERS, MORE * FEW_IMAGERS):
             phase = trials.deadline.at_most(FEW_SHARE * trials.deadline.left_s)
             names = sorted(
@@ -190,12 +193,19 @@ class Singles:
             trials.say(0.5 * number / len(self.left), f"why nothing fits: without {name}")
             try:
                 one = phase.at_most(trials.turn().left_s if turn is None else turn * phase.left_s)
+                if one.left_s < IMAGER_S * self._imagers_without(name):
+                    continue  # its imagers alone would take all of it
                 if self._is_known(name, self.left[name], one):
                     known.append(name)
             except KeyboardInterrupt:
                 trials.interrupted = True
         self.useless |= set(known) - {one.name for one in self.helpful}
         self.left = {name: limit for name, limit in self.left.items() if name not in known}
+
+    def _imagers_without(self, name: str) -> float:
+        """How many imagers are to be looked at first without a requirement; none where that is not known."""
+        effort = 0.0 if name in OF_LIGHT else self.trials.relaxer.effort({name})
+        return effort if math.isfinite(effort) else 0.0
 
     def _is_known(self, name: str, limit: float, turn: Deadline) -> bool:
         """Drop a requirement and see whether something fits then; whether that is known in the time for one."""
@@ -235,5 +245,5 @@ class Singles:
 
 
 def goal_without(name: str) -> Objective:
-    """By what designs are looked for without a requirement."""
-    return BRIGHT if name == "min_snr" else ANY
+    """By what designs are looked for without a requirement: of SNR and cost those first that miss it least."""
+    return {"min_snr": BRIGHT, "cost": CHEAPEST}.get(name, ANY)
