@@ -101,20 +101,22 @@ def test_standard_errors_of_the_means_are_a_fraction_of_the_marks(orders: Any) -
             assert max(row.error[k] / row.value[k] for k in row.value) < 0.015
 
 
-MISSED = 29  # Henyey-Greenstein of 0.8, a lobe of 11 deg
-
-
 def test_held_out_image_means_are_those_of_all_orders(orders: Any) -> None:
-    # the marks: 85 % within 5 %, all within 10 %, up to c d = 4; one backscatter misses the second, see the page
+    # the marks, 85 % within 5 % and all within 10 % up to c d = 4, and more: all within 5 %
     forms = orders("forms")
-    off = {row.case.number: forms.errors(row, forms.effective) for row in forms.means("held out")}
+    off = [forms.errors(row, forms.effective) for row in forms.means("held out")]
     assert len(off) >= 30
     for name in ("signal", "veil", "backscatter", "contrast"):
-        errors = np.abs([one[name] for one in off.values()])
-        assert np.mean(errors <= 0.05) >= (0.93 if name == "backscatter" else 1.0), name
-        missed = [number for number, one in off.items() if abs(one[name]) > 0.10]
-        assert missed == ([MISSED] if name == "backscatter" else []), name
-    assert off[MISSED]["backscatter"] == pytest.approx(-0.117, abs=0.003)  # as the page tells it
+        assert np.all(np.abs([one[name] for one in off]) <= 0.05), name
+
+
+def test_turned_light_meets_the_phase_function_beside_the_straight_angle(orders: Any) -> None:
+    # Henyey-Greenstein of 0.8, a lobe of 11 deg across the image: 10 % too little comes back if it met it there alone
+    forms = orders("forms")
+    row = next(row for row in forms.means("held out") if row.case.number == 29)
+    legs = forms.effective(row.case)
+    met, straight = (forms.error(row, one, "backscatter") for one in (legs, legs._replace(phase=None)))
+    assert abs(met) < 0.05 and straight < met - 0.07
 
 
 def test_held_out_corners_are_those_of_all_orders(orders: Any) -> None:

@@ -230,7 +230,7 @@ def legs(case: Case) -> Legs:
         return particles_beyond(math.radians(degrees)), molecules_beyond(math.radians(degrees))
 
     half = beyond(90.0)
-    share = 3.52 - 4.00 * math.radians(case.half_angle)
+    share = 3.19 - 3.28 * math.radians(case.half_angle)
     back = np.maximum(lost(*(min(share * one, 1.0) for one in half)), 0.5 * lost(0.0, 0.0))  # none loses more than all
     lamp = lost(*beyond(20.2 + 0.86 * case.half_angle))
     a_way = lost(0.0, 0.0) * case.altitude
@@ -290,6 +290,42 @@ def particle_phase(cosine: Array) -> Array:
         first / (4 * math.pi * (1 - d) ** 2 * d**nu)
         + (1 - back) / (16 * math.pi * (4.0 / (3.0 * square) - 1) * back) * (3 * cosine**2 - 1)
     )
+
+
+def met_phase(case: Case, cosine: Array) -> Array:
+    """Of particles, as light meets it that has turned before and turns again: half of the way there and back each."""
+    if not case.orders:
+        return particle_phase(cosine)
+    cells = np.linspace(0.0, math.pi, 2001)
+    return np.asarray(particle_phase(cosine) + CubicSpline(cells, more_met(case))(np.arccos(np.clip(cosine, -1, 1))))
+
+
+@cache
+def more_met(case: Case) -> Array:
+    """What that has over the function itself, at 2001 angles: Legendre orders of p, made even within 60 deg."""
+    k, b = legs(case).c, scattering(case)
+    t, part = gauss(0.0, case.altitude, 60)
+    left = np.exp(-2.0 * np.multiply.outer(k, t)) * part
+    way = left @ (2.0 * t) / left.sum(axis=1)
+    seen = led() * STEPS_NM * np.exp(-k * way)
+    angle, masses = turned_masses()
+    log_gain = np.zeros(121)
+    for own, mass in zip(b, masses, strict=True):
+        chi = np.zeros(121)
+        for s, weight in zip(*gauss(0.0, 1.0, 20), strict=True):
+            second = np.array([np.roots([1.0, 2.0 * s * math.cos(one), s * s - 1.0]).max() for one in angle])
+            aslant = angle - np.arctan2(second * np.sin(angle), s + second * np.cos(angle))
+            chi += weight * np.array([eval_legendre(n, np.cos(aslant)) @ mass for n in range(121)])
+        log_gain += 2.88 * float((own * way * seen).sum() / seen.sum()) * (chi - chi[0])
+    gain, cos = np.exp(log_gain), np.cos(np.linspace(0.0, math.pi, 2001))
+    found = (gain[-1] - 1.0) * particle_phase(np.minimum(cos, 0.5))
+    for n in range(121):
+        series = sum(
+            float(eval_legendre(n, mu) * particle_phase(np.minimum(mu, 0.5)) @ weight)
+            for mu, weight in (gauss(-1.0, 0.5, 200), gauss(0.5, 1.0, 200))
+        )
+        found = found + (2 * n + 1) / 2 * series * (gain[n] - gain[-1]) * eval_legendre(n, cos)
+    return np.asarray(found)
 
 
 def molecule_phase(cosine: Array) -> Array:
@@ -681,7 +717,7 @@ def backscatter_at(case: Case, u: Array, v: Array) -> Array:
             cos_beam = away @ aim / length
             turned = -(away * toward).sum(axis=-1) / length  # light goes along `away`, then up the ray
             sent = np.exp(-k * length[..., None] - c * r[..., None]) @ weights
-            phased = sent[..., 0] * particle_phase(turned) + sent[..., 1] * molecule_phase(turned)
+            phased = sent[..., 0] * met_phase(case, turned) + sent[..., 1] * molecule_phase(turned)
             lumens = case.flux_lm / len(case.lamps)
             total += node_weight * (far - near) * lumens * intensity(case, cos_beam, length) / length**2 * phased
     return np.asarray(total * rays.off_axis(u, v))

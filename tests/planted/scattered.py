@@ -97,6 +97,28 @@ DEFECTS = (
         test=f"{FULL}::test_mean_veils_under_smooth_lobes[all orders, dome]",
     ),
     Defect(
+        name="turned light meets the phase function straight",
+        file="uwopt/forward/scene.py",
+        old="None if one.table is None else widened_phase(one.table, turned) for",
+        new="one.table for",
+        test=(f"{FULL}::test_mean_veils_under_smooth_lobes[all orders, dome]",
+              "tests/solvers/test_widened_lobes.py::test_the_best_of_waters_sends_back_no_more_than_any_at_any_angle"),
+    ),
+    Defect(
+        name="light comes aslant by all of its turn, wherever it turned",
+        file="uwopt/model/sent_back.py",
+        old="legendre(np.cos(angle - apparent))",
+        new="legendre(np.cos(angle))",
+        test="tests/model/test_sent_back.py::test_one_turn_is_a_rotation",
+    ),
+    Defect(
+        name="the best of waters sends back what the first does",
+        file="uwopt/solvers/confidence/panels.py",
+        old="None if None in tables else least_of(tables) for",
+        new="tables[0] for",
+        test="tests/solvers/test_widened_lobes.py::test_the_best_of_waters_sends_back_no_more_than_any_at_any_angle",
+    ),
+    Defect(
         name="lamps of one spectrum share a table, whatever their lobes",
         file=SPECTRA,
         old="return (*self._weight_key(spectrum, efficiency, channel), self._lobes_rad[spectrum])",

@@ -94,3 +94,19 @@ def test_the_best_of_waters_has_the_brightest_lobe_of_all_and_the_faintest_that_
                 losses = [np.exp(-one_.lamp_leg_per_m(lobe_rad) * length_m) for one_ in (best, state)]
                 light = [np.multiply.outer(*pair) for pair in zip((easiest, there), losses, strict=True)]
                 assert np.all(light[0] >= light[1] * (1 - 1e-12))
+
+
+def test_the_best_of_waters_sends_back_no_more_than_any_at_any_angle() -> None:
+    problem = case_of("wide lobe", "beside").problem()
+    doubt = problem.mission.with_changes(doubt={"clarity": True, "other_water_table": 0.3}).doubt
+    scenarios = Scenarios.drawn(problem.mission, problem.scenes, doubt, seed=2, count=12)
+    states = [scenes[0] for scenes in scenarios.scenes]
+    best = best_scene(states)
+    spectrum = relative_spectrum(("generic-led", None), best.wavelength_nm)
+    for range_m in (0.3, 1.5, 40.0):
+        easiest = best.sent_back(spectrum, range_m)[0]
+        every = [state.sent_back(spectrum, range_m)[0] for state in states]
+        assert easiest is not None
+        values = np.array([one_.phase_per_sr for one_ in every if one_ is not None])
+        assert len(values) == len(states) and np.all(easiest.phase_per_sr <= values)
+        assert np.any(np.ptp(values, axis=0) > 1e-3 * values.mean(axis=0))

@@ -241,9 +241,10 @@ def backscatter_bound(field: LampField, view: Views, signal: Array) -> float:
 
     most = 0.0
     for index in {0, len(field.scene.range_m) - 1}:
+        range_m = float(field.scene.range_m[index])
         coarse = mean_backscatter(
-            view.tan_along, view.tan_across, lamps=one_side(field.lamps), scatterers=field.scatterers(),
-            order=COARSE_ORDER, **field.sent_back(float(field.scene.range_m[index])),
+            view.tan_along, view.tan_across, lamps=one_side(field.lamps), scatterers=field.scatterers(range_m),
+            order=COARSE_ORDER, **field.sent_back(range_m),
         )  # fmt: skip
         share = coarse * view.collecting_m2 / np.maximum(signal[:, index], TINY)
         most = max(most, float(np.max(share)))

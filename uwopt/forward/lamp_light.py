@@ -226,9 +226,9 @@ class LampField:
             veil = veil + wide_gain(along, across, **seen)
         return image, veil
 
-    def scatterers(self) -> Any:
-        """Particles and molecules with their loss tables."""
-        return self.contraction.scatterers(self.spectrum, self.efficiency, self.channel)
+    def scatterers(self, range_m: float) -> Any:
+        """Particles and molecules before a floor so far off, with their loss tables."""
+        return self.contraction.scatterers(self.spectrum, self.efficiency, self.channel, range_m=range_m)
 
     def is_wide(self) -> bool:
         """Whether a coarse integral over the image is near enough to bound the fine one."""
@@ -252,28 +252,26 @@ class LampField:
 
     def coarse_backscatter(self, view: Views, altitudes: list[int]) -> Array:
         """Mean of the lamps' path radiance at some altitudes by few nodes, (n, n_altitudes)."""
-        scatterers = self.scatterers()
         return np.stack(
             [
                 mean_backscatter(
-                    view.tan_along, view.tan_across, lamps=one_side(self.lamps), scatterers=scatterers,
-                    order=COARSE_ORDER, **self.sent_back(float(self.scene.range_m[n])),
+                    view.tan_along, view.tan_across, lamps=one_side(self.lamps), order=COARSE_ORDER,
+                    scatterers=self.scatterers(range_m), **self.sent_back(range_m),
                 )
-                for n in altitudes
+                for range_m in map(float, self.scene.range_m[altitudes])
             ],
             axis=1,
         )  # fmt: skip
 
     def mean_backscatter(self, view: Views) -> Array:
         """Mean of the lamps' path radiance over the image, (n, n_altitudes)."""
-        scatterers = self.scatterers()
         return np.stack(
             [
                 mean_backscatter(
-                    view.tan_along, view.tan_across, lamps=one_side(self.lamps), scatterers=scatterers,
-                    fineness=self.fineness.veil, **self.sent_back(float(range_m)),
+                    view.tan_along, view.tan_across, lamps=one_side(self.lamps), scatterers=self.scatterers(range_m),
+                    fineness=self.fineness.veil, **self.sent_back(range_m),
                 )
-                for range_m in self.scene.range_m
+                for range_m in map(float, self.scene.range_m)
             ],
             axis=1,
         )  # fmt: skip
@@ -398,8 +396,8 @@ class LampField:
                 over = np.zeros_like(signal)
             if scatters and self.effects.backscatter:
                 over = over + backscatter_gain(
-                    along, across, scatterers=self.scatterers(), fineness=self.fineness.veil, lamps=self.lamps,
-                    **self.sent_back(float(range_m)),
+                    along, across, scatterers=self.scatterers(float(range_m)), fineness=self.fineness.veil,
+                    lamps=self.lamps, **self.sent_back(float(range_m)),
                 )  # fmt: skip
             signals.append(signal * collecting)
             veil_sum.append(over * collecting)
@@ -416,7 +414,7 @@ class LampField:
         for range_m in (float(self.scene.range_m[0]), float(self.scene.range_m[-1])):
             signal, over = (gain * response for gain in self.forward_at(along, across, range_m))
             back = backscatter_gain(
-                along, across, scatterers=self.scatterers(), lamps=self.lamps, **self.sent_back(range_m)
+                along, across, scatterers=self.scatterers(range_m), lamps=self.lamps, **self.sent_back(range_m)
             )
             lit = np.maximum(signal, 1e-300)
             with np.errstate(over="ignore"):

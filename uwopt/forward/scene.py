@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
@@ -23,8 +22,8 @@ from uwopt.mission.sections.scene import Scene
 from uwopt.model import fineness as fine
 from uwopt.model import multiple, water
 from uwopt.model.beam import Beam, half_power_angle_rad
-from uwopt.model.phase_formulas import molecular_per_sr
-from uwopt.model.scattering import PhaseTable, look_up, share_beyond
+from uwopt.model.scattering import PhaseTable, share_beyond
+from uwopt.model.sent_back import mean_way_m, widened_phase
 from uwopt.model.spectrum import resample, trapezoid_weights_nm, wavelength_grid_nm
 from uwopt.model.widened import Turned, arriving_share, ways_m, widened
 
@@ -55,11 +54,6 @@ class Scattering:
     name: str
     scattering_per_m: Array  # b on the grid
     table: PhaseTable | None  # phase function of particles; None: the molecules' own
-
-    @property
-    def phase(self) -> Callable[[Array], Array]:
-        """Phase function of the cosine of the scattering angle, 1 over the sphere [1/sr]."""
-        return molecular_per_sr if self.table is None else partial(look_up, table=self.table)
 
     def share_beyond(self, angle_rad: float) -> float:
         """What of it is scattered by more than an angle."""
@@ -172,10 +166,7 @@ class SceneOptics:
         angle = float(multiple.lamp_angle_rad(half_power))
         ways = ways_m(way_m) if back else np.array([way_m])
         lost = self.attenuation_per_m + self.lamp_leg_per_m(half_power)
-        sent = relative_spectrum * trapezoid_weights_nm(self.wavelength_nm)
-        told = sent > FAINTEST * sent.max()  # a colour that the lamp has: of others alone nothing would be left
-        weight = np.where(told, sent, 0.0) * np.exp(-np.multiply.outer(ways, np.maximum(lost - lost[told].min(), 0.0)))
-        weight /= weight.sum(axis=1, keepdims=True)
+        weight = self._told(relative_spectrum, np.multiply.outer(ways, lost))
         turned = [
             Turned(ways * (weight @ one.scattering_per_m), one.share_beyond(angle), one.table)
             for one in self.scattering
@@ -186,6 +177,24 @@ class SceneOptics:
             reflectance=0.0 if back else weight @ self.reflectance,
         )  # fmt: skip
         return widened(lobe, turned, way_m, absorbed=absorbed, returned=returned, sent_back=back)
+
+    def _told(self, relative_spectrum: Array, optical: Array) -> Array:
+        """How much each colour of a lamp counts of what gets through (k, n), 1 in all: the wavelengths' own steps."""
+        sent = relative_spectrum * trapezoid_weights_nm(self.wavelength_nm)
+        told = sent > FAINTEST * sent.max()  # a colour that the lamp has: of others alone nothing would be left
+        least = optical[:, told].min(axis=1, keepdims=True)
+        weight = np.where(told, sent, 0.0) * np.exp(-np.maximum(optical - least, 0.0))
+        return np.asarray(weight / weight.sum(axis=1, keepdims=True))
+
+    def sent_back(self, relative_spectrum: Array, range_m: float) -> tuple[PhaseTable | None, ...]:
+        """Phase functions of `scattering` as lamp light meets them that has turned, before a floor so far off.
+
+        One for all colours, of those that get through; molecules scatter too evenly for it to matter.
+        """
+        ways = mean_way_m(range_m, self.attenuation_per_m)
+        weight = self._told(relative_spectrum, (self.attenuation_per_m * ways)[None, :])[0] * ways
+        turned = [(multiple.BACK_WAY * float(weight @ one.scattering_per_m), one.table) for one in self.scattering]
+        return tuple(None if one.table is None else widened_phase(one.table, turned) for one in self.scattering)
 
     def backward_per_m(self) -> Array:
         """b_b: what is scattered by more than 90 deg."""

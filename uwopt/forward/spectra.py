@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from copy import copy
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -17,6 +18,8 @@ from uwopt.model.beam import Beam, half_power_angle_rad
 from uwopt.model.fineness import scaled
 from uwopt.model.imaging import scatter_weight, signal_weight
 from uwopt.model.path_table import PathTable, build_path_table
+from uwopt.model.phase_formulas import molecular_per_sr
+from uwopt.model.scattering import PhaseTable, look_up
 from uwopt.model.spectrum import resample, resample_power
 from uwopt.model.veil.geometry import OPTICAL_REACH, Scatterer
 from uwopt.model.veil.wide import REACH as WIDE_REACH
@@ -289,8 +292,31 @@ class Contraction:
             tolerance_log=TABLE_ERROR_LOG / fineness**2,
         )
 
-    def scatterers(self, spectrum: int, efficiency: int, channel: str | None = None) -> tuple[Scatterer, ...]:
-        """What scatters on the way to the camera, particles and molecules, each with its loss table."""
+    def scatterers(
+        self, spectrum: int, efficiency: int, channel: str | None = None, *, range_m: float
+    ) -> tuple[Scatterer, ...]:
+        """What scatters on the way to the camera, particles and molecules, each with its loss table.
+
+        range_m : of the floor behind it
+        """
+        tables = self.scatter_tables(spectrum, efficiency, channel)
+        phases = self.phases(spectrum, range_m)
+        return tuple(Scatterer(phase, table) for phase, table in zip(phases, tables, strict=True))
+
+    def phases(self, spectrum: int, range_m: float) -> tuple[Callable[[Array], Array], ...]:
+        """Phase functions of particles and molecules, as light meets them before a floor so far off."""
+        if not self.multiple:
+            return tuple(phase_function(one.table) for one in self.scene.scattering)
+        scene, name = self.scene, self.spectrum_names[spectrum]
+        key = ("sent back", name, range_m)
+        if key not in scene.cache:
+            met = scene.sent_back(relative_spectrum(name, scene.wavelength_nm), range_m)
+            scene.cache[key] = tuple(map(phase_function, met))
+        found: tuple[Callable[[Array], Array], ...] = scene.cache[key]
+        return found
+
+    def scatter_tables(self, spectrum: int, efficiency: int, channel: str | None = None) -> tuple[PathTable, ...]:
+        """Loss of what particles and molecules send back, each over both legs."""
         scene = self.scene
         key = ("scatter", *self.key(spectrum, efficiency, channel), self.reach_m)
         if key not in scene.cache:
@@ -300,21 +326,18 @@ class Contraction:
                 for reach, least in zip(self.reach_m, legs, strict=True)
             )
             scene.cache[key] = tuple(
-                Scatterer(
-                    phase=part.phase,
-                    table=build_path_table(
-                        self.scatter_weight(part.scattering_per_m, spectrum, efficiency, channel),
-                        wavelength_nm=None,
-                        k_lamp_per_m=legs[0],
-                        c_camera_per_m=legs[1],
-                        lamp_range_m=(LAMP_FRONT_M, max(lamp_end, 2 * LAMP_FRONT_M)),
-                        camera_range_m=(0.0, camera_end),
-                        **self.table_settings(),
-                    ),
+                build_path_table(
+                    self.scatter_weight(part.scattering_per_m, spectrum, efficiency, channel),
+                    wavelength_nm=None,
+                    k_lamp_per_m=legs[0],
+                    c_camera_per_m=legs[1],
+                    lamp_range_m=(LAMP_FRONT_M, max(lamp_end, 2 * LAMP_FRONT_M)),
+                    camera_range_m=(0.0, camera_end),
+                    **self.table_settings(),
                 )
                 for part in scene.scattering
             )
-        found: tuple[Scatterer, ...] = scene.cache[key]
+        found: tuple[PathTable, ...] = scene.cache[key]
         return found
 
     def endless_scatterers(
@@ -327,7 +350,8 @@ class Contraction:
         both = np.sum(self.back_legs_per_m(spectrum), axis=0)
         seen = self.weight(spectrum, efficiency, channel) > 0.0
         end_m = ENDLESS / max(float(both[seen].min()) if seen.any() else float(both.min()), TINY)
-        return self.reaching(end_m, end_m).scatterers(spectrum, efficiency, channel), end_m
+        reaching = self.reaching(end_m, end_m)
+        return reaching.scatterers(spectrum, efficiency, channel, range_m=end_m), end_m
 
     def scatter_weight(
         self, scattering_per_m: Array, spectrum: int, efficiency: int, channel: str | None = None
@@ -344,6 +368,11 @@ class Contraction:
             ),
             n_water=scene.radiance_index,
         )
+
+
+def phase_function(table: PhaseTable | None) -> Callable[[Array], Array]:
+    """Of the cosine of the scattering angle [1/sr]; without a table the molecules' own."""
+    return molecular_per_sr if table is None else partial(look_up, table=table)
 
 
 def rounded_up(length_m: float) -> float:

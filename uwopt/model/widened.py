@@ -161,7 +161,7 @@ def carried_share(phase: PhaseTable | None, absorbed: ArrayLike = 0.0, *, sent_b
 @lru_cache(maxsize=64)
 def _carried(phase: PhaseTable | None, sent_back: bool) -> FloatArray:
     """chi_l as Chebyshev's series of thickness: (THICK_NODES, ORDERS + 1)."""
-    angle, mass = _forward(phase)
+    angle, mass = forward_masses(phase)
     there = np.zeros((THICK_NODES, ORDERS + 1))
     for polynomial, detour, part in _turns(angle.tobytes(), sent_back):
         there += part * product(np.exp(-np.multiply.outer(_thicknesses(), detour)) * mass, polynomial)
@@ -193,7 +193,7 @@ def arriving_share(phase: PhaseTable | None, absorbed: ArrayLike, *, within_rad:
 @lru_cache(maxsize=64)
 def _arriving(phase: PhaseTable | None, within_rad: float) -> FloatArray:
     """What arrives as Chebyshev's series of thickness (THICK_NODES,)."""
-    angle, mass = _forward(phase)
+    angle, mass = forward_masses(phase)
     mass = np.where(angle < within_rad, mass, 0.0)
     kept = sum(
         part * (np.exp(-np.multiply.outer(_thicknesses(), detour)) @ mass)
@@ -228,7 +228,7 @@ def _at_thickness(series: FloatArray, absorbed: ArrayLike) -> FloatArray:
 
 
 @lru_cache(maxsize=64)
-def _forward(phase: PhaseTable | None) -> tuple[FloatArray, FloatArray]:
+def forward_masses(phase: PhaseTable | None) -> tuple[FloatArray, FloatArray]:
     """Scattering angles below 90 deg, and the share scattered about each."""
     angle, mass = masses_by_angle(_molecules() if phase is None else phase)
     forward = angle < 0.5 * np.pi

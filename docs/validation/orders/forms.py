@@ -6,7 +6,7 @@ The forms are those of `uwopt.model.multiple`, whose constants were fitted here 
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +15,7 @@ from scipy.optimize import least_squares
 from uwopt.forward.spectra import ENDLESS
 from uwopt.model import beam as beams
 from uwopt.model import multiple, scattering
+from uwopt.model.sent_back import mean_way_m, widened_phase
 from uwopt.model.widened import Turned, arriving_share, ways_m, widened
 
 from .cases import TALLIES, Case, Light, read
@@ -33,13 +34,16 @@ class Constants(NamedTuple):
     veil: float
     back: float
     back_by_lobe: float
+    back_way: float
 
 
 USED = Constants(
     multiple.LAMP_DEG, multiple.LAMP_BY_LOBE, multiple.NEAR_DEG, multiple.VEIL_DEG, multiple.BACK,
-    multiple.BACK_BY_LOBE,
+    multiple.BACK_BY_LOBE, multiple.BACK_WAY,
 )  # fmt: skip
-BY_TALLY = {"signal": ("lamp", "lamp_by_lobe"), "veil": ("near", "veil"), "backscatter": ("back", "back_by_lobe")}
+BY_TALLY = {
+    "signal": ("lamp", "lamp_by_lobe"), "veil": ("near", "veil"), "backscatter": ("back", "back_by_lobe", "back_way"),
+}  # fmt: skip
 
 
 def attenuations(case: Case, constants: Constants = USED) -> Legs:
@@ -62,9 +66,10 @@ def attenuations(case: Case, constants: Constants = USED) -> Legs:
 
 
 def effective(case: Case, constants: Constants = USED) -> Legs:
-    """The same with the lobe that scattering widens on the lamp's way."""
+    """The same with what scattering on its way widens: the lobe, and the phase function that sends it back."""
     legs = attenuations(case, constants)
-    return legs._replace(lobes=(floor_lobe(case, legs.lamp), back_lobe(case, legs.lamp)))
+    lobes = floor_lobe(case, legs.lamp), back_lobe(case, legs.lamp)
+    return legs._replace(lobes=lobes, phase=met(case, constants.back_way))
 
 
 def no_farther(case: Case) -> Legs:
@@ -105,6 +110,13 @@ def back_lobe(case: Case, lamp_per_m: float, *, longer: bool = True, again: bool
     return widened(own_lobe(case), turned, reach_m, absorbed=longer * a * ways, returned=gain, sent_back=True)
 
 
+@lru_cache(maxsize=256)
+def met(case: Case, share: float) -> scattering.PhaseTable:
+    """A case's phase function as light meets it that is sent back."""
+    table, way_m = phase_table(case.phase), float(mean_way_m(case.altitude_m, case.c_per_m))
+    return widened_phase(table, [(share * scattered(case)[1] * way_m, table)])
+
+
 def scattered(case: Case) -> tuple[float, float, float]:
     """a, b and b_b [1/m]."""
     b = case.c_per_m * case.albedo
@@ -131,7 +143,7 @@ def means(use: str, *, thin: bool = True) -> list[Light]:
 
 @cache
 def fitted() -> Constants:
-    """The constants, from `fit` cases up to c d = 4: one tally after the other, each with its own two.
+    """The constants, from `fit` cases up to c d = 4: one tally after the other, each with its own.
 
     Of the veils corners count beside the means, each a third. Those of the lamps' leg are of means under the lamps' own
     lobes: beside a widened lobe, which stands over what K leaves, K drops out but for longer ways than straight down.

@@ -65,6 +65,7 @@ class Legs(NamedTuple):
     back_lamp: float  # of backscatter: from the lamp to where it is sent back
     back_camera: float  # and from there to the camera
     lobes: tuple[beams.Beam, beams.Beam] | None = None  # of light on the floor and of backscatter; None: the lamp's own
+    phase: scattering.PhaseTable | None = None  # that light meets which is sent back; None: the water's own
 
 
 def single(case: Case) -> Legs:
@@ -97,7 +98,7 @@ def uwopt_light(case: Case, place: str, legs: Legs) -> dict[str, float]:
         )  # fmt: skip
 
     near = (0.999 * case.altitude_m,) * 2
-    floor, phase = case.reflectance / np.pi, phase_table(case.phase)
+    floor, phase = case.reflectance / np.pi, legs.phase or phase_table(case.phase)
     signal = table(legs.lamp, case.c_per_m, near)
     forward = table(legs.lamp, case.c_per_m, near, min(legs.near, case.c_per_m))
     elsewhere = table(legs.lamp, legs.near, near, min(legs.veil, legs.near))

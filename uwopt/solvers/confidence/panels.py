@@ -32,6 +32,8 @@ from uwopt.forward.part_columns import FAVOURED
 from uwopt.forward.problem import Parts, Problem
 from uwopt.forward.scene import SceneOptics
 from uwopt.model.beam import Beam, half_power_angle_rad
+from uwopt.model.scattering import PhaseTable
+from uwopt.model.sent_back import least_of
 from uwopt.model.widened import bounding
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.draws import drawn_facts
@@ -186,6 +188,11 @@ class EasiestScene(SceneOptics):
             beyond = [one.lamp_leg_per_m(half_power) - self.lamp_leg_per_m(half_power) for one in self.states]
             left = [float(np.exp(-one.min() * way_m)) for one in beyond]
         return bounding(each, left, most=not back)
+
+    def sent_back(self, relative_spectrum: Array, range_m: float) -> tuple[PhaseTable | None, ...]:
+        """At every angle the least of all states."""
+        each = zip(*(one.sent_back(relative_spectrum, range_m) for one in self.states), strict=True)
+        return tuple(None if None in tables else least_of(tables) for tables in each)
 
     def near_leg_per_m(self) -> Array:
         """What leaves the least veil beside the image."""
