@@ -34,7 +34,7 @@ from uwopt.model.widened import ORDERS, WAY_NODES, forward_masses, legendre
 
 EVEN_WITHIN_RAD = np.deg2rad(60.0)
 SIDE_NODES = 128  # of the cosine, on either side of that angle
-KNOTS = 1024  # of what is turned, even in sin(psi / 2)
+KNOTS = 1024  # of what is turned, even in sin(psi / 2), among the nodes of any table
 THIN = 1e-3  # of x, below which its series stands
 
 
@@ -82,12 +82,13 @@ def widened_phase(table: PhaseTable, turned: Sequence[tuple[float, PhaseTable | 
     gain = np.exp(log_gain)
     series = _sent_series(table) * (gain - gain[-1])
     halo = product(series[None, :], _at_knots())[0]
-    n = table.n_cell
-    sine = np.arange(n + 1) / n
-    own, edge = table.phase_per_sr[:-1], float(np.sin(0.5 * EVEN_WITHIN_RAD))
-    even = np.where(sine < edge, look_up(np.cos(EVEN_WITHIN_RAD), table), own)
-    made = own + (gain[-1] - 1.0) * even + np.interp(sine, np.arange(KNOTS + 1) / KNOTS, halo)
-    values = np.maximum(np.append(made, made[-1]), 0.0)
+    part = KNOTS / table.n_cell * np.arange(table.n_cell // KNOTS)  # cells between two knots
+    between = halo[:-1, None] + np.diff(halo)[:, None] * part
+    values = _made_even(table) * (gain[-1] - 1.0)
+    values += table.phase_per_sr
+    values[:-2] += between.ravel()
+    values[-2:] += halo[-1]
+    np.maximum(values, 0.0, out=values)
     values.setflags(write=False)
     return PhaseTable(values)
 
@@ -110,6 +111,15 @@ def aslant_share(phase: PhaseTable | None) -> FloatArray:
         apparent = np.arcsin(np.minimum(rest * np.sin(angle), 1.0))
         share += weight * (legendre(np.cos(angle - apparent)) @ mass)
     return share
+
+
+@lru_cache(maxsize=64)
+def _made_even(table: PhaseTable) -> FloatArray:
+    """p_0 at the nodes of the table."""
+    within = int(np.ceil(np.sin(0.5 * EVEN_WITHIN_RAD) * table.n_cell))
+    values = table.phase_per_sr.copy()
+    values[:within] = look_up(np.cos(EVEN_WITHIN_RAD), table)
+    return np.asarray(values)
 
 
 @lru_cache(maxsize=64)
