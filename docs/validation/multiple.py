@@ -28,6 +28,7 @@ CYCLES_PER_PX = (0.5, 0.25, 0.1)
 NARROW_DEG = 20.0  # of lobes that leave corners dim
 FORMS: dict[str, Form] = {ALL: forms.effective, ONCE: model.single}
 BESIDE: dict[str, Form] = {KEPT: forms.attenuations}
+ASLANT = 29  # a case of light that turns into a hollow phase function
 
 
 @cache
@@ -119,10 +120,36 @@ def worst_text() -> str:
 
     return f"""\
 The image mean of backscatter that is off most up to c d = 4 is that of case {case.number} ({case.use}): {common.percent(off['backscatter'])}, σ {100 * doubt:.1f} %;
-{case.phase}, albedo {case.albedo:.2f}, c d {case.thickness:.2f}, a lobe of {case.lobe_half_deg:.0f}° that crosses the image from the side, {abs(case.tilt_deg):.0f}° from the vertical.
-The model looks the phase function up at the angle between the straight ways; light that has turned on its way meets it at
-angles about that, and where the function is steep and hollow there, as Henyey–Greenstein's of 0.8 is and a sea's is not, that is more.
+{case.phase}, albedo {case.albedo:.2f}, c d {case.thickness:.2f}, a lobe of {case.lobe_half_deg:.0f}°.
 Dim corners, {len(dim)} under lobes up to {NARROW_DEG:g}° with less than {100 * DIM[-1][1]:g} % of the image's mean: {'; '.join(map(span, TALLIES))}. The veil from elsewhere has one kernel, cos^8, for all phase functions."""
+
+
+def aslant_text() -> str:
+    """What the phase function as turned light meets it changes: one case, both halves, and thick water."""
+
+    def straight(case: Case) -> Legs:
+        return forms.effective(case)._replace(phase=None)
+
+    def off(rows: Sequence[Light], form: Form) -> list[float]:
+        return [forms.error(row, form(row.case), "backscatter") for row in rows]
+
+    (row,) = [row for row in forms.means("held out") if row.case.number == ASLANT]
+    case, ways = row.case, (forms.effective, straight)
+    one, other = (common.percent(off([row], form)[0]) for form in ways)
+    halves = ("fit", "held out")
+    thin = {use: [off(forms.means(use), form) for form in ways] for use in halves}
+    thick = {use: [common.percent(max(off(forms.means(use, thin=False), form), key=abs)) for form in ways] for use in halves}
+    told = "; ".join(
+        f"{use}, {within(ours, 0.05)} within 5 % and the largest {common.percent(max(ours, key=abs))} ({within(plain, 0.05)}, {common.percent(max(plain, key=abs))})"
+        for use, (ours, plain) in thin.items()
+    )
+    far = " and ".join(f"{ours} ({use}; {plain})" for use, (ours, plain) in thick.items())
+    return f"""\
+**Light that comes aslant.** What turned on its way meets the phase function at angles about the one between the straight
+ways; where the function is hollow there, more comes back (`uwopt/model/sent_back.py`). In case {case.number} ({case.phase}, albedo {case.albedo:.2f}, c d {case.thickness:.2f}, a lobe of
+{case.lobe_half_deg:.0f}° that crosses the image from the side, {abs(case.tilt_deg):.0f}° from the vertical) backscatter is off by {one}, and by {other} with the same constants where
+light meets it straight. Image means of backscatter up to c d = 4, and straight in brackets: {told}. The largest from there to
+c d = 8: {far}. The last of the constants says how much more than one turn would the function is widened."""
 
 
 def path_text() -> str:
@@ -265,11 +292,11 @@ Standard errors of the means: {', '.join(f'{tally} {100 * doubt[tally]:.1f} % (a
 {check_text()}
 
 **The model.** `all orders` is physics `full`: effective attenuations K = c - b (1 - s), as `uwopt/model/multiple.py` has them,
-lobes that scattering widens on the lamps' way (`uwopt/model/widened.py`, below), and
+lobes that scattering widens on the lamps' way (`uwopt/model/widened.py`, below), the phase function as turned light meets it, and
 the part of the forward veil that turns by much taken from all of the lit floor, by a kernel cos^8 about the pixel's ray
 (`uwopt/model/veil/wide.py`). `the lamps' own lobes` leaves the widening out. `single
 scattering` is what a scene with `multiple_scattering: false` counts: K between a + b_b and c from K_d (here Kirk's 1984 formula, since
-the cases have no K_d) on the lamp's leg and for the forward veil, c on the way of backscatter to the camera. Six constants,
+the cases have no K_d) on the lamp's leg and for the forward veil, c on the way of backscatter to the camera. Seven constants,
 fitted on every other case up to c d = 4 and rounded (in brackets as fitted again for this page): {constants}; those of the
 veils on corners too, those of the lamps' way under the lamps' own lobes. They hold for lobes of 10° to 70° aimed into or near the image, albedo up to 0.95 and
 phase functions like the sea's; beyond c d = 4 errors grow as the next table says. Errors of all image means, median and
@@ -299,6 +326,8 @@ For light on the floor r is its distance along the axis; for
 backscatter it is the distance from the lamp of each place on the pixel's ray. One lobe stands for all colours, that of b where the lamps'
 light gets through: against lobes of each wavelength {', '.join(f"{100 * off:.1f} % at {angle:g}°" for off, angle in zip(colours.off_by_angle(), colours.ANGLES_DEG, strict=True))} from the axis of a lobe
 of {colours.LOBE_DEG:g}° in Jerlov's waters up to c d = 4 where they are clearest.
+
+{aslant_text()}
 
 **Daylight.** {len(daylight.drawn_cases())} cases of the same waters under an even sky (all of Snell's cone), half an attenuation length to five over the
 camera, walks back from the camera to floor or sky ([daylight.csv](validation/daylight.csv)). `all orders`: the floor's light
