@@ -94,7 +94,18 @@ def widened_phase(table: PhaseTable, turned: Sequence[tuple[float, PhaseTable | 
 
 
 def least_of(tables: Sequence[PhaseTable]) -> PhaseTable:
-    """At every angle the least of all: a bound of what is sent back, of integral 1 at most."""
+    """At every angle the least of some phase functions: a bound of what is sent back.
+
+        p(psi) = min over i of p_i(psi)
+
+    Parameters
+    ----------
+    tables : PhaseTable each, of as many cells
+
+    Returns
+    -------
+    PhaseTable, of integral 1 at most
+    """
     values = np.min([one.phase_per_sr for one in tables], axis=0)
     values.setflags(write=False)
     return PhaseTable(values)
