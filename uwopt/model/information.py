@@ -106,8 +106,9 @@ def information_bit_per_px(
 
 
 def information_of_gains(
-    gain: Array, *, sharpness: Sharpness, fineness: float = 1.0, wanted: Array | None = None
-) -> Array:
+    gain: Array, *, sharpness: Sharpness, fineness: float = 1.0, wanted: Array | None = None,
+    orders: tuple[int, int] | None = None,
+) -> Array:  # fmt: skip
     """Information of images that are equally sharp at several contrasts over the noise.
 
         I(g) = mean over |nu_x|, |nu_y| <= 1/2 of (1/2) log2(1 + g^2 MTF(nu)^2),   g = C_t SNR
@@ -117,6 +118,7 @@ def information_of_gains(
     gain : (k,) g
     sharpness : fields (n,)
     wanted : (n, k) which are worked out; None: all
+    orders : as of `information_bit_per_px`
 
     Returns
     -------
@@ -135,7 +137,7 @@ def information_of_gains(
     bit = np.full((*shape, len(gain)), np.nan)
     most = np.full(shape, gain.max())
     number = np.float32 if gain.max() <= MOST_GAIN else np.float64
-    for some, rows, nodes in _ruled(as_columns(sharpness, shape, (-1, 1, 1)), most, None, fineness):
+    for some, rows, nodes in _ruled(as_columns(sharpness, shape, (-1, 1, 1)), most, orders, fineness):
         squares = [np.square(transfer).astype(number) for transfer in _folds(1.0, rows, nodes)]
         for column, one in enumerate(gain):
             mine = slice(None) if wanted is None or wanted[some, column].all() else wanted[some, column]

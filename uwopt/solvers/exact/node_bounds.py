@@ -183,9 +183,10 @@ def information_table() -> tuple[Array, Array, Array]:
     """Bit per px by SNR [dB] and rated pitch [px], blurred by pixel and lens rating alone."""
     snr_db, rated = np.linspace(-60.0, 120.0, 361), np.linspace(0.0, 4.0, 41)
     at = sharpness.Sharpness(
-        working_f_number=0.0, wavelength_nm=500.0, pixel_pitch_m=1e-6, lens_pitch_px=rated[None, :]
+        working_f_number=0.0, wavelength_nm=500.0, pixel_pitch_m=1e-6, lens_pitch_px=rated
     )
-    return snr_db, rated, information.information_bit_per_px(db_to_ratio(snr_db)[:, None], sharpness=at)
+    gains = information.TEXTURE_CONTRAST * db_to_ratio(snr_db)
+    return snr_db, rated, information.information_of_gains(gains, sharpness=at).T
 
 
 def bit_per_px_bound(snr_db: Array, rated_pitch_px: Array) -> Array:

@@ -18,7 +18,7 @@ from uwopt.forward.part_columns import FLASH
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.forward.sharpness import SharpRows
 from uwopt.model import sensor, sharpness
-from uwopt.model.information import TEXTURE_CONTRAST, information_bit_per_px
+from uwopt.model.information import TEXTURE_CONTRAST, information_of_gains
 from uwopt.model.sharpness import Sharpness
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.settings import dark, windows
@@ -43,10 +43,11 @@ MOST_NUMBERS = 2_000_000  # held at once
 @cache
 def most_bit_per_px() -> Array:
     """Information by pitch of a Gaussian blur, by diffraction and by SNR: the model's, with room for its error."""
-    blurred = Sharpness(
-        working_f_number=CYCLES[:, None], wavelength_nm=1e9, pixel_pitch_m=1.0, lens_pitch_px=PITCHES_PX[:, None, None]
-    )
-    return information_bit_per_px(db_to_ratio(LEVELS_DB), sharpness=blurred, orders=TABLE_ORDERS) * (1.0 + TABLE_ERROR)
+    pitch, cycles = (grid.ravel() for grid in np.meshgrid(PITCHES_PX, CYCLES, indexing="ij"))
+    blurred = Sharpness(working_f_number=cycles, wavelength_nm=1e9, pixel_pitch_m=1.0, lens_pitch_px=pitch)
+    gains = TEXTURE_CONTRAST * db_to_ratio(LEVELS_DB)
+    bits = information_of_gains(gains, sharpness=blurred, orders=TABLE_ORDERS) * (1.0 + TABLE_ERROR)
+    return bits.reshape(len(PITCHES_PX), len(CYCLES), len(LEVELS_DB))
 
 
 @lru_cache(maxsize=512)
