@@ -117,7 +117,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="groups of lenses open as far as their first",
-        file="uwopt/solvers/exact/outline.py",
+        file="uwopt/solvers/exact/port_groups.py",
         old="np.minimum.reduceat(each[:, order], start, axis=1) for each in",
         new="each[:, order[start]] for each in",
         test="tests/solvers/test_large.py::test_outlines_bound_their_imagers",

@@ -32,8 +32,8 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="colours seen ahead may be a little off balance",
-        file="uwopt/solvers/exact/bounds.py",
-        old="off[doubtful] = seen > most * BALANCE_MET",
+        file="uwopt/solvers/exact/off_balance.py",
+        old="off[doubtful] = seen > most * MET",
         new="off[doubtful] = seen > most * 1.001",
         test=f"{COLOUR}::test_colours_seen_ahead_discard_what_an_evaluation_would",
     ),
@@ -46,16 +46,16 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="colours are bounded where nothing asks for light",
-        file="uwopt/solvers/exact/bounds.py",
-        old="if self.problem.scenes[index].view.requirements.min_snr:  # without",
+        file="uwopt/solvers/exact/off_balance.py",
+        old="if tables.problem.scenes[index].view.requirements.min_snr:  # without",
         new="if True:  # without",
         test=f"{COLOUR}::test_without_light_no_colour_is_too_strong",
     ),
     Defect(
         name="colours that the water takes apart are left to the integrals",
         file="uwopt/solvers/exact/bounds.py",
-        old="off = (bounds.rule < 0) & self._is_off_balance(k, rows)",
-        new="off = (bounds.rule < -1) & self._is_off_balance(k, rows)",
+        old="off = (bounds.rule < 0) & off_balance.by_water(self.tables, self.imagers, k, rows)",
+        new="off = (bounds.rule < -1) & off_balance.by_water(self.tables, self.imagers, k, rows)",
         test=f"{UNITS}[max_white_balance]",
     ),
     Defect(

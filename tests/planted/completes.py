@@ -41,14 +41,14 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a group of ports is that of its first complete camera",
-        file="uwopt/solvers/exact/outline.py",
+        file="uwopt/solvers/exact/port_groups.py",
         old="np.maximum.reduceat(tie, start),",
         new="np.minimum.reduceat(tie, start),",
         test=SEARCHED + "test_no_group_of_ports_loses_the_complete_camera_of_one_of_them",
     ),
     Defect(
         name="a complete camera's port stands among the others",
-        file="uwopt/solvers/exact/outline.py",
+        file="uwopt/solvers/exact/port_groups.py",
         old="kind = 2 * (problem.ties[2] > 0) + ports.is_dome",
         new="kind = ports.is_dome.astype(int)",
         test=SEARCHED + "test_no_group_of_ports_loses_the_complete_camera_of_one_of_them",

@@ -69,7 +69,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="groups of ports refuse what stands on a ring",
-        file="uwopt/solvers/exact/outline.py",
+        file="uwopt/solvers/exact/port_groups.py",
         old="ok &= np.isfinite(needed_spacer_m(lenses, dioptre, slack=COARSE_ROUND))",
         new="ok &= needed_spacer_m(lenses, dioptre, slack=COARSE_ROUND) == 0.0",
         test=SEARCH + "test_rings_make_designs_that_cost_and_weigh_more_than_their_parts",

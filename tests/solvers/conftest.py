@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from uwopt.solvers.exact import large, outline
+from uwopt.solvers.exact import large, port_groups
 from uwopt.solvers.exact import search as exact_search
 
 
@@ -17,7 +17,7 @@ def batches(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> 
     if request.param == "as if large":
         monkeypatch.setattr(exact_search, "MOST_IMAGERS", 0)
         for name, value in (("FIRST_ROWS", 1), ("FIRST_LEAVES", 1), ("LARGEST_ROWS", 4), ("BRANCHES", 2)):
-            monkeypatch.setattr(outline if name == "BRANCHES" else large, name, value)
+            monkeypatch.setattr(port_groups if name == "BRANCHES" else large, name, value)
     if request.param != "as shipped":
         for name, value in (
             ("FIRST_BATCH", 1),

@@ -29,8 +29,9 @@ from uwopt.solvers.exact.imagers import FittingPairs, Imagers, fitting_pairs
 from uwopt.solvers.exact.large import PairTree
 from uwopt.solvers.exact.light_tables import FieldTables
 from uwopt.solvers.exact.node_bounds import bit_per_px_bound, suffix_min
-from uwopt.solvers.exact.outline import Level, OutlineRows, OutlineTables, port_tree
+from uwopt.solvers.exact.outline import Level, OutlineRows, OutlineTables
 from uwopt.solvers.exact.pair_groups import PairGroups
+from uwopt.solvers.exact.port_groups import port_tree
 from uwopt.solvers.exact.screen import level_set, pair_rules
 from uwopt.solvers.exact.search import Cheapest, Search
 from uwopt.solvers.exact.signals import SignalTables

@@ -15,7 +15,8 @@ from thorough import drawn
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.problem import Parts
-from uwopt.solvers.exact.outline import Level, OutlineRows, port_tree
+from uwopt.solvers.exact.outline import Level, OutlineRows
+from uwopt.solvers.exact.port_groups import port_tree
 
 CASES = drawn((35, 48), tuple(range(100)))  # quickly enumerated; complete cameras stand among their feasible designs
 BURNING = lamp("burning", kind="continuous", flux_lm=20_000.0, power_w=100.0)

@@ -14,7 +14,8 @@ from thorough import drawn
 
 from uwopt.catalog.records import Housing, exact
 from uwopt.forward.enclosures import fits_inside
-from uwopt.solvers.exact.outline import Level, OutlineRows, port_tree
+from uwopt.solvers.exact.outline import Level, OutlineRows
+from uwopt.solvers.exact.port_groups import port_tree
 
 CASES = drawn(RICH[1:3], tuple(range(100)))
 

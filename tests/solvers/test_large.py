@@ -18,15 +18,16 @@ from uwopt.deadline import Deadline
 from uwopt.forward.problem import Problem
 from uwopt.objectives.dominance import hypervolume
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.exact import large, node_bounds, outline
+from uwopt.solvers.exact import large, node_bounds, port_groups
 from uwopt.solvers.exact import search as exact_search
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.audit import audit
 from uwopt.solvers.exact.candidates import Candidates
 from uwopt.solvers.exact.imagers import Imagers, enumerate_imagers, fitting_pairs
 from uwopt.solvers.exact.node_bounds import Corner
-from uwopt.solvers.exact.outline import Level, OutlineRows, OutlineScene, port_tree
+from uwopt.solvers.exact.outline import Level, OutlineRows, OutlineScene
 from uwopt.solvers.exact.pair_groups import PairGroups
+from uwopt.solvers.exact.port_groups import port_tree
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.front.designs import found_of
 from uwopt.solvers.front.search import Front, FrontSearch
@@ -39,7 +40,7 @@ VARIED = ("read_noise_e", "saturation_e", "qe_scale", "power_w", "price")  # of 
 def as_if_large(monkeypatch: pytest.MonkeyPatch) -> None:
     """Few pairs, ports and imagers at a time."""
     monkeypatch.setattr(exact_search, "MOST_IMAGERS", 0)
-    monkeypatch.setattr(outline, "BRANCHES", 2)
+    monkeypatch.setattr(port_groups, "BRANCHES", 2)
     for name, value in (("FIRST_ROWS", 1), ("LARGEST_ROWS", 4), ("FIRST_LEAVES", 1), ("LARGEST_LEAVES", 2)):
         monkeypatch.setattr(large, name, value)
 

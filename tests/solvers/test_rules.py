@@ -33,7 +33,8 @@ from uwopt.solvers.exact.account import RULES
 from uwopt.solvers.exact.bounds import Bounds
 from uwopt.solvers.exact.imagers import IMAGER_RULES, enumerate_imagers, fitting_pairs
 from uwopt.solvers.exact.node_bounds import NODE_RULES
-from uwopt.solvers.exact.outline import Level, OutlineRows, port_tree
+from uwopt.solvers.exact.outline import Level, OutlineRows
+from uwopt.solvers.exact.port_groups import port_tree
 from uwopt.solvers.exact.screen import pair_rules
 from uwopt.solvers.exact.search import Search
 

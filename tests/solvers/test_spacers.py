@@ -9,7 +9,8 @@ from random_cases import case, enumerated, ranked
 from thorough import drawn
 
 from uwopt.solvers.exact.imagers import enumerate_imagers
-from uwopt.solvers.exact.outline import Level, OutlineRows, port_tree
+from uwopt.solvers.exact.outline import Level, OutlineRows
+from uwopt.solvers.exact.port_groups import port_tree
 
 CASES = drawn((34, 52), tuple(range(100)))  # a best design of each stands on a ring
 

@@ -6,7 +6,7 @@ the lights that are able enough, and no quantisation: each term at its least, so
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -21,6 +21,7 @@ from uwopt.forward.views import CORNER_FIELD, RMS_FIELD
 from uwopt.model import sensor
 from uwopt.model.aberration import field_blur
 from uwopt.objectives.objective import Objective, Terms
+from uwopt.solvers.exact import off_balance
 from uwopt.solvers.exact.imager_rules import limit
 from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.light_tables import FieldTables
@@ -41,8 +42,6 @@ from uwopt.tolerances import COARSE_ROUND, ROUND
 from uwopt.units import ratio_to_db
 
 Array = NDArray[Any]
-NEAR_BALANCE = 0.75  # of a limit: how much of their white balance images owe to the water's shortest paths, as a rule
-BALANCE_MET = 1.0 + 1e-8  # of a limit, beyond what an evaluation takes for met
 
 
 class Bounds:
@@ -78,39 +77,9 @@ class Bounds:
         for kind in np.unique(table.kind):
             own = table.kind == kind
             bounds = bounds.better_of(self._kind_bounds(k, own, int(kind), rows, pixel_e or {}))
-        off = (bounds.rule < 0) & self._is_off_balance(k, rows)
+        off = (bounds.rule < 0) & off_balance.by_water(self.tables, self.imagers, k, rows)
         rule = np.where(off, NODE_RULES.index("max_white_balance"), bounds.rule)
         return replace(bounds, rule=rule, value=np.where(off, np.inf, bounds.value))
-
-    def _is_off_balance(self, k: int, rows: Array) -> Array:
-        """Whether the water alone takes the colours of these imagers too far apart, in some scene; (n,)."""
-        off = np.zeros(len(rows), bool)
-        for index, least, most in self._balances(k, rows):
-            if self.problem.scenes[index].view.requirements.min_snr:  # without any light no colour is stronger
-                off |= least > most
-        return off
-
-    def _is_seen_off_balance(self, k: int, rows: Array) -> Array:
-        """Whether images are off balance under one lighting in some scene, asked where the water nearly says so."""
-        off = np.zeros(len(rows), bool)
-        for index, least, most in self._balances(k, rows):
-            doubtful = np.flatnonzero(~off & (least > NEAR_BALANCE * most))
-            if len(doubtful) and not self.problem.paper:
-                seen = self.tables.balance(index, self.tables.lightings[k], rows[doubtful])
-                off[doubtful] = seen > most * BALANCE_MET
-        return off
-
-    def _balances(self, k: int, rows: Array) -> Iterator[tuple[int, Array, float]]:
-        """Each scene in which lamps alone keep a white balance, what the water leaves at least, and what is asked."""
-        scenes = [(i, scene.view.requirements.max_white_balance) for i, scene in enumerate(self.problem.scenes)]
-        asked = [(index, most) for index, most in scenes if most is not None and not self.is_sunlit(index)]
-        if not asked:
-            return
-        curves, back = distinct(self.problem.cameras.qe_index[self.imagers.camera[rows]])
-        for index, most in asked:
-            lighting = self.tables.lightings[k]
-            least = [self.tables.least_balance(index, lighting, int(curve)) for curve in curves]
-            yield index, np.array(least)[back], most
 
     def asks_of_images(self) -> bool:
         """Whether `of_pixels` may know more than `of_nodes`: pixels or colours count that lamps alone light."""
@@ -149,7 +118,7 @@ class Bounds:
         That pixel has at most the light that `likely_pixel` finds, whatever the number of lamps, and no less is needed
         of it at the farthest altitude than at any. No bound is lower than that of the mean alone.
         """
-        off = self._is_seen_off_balance(k, rows)
+        off = off_balance.by_image(self.tables, self.imagers, k, rows)
         bounds = NodeBounds.empty(len(rows))
         bounds.rule[:] = NODE_RULES.index("max_white_balance")
         if not off.all():

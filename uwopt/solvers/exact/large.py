@@ -28,8 +28,9 @@ from uwopt.solvers.exact.light_tables import FieldTables
 from uwopt.solvers.exact.node_bounds import NODE_RULES
 from uwopt.solvers.exact.oblique import PlaneReach, deepest_m
 from uwopt.solvers.exact.open_rows import OpenRows, WaitingRows
-from uwopt.solvers.exact.outline import Level, OutlineRows, OutlineTables, port_tree
+from uwopt.solvers.exact.outline import Level, OutlineRows, OutlineTables
 from uwopt.solvers.exact.pair_groups import PairGroups, spread
+from uwopt.solvers.exact.port_groups import port_tree
 from uwopt.tolerances import COARSE_ROUND
 
 Array = NDArray[Any]
