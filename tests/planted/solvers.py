@@ -332,7 +332,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="groups of ports cost as much as their dearest",
-        file="uwopt/solvers/exact/outline.py",
+        file="uwopt/solvers/exact/port_groups.py",
         old='first, **low(*sizes, "price", "limit_price", "mass_kg"),',
         new='first, **low(*sizes, "limit_price", "mass_kg"), **high("price"),',
         test=f"{BOUNDS}test_a_group_of_ports_is_bounded_by_its_best[lamps in steps]",
