@@ -243,6 +243,14 @@ DEFECTS = (
         "::test_requirements_that_give_together_are_found_among_a_few_imagers[asked1-given1]",
     ),
     Defect(
+        name="what may help is not asked of a few imagers where all would take too long",
+        file="uwopt/solvers/explain/singles.py",
+        old="        if self.hopes.get(name):\n            self._try_among",
+        new="        if False:\n            self._try_among",
+        test="tests/solvers/test_least_change.py"
+        "::test_what_may_help_is_asked_of_a_few_imagers_where_all_would_take_too_long",
+    ),
+    Defect(
         name="good practice is taken for what a person wrote",
         file="uwopt/solvers/explain/weakened.py",
         old="values <= {None, FILLED_IN.get(key)}",

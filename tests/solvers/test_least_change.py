@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -456,3 +457,19 @@ def test_what_a_person_wrote_is_known_from_what_good_practice_fills_in():
     keys = ("overlap", "min_uniformity", "min_mtf_half_nyquist", "lens_stop_down", "max_airy_px")
     assert [is_filled_in(wanted, "requirements", key) for key in keys] == [False, False, True, True, True]
     assert [is_filled_in(wanted, "limits", key) for key in ("cost", "depth_rating_m")] == [False, True]
+
+
+def test_what_may_help_is_asked_of_a_few_imagers_where_all_would_take_too_long(parts, catalog, monkeypatch):
+    monkeypatch.setattr(singles, "IMAGER_S", math.inf)
+    monkeypatch.setattr(Trials, "turn", lambda self: self.deadline)
+    wanted = mission(parts, min_swath_m=9.0)  # the one lens sees 1.42 m
+    one = Singles(Trials(wanted, catalog, POWER, "never", Deadline(1000.0, lambda: 0.0)), hopes={"min_swath_m": 0.5})
+    few = one.trials.relaxer.seek
+    monkeypatch.setattr(
+        Relaxer, "among_few",
+        lambda self, mission, goal, freed, *_, **more: few(mission, goal, freed, enough=True, few_first=False),
+    )  # fmt: skip
+    one.drop_hopeful()
+    assert [helps.name for helps in one.helpful] == ["min_swath_m"]
+    one.drop_rest()
+    assert "min_swath_m" not in one.left and "overlap" in one.left

@@ -194,13 +194,21 @@ class Singles:
             try:
                 one = phase.at_most(trials.turn().left_s if turn is None else turn * phase.left_s)
                 if one.left_s < IMAGER_S * self._imagers_without(name):
-                    continue  # its imagers alone would take all of it
+                    if self._helps_among_few(name, one):  # all its imagers alone would take longer
+                        known.append(name)
+                    continue
                 if self._is_known(name, self.left[name], one):
                     known.append(name)
             except KeyboardInterrupt:
                 trials.interrupted = True
         self.useless |= set(known) - {one.name for one in self.helpful}
         self.left = {name: limit for name, limit in self.left.items() if name not in known}
+
+    def _helps_among_few(self, name: str, turn: Deadline) -> bool:
+        """Whether one that rules let through among a few imagers helps by them, given more time than at first."""
+        if self.hopes.get(name):
+            self._try_among(name, FEW_IMAGERS, turn)
+        return any(one.name == name for one in self.helpful)
 
     def _imagers_without(self, name: str) -> float:
         """How many imagers are to be looked at first without a requirement; none where that is not known."""
