@@ -85,7 +85,7 @@ after 9 s, or 5 s after the search that finds nothing, and it says what is open.
 changes that help together.
 
 The rows of `1e88ce4` were made on two cores that several programs shared, where a second of the processor does about
-half as much: of the plankton mission that is asked for light too even, the code before took 68 s there and told nothing,
+half as much: of the plankton mission that is asked for light too even, the code before took 68 s and told nothing,
 this code 32 to 45 s. What falls short: its search alone is beyond 10 s; where images are dear (stereo pairs, plankton,
 the harbour) half of the requirements are answered at best, and changes are told without proof that less does not do:
 reef-mosaic by max_gsd_mm 0.5 is told 0.727 mm in 60 s and 2.65 mm in 5 s, where 0.66 does and 0.63 does not.
