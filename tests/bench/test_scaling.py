@@ -30,7 +30,8 @@ from uwopt.catalog.parts.lens import Lens
 from uwopt.catalog.parts.light import Light
 from uwopt.catalog.parts.part import Part
 from uwopt.catalog.parts.port import Port
-from uwopt.forward.problem import Parts, Problem
+from uwopt.forward.parts import Parts
+from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact import search as exact_search
 from uwopt.solvers.exact.account import Outcome

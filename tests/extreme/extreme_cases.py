@@ -12,7 +12,8 @@ import small_catalogues as small
 
 from uwopt.catalog.parts.light import Light
 from uwopt.catalog.records import exact
-from uwopt.forward.problem import Parts, Problem
+from uwopt.forward.parts import Parts
+from uwopt.forward.problem import Problem
 from uwopt.mission.mission import load_mission
 from uwopt.objectives.objective import Objective
 from uwopt.results.result import Result

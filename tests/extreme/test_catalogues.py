@@ -17,7 +17,7 @@ from thorough import THOROUGH
 
 import uwopt
 from uwopt.catalog.records import exact
-from uwopt.forward.problem import Parts
+from uwopt.forward.parts import Parts
 from uwopt.solvers.exact.account import Outcome
 
 EXAMPLES = 60 if THOROUGH else 4

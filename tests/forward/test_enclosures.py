@@ -25,7 +25,8 @@ from uwopt.forward.enclosures import (
     takes,
     tight_at_worst,
 )
-from uwopt.forward.problem import Parts, Problem
+from uwopt.forward.parts import Parts
+from uwopt.forward.problem import Problem
 from uwopt.mission.mission import load_mission
 from uwopt.mission.practice import with_practice
 

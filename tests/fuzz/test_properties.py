@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 
 import uwopt
 from uwopt.catalog.records import exact
-from uwopt.forward.problem import Parts
+from uwopt.forward.parts import Parts
 
 SAME = 1e-9  # below that two designs count as equal and part ids decide
 VEILED = 1e-6  # the search closes bounds of veiled scenes to about that

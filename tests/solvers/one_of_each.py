@@ -20,7 +20,7 @@ from uwopt.catalog.parts.lens import Lens
 from uwopt.catalog.parts.light import Light
 from uwopt.catalog.parts.port import Port
 from uwopt.catalog.records import exact
-from uwopt.forward.problem import Parts
+from uwopt.forward.parts import Parts
 from uwopt.forward.scene import scene_optics
 from uwopt.mission.mission import load_mission
 from uwopt.objectives.objective import Objective

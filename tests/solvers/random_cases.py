@@ -15,7 +15,8 @@ from thorough import THOROUGH, drawn
 from uwopt.catalog.parts.light import Light
 from uwopt.catalog.records import exact
 from uwopt.evaluation.design_model import DesignModel
-from uwopt.forward.problem import Parts, Problem
+from uwopt.forward.parts import Parts
+from uwopt.forward.problem import Problem
 from uwopt.forward.views import Views
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective

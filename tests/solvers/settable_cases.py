@@ -22,7 +22,8 @@ from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.figures import SettingRows
 from uwopt.forward.focus import place_focus
 from uwopt.forward.part_columns import FLASH, PULSED
-from uwopt.forward.problem import Parts, Problem
+from uwopt.forward.parts import Parts
+from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.report.text import formats, vocabulary

@@ -18,7 +18,7 @@ from uwopt.catalog.parts.light import Light
 from uwopt.catalog.parts.port import Port
 from uwopt.catalog.parts.quantity import Curve, Quantity
 from uwopt.catalog.records import exact
-from uwopt.forward.problem import Parts
+from uwopt.forward.parts import Parts
 from uwopt.mission.mission import Mission, load_mission
 
 Rng = np.random.Generator

@@ -13,7 +13,7 @@ from random_cases import THOROUGH, Case, bench, case, enumerated, lamp, planted
 from thorough import drawn
 
 from uwopt.catalog.records import exact
-from uwopt.forward.problem import Parts
+from uwopt.forward.parts import Parts
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact import imagers
 from uwopt.solvers.exact import search as exact_search

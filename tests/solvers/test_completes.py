@@ -14,7 +14,7 @@ from thorough import drawn
 
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.designs import Hardware, SceneSettings
-from uwopt.forward.problem import Parts
+from uwopt.forward.parts import Parts
 from uwopt.solvers.exact.outline import Level, OutlineRows
 from uwopt.solvers.exact.port_groups import port_tree
 

@@ -18,7 +18,8 @@ from thorough import drawn
 from uwopt.catalog.parts.quantity import Quantity
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.part_columns import FAVOURED
-from uwopt.forward.problem import Parts, Problem
+from uwopt.forward.parts import Parts
+from uwopt.forward.problem import Problem
 from uwopt.solvers.confidence import polish as polish_module
 from uwopt.solvers.confidence import proof as proof_module
 from uwopt.solvers.confidence import search as search_module

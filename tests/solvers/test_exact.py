@@ -26,7 +26,7 @@ from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.designs import SceneSettings
 from uwopt.forward.focus import place_focus
 from uwopt.forward.part_columns import CONTINUOUS
-from uwopt.forward.problem import Parts
+from uwopt.forward.parts import Parts
 from uwopt.solvers.exact import evaluation
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.recommend import hardware_of

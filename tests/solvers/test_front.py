@@ -17,7 +17,7 @@ import random_cases as rc
 import small_catalogues as small
 from thorough import drawn
 
-from uwopt.forward.problem import Parts
+from uwopt.forward.parts import Parts
 from uwopt.objectives.axes import Axes, Frame
 from uwopt.objectives.dominance import hypervolume, nondominated
 from uwopt.objectives.objective import Objective

@@ -23,7 +23,7 @@ from uwopt.deadline import Deadline
 from uwopt.evaluation.design_model import DesignModel, design_model
 from uwopt.evaluation.focus_marks import focus_distances_m
 from uwopt.forward.figures import SettingRows
-from uwopt.forward.problem import Parts
+from uwopt.forward.parts import Parts
 from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.tables import result_blocks

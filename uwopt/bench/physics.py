@@ -13,7 +13,8 @@ from uwopt.evaluation.accuracy import FINEST, is_number, relative_change
 from uwopt.evaluation.design import evaluate_design
 from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.effects import effects_kept
-from uwopt.forward.problem import Parts, Problem
+from uwopt.forward.parts import Parts
+from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.goal import goal_of

@@ -19,7 +19,8 @@ from typing import Any
 from uwopt.bench.scaling_parts import DEPTH_M, made_parts
 from uwopt.bench.suite import BenchRow, BenchTable, Budget, Suite
 from uwopt.deadline import NEVER, Deadline
-from uwopt.forward.problem import Parts, Problem
+from uwopt.forward.parts import Parts
+from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.objectives.goal import goal_of
 from uwopt.solvers.exact.account import Outcome

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from uwopt.catalog.load import built_in_catalog
 from uwopt.catalog.records import Camera, Lens, Light, Part, Port, Quantity, exact
-from uwopt.forward.problem import Parts
+from uwopt.forward.parts import Parts
 
 Array = NDArray[Any]
 P = TypeVar("P", bound=Part)

@@ -23,7 +23,8 @@ from uwopt.evaluation.resolved import Measured, resolved
 from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.figures import Figures, SettingRows
 from uwopt.forward.lamps import Mount, mission_mounts
-from uwopt.forward.problem import Parts, Problem
+from uwopt.forward.parts import Parts
+from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.mission.sections.vehicle import LightMount
 from uwopt.model.effects import Effects

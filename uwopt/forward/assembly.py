@@ -19,7 +19,8 @@ from uwopt.forward.enclosures import enclosed
 from uwopt.forward.fixed_settings import cannot_be_set
 from uwopt.forward.focus import default_dioptres_per_m
 from uwopt.forward.lamps import Mount, mount_at
-from uwopt.forward.problem import Parts, Problem
+from uwopt.forward.parts import Parts
+from uwopt.forward.problem import Problem
 from uwopt.forward.spacers import ring_behind_m
 from uwopt.forward.views import focus_map, views
 from uwopt.mission.mission import Mission

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -19,11 +19,10 @@ from numpy.typing import NDArray
 from uwopt.catalog import money
 from uwopt.catalog.interfaces import does_reach
 from uwopt.catalog.parts.light import NO_LAMP
-from uwopt.catalog.records import Camera, Lens, Light, Part, Port
+from uwopt.catalog.records import Camera, Part
 from uwopt.catalog.rest import DISK_GB, Per, RestItem, RestNeeds, disk_price_per_gb, rest_items
 from uwopt.catalog.spacers import spacer_mass_g, spacer_price
 from uwopt.forward import switching
-from uwopt.forward.enclosures import camera_with_size, lens_with_size
 from uwopt.forward.fixed_settings import at_exposure, at_level
 from uwopt.forward.lamps import (
     Mount,
@@ -46,8 +45,8 @@ from uwopt.forward.part_columns import (
     number,
     port_rows,
 )
+from uwopt.forward.parts import Parts, estimated
 from uwopt.forward.scene import SceneOptics, glass_index, scene_optics
-from uwopt.forward.spacers import lens_with_spacers, without_spacers
 from uwopt.forward.spectra import Contraction, LightPart
 from uwopt.forward.views import port_shape, port_shapes
 from uwopt.mission.duration import Duration
@@ -60,37 +59,6 @@ from uwopt.model.imaging import PortShape
 from uwopt.units import db_to_ratio
 
 Array = NDArray[Any]
-
-
-@dataclass(frozen=True)
-class Parts:
-    """The parts that take part, as records."""
-
-    cameras: tuple[Camera, ...]
-    lenses: tuple[Lens, ...]
-    ports: tuple[Port, ...]
-    lights: tuple[Light, ...]
-
-
-def estimated(mission: Mission, parts: Parts) -> Parts:
-    """The parts with the estimates that only some missions ask for: what they draw while off, their
-    computer, how large they are, and what rings lenses bear."""
-    vehicles = [view.vehicle for view in mission.views]
-    if switching.any_off(vehicles, "lamps_between_images"):
-        parts = replace(parts, lights=tuple(switching.light_with_estimates(p) for p in parts.lights))
-    if switching.any_off(vehicles, "camera_between_images"):
-        parts = replace(parts, cameras=tuple(switching.camera_with_estimates(p) for p in parts.cameras))
-    if mission.catalog.host == "estimate":
-        parts = replace(parts, cameras=tuple(switching.camera_with_host(p) for p in parts.cameras))
-    spaced = lens_with_spacers if mission.catalog.spacers == "allow" else without_spacers
-    parts = replace(parts, lenses=tuple(spaced(p) for p in parts.lenses))
-    if mission.catalog.housing == "required" or any(port.housing and not port.complete for port in parts.ports):
-        parts = replace(
-            parts,
-            cameras=tuple(camera_with_size(p) for p in parts.cameras),
-            lenses=tuple(lens_with_size(p) for p in parts.lenses),
-        )
-    return parts
 
 
 #: Distances in water at which lenses are meant to be focused, from places of cameras and lenses, pair by pair.

@@ -14,7 +14,8 @@ import numpy as np
 from uwopt.catalog.parts.doubts import doubtful, taken_as
 from uwopt.catalog.records import Port
 from uwopt.forward.part_columns import FAVOURED
-from uwopt.forward.problem import Parts, Problem
+from uwopt.forward.parts import Parts
+from uwopt.forward.problem import Problem
 from uwopt.solvers.confidence.draws import triangular
 from uwopt.solvers.confidence.scenarios import Scenarios, brighter
 

@@ -29,7 +29,8 @@ from numpy.typing import NDArray
 from uwopt.catalog.parts.doubts import doubtful, taken_as
 from uwopt.catalog.records import Camera, Lens, Light, exact
 from uwopt.forward.part_columns import FAVOURED
-from uwopt.forward.problem import Parts, Problem
+from uwopt.forward.parts import Parts
+from uwopt.forward.problem import Problem
 from uwopt.forward.scene import SceneOptics
 from uwopt.model.beam import Beam, half_power_angle_rad
 from uwopt.model.scattering import PhaseTable

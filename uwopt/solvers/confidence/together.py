@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from uwopt.catalog.records import Camera, Part
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.part_columns import FLASH
-from uwopt.forward.problem import MeantFocus, Parts, Problem
+from uwopt.forward.parts import Parts
+from uwopt.forward.problem import MeantFocus, Problem
 from uwopt.forward.scene import DESIGN_WAVELENGTH_NM, SceneOptics
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.forward.sharpness import SharpRows

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.columns import rows_alike
-from uwopt.forward.problem import Parts, Problem
+from uwopt.forward.parts import Parts
+from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.lightings import Lighting

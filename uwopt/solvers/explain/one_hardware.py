@@ -9,7 +9,8 @@ import numpy as np
 
 from uwopt.catalog.records import Part
 from uwopt.deadline import NEVER, Deadline
-from uwopt.forward.problem import Parts, Problem
+from uwopt.forward.parts import Parts
+from uwopt.forward.problem import Problem
 from uwopt.forward.scene import SceneOptics
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective

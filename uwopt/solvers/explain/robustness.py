@@ -23,7 +23,8 @@ from uwopt.deadline import NEVER, Deadline
 from uwopt.evaluation.bill import beside_parts
 from uwopt.evaluation.design_model import design_model
 from uwopt.forward.part_columns import FAVOURED
-from uwopt.forward.problem import Parts, Problem
+from uwopt.forward.parts import Parts
+from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Assumption
 from uwopt.solvers.exact.ranking import Found

@@ -23,7 +23,8 @@ from uwopt.catalog.parts.kinds import ALL_FIELDS, FAVOURED
 from uwopt.catalog.records import Part, Quantity, exact
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.designs import Hardware
-from uwopt.forward.problem import Parts, Problem
+from uwopt.forward.parts import Parts
+from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.explain.one_hardware import KINDS, best_of_each
 

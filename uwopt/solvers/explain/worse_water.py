@@ -16,7 +16,8 @@ from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import UwoptError
 from uwopt.evaluation.design import evaluate_design
 from uwopt.forward.designs import Hardware, SceneSettings
-from uwopt.forward.problem import Parts, Problem
+from uwopt.forward.parts import Parts
+from uwopt.forward.problem import Problem
 from uwopt.mission.keys import CLARITY_KEYS, JERLOV_TYPES
 from uwopt.mission.mission import Mission
 from uwopt.objectives.goal import goal_of
