@@ -169,6 +169,17 @@ def test_rows_of_daylight_are_found_again(orders: Any) -> None:
     assert abs(seen.path / path - row.path) < 5 * np.hypot(seen.path_error / path, row.path_error)
 
 
+def test_suns_from_all_about_are_an_even_sky(orders: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    # one ring, all of Snell's cone: the path radiance of the table of daylight, from walks of their own
+    low_sun, daylight = orders("low_sun"), orders("daylight")
+    monkeypatch.setattr(low_sun, "RINGS", ((daylight.COS_SKY, 1.0),))
+    row = next(r for r in daylight.read() if r.case.number == 25 and r.place == "mean")
+    (sun,) = low_sun.suns(row.case, drawn(1e-3, 0.25))
+    assert sun.mean == pytest.approx(row.path, rel=drawn(0.5, 0.04))
+    by_quarter = np.array(sun.corner)
+    assert np.all(np.abs(by_quarter / by_quarter.mean() - 1.0) < drawn(2.0, 0.7))
+
+
 def test_a_floor_without_water_keeps_the_skys_light(orders: Any) -> None:
     # water that takes nothing on its way: all light of the cone arrives, and a grey floor sends 1 + 0 touches more
     daylight, walk = orders("daylight"), orders("walk")

@@ -83,6 +83,13 @@ DEFECTS = (
         test=f"{MONTE_CARLO}::test_rows_of_daylight_are_found_again",
     ),
     Defect(
+        name="walks sorted by the sun forget what the water absorbs",
+        file="docs/validation/orders/low_sun.py",
+        old="weight = survivor(rng, weight * water.albedo, LEAST * first)",
+        new="weight = survivor(rng, weight, LEAST * first)",
+        test=f"{MONTE_CARLO}::test_suns_from_all_about_are_an_even_sky",
+    ),
+    Defect(
         name="light that leaves out orders is bounded without the sun",
         file="uwopt/forward/effects.py",
         old='found["multiple_scattering"] = (bound + sun + other, saved_s)',

@@ -15,7 +15,7 @@ from scipy.optimize import least_squares
 from uwopt.model import multiple, scattering, sunlight
 from uwopt.model.water import illumination_attenuation_per_m
 
-from .daylight import TALLIES, Light, read
+from .daylight import TALLIES, Case, Light, read
 from .model import phase_table
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
@@ -35,36 +35,42 @@ class Constants(NamedTuple):
 USED = Constants(multiple.SUN_VEIL_DEG, multiple.SUN_BACK, multiple.SUN_BACK_DEG, multiple.SUN_BACK_POWER)
 
 
-def rays(row: Light) -> tuple[np.ndarray, np.ndarray]:
+def rays_of(case: Case, *, corner: bool) -> tuple[np.ndarray, np.ndarray]:
     """Cosines of the rays from straight down, and their weights times cos^4."""
-    if row.place == "corner":
-        cos = np.array([1.0 / np.sqrt(1.0 + 2.0 * row.case.tangent**2)])
+    if corner:
+        cos = np.array([1.0 / np.sqrt(1.0 + 2.0 * case.tangent**2)])
         return cos, cos**4
     u, v = np.meshgrid(NODES, NODES)
-    cos = 1.0 / np.sqrt(1.0 + row.case.tangent**2 * (u * u + v * v).ravel())
+    cos = 1.0 / np.sqrt(1.0 + case.tangent**2 * (u * u + v * v).ravel())
     return cos, np.outer(WEIGHTS, WEIGHTS).ravel() / 4.0 * cos**4
+
+
+def source_per_m(case: Case, constants: Constants) -> float:
+    """What of daylight a case's water scatters back."""
+    return case.c_per_m * case.albedo * beyond(case, constants.back_deg)
+
+
+def beyond(case: Case, degrees: float) -> float:
+    """Share scattered by more than an angle."""
+    return scattering.share_beyond(float(np.deg2rad(np.clip(degrees, 1.0, 179.0))), phase_table(case.phase))
 
 
 def model(row: Light, constants: Constants = USED, *, multiple_scattering: bool = True) -> dict[str, float]:
     """Forward veil and path radiance over the irradiance at the port [1/sr]."""
-    case, (cos, weight) = row.case, rays(row)
+    case, (cos, weight) = row.case, rays_of(row.case, corner=row.place == "corner")
     b = case.c_per_m * case.albedo
     a, path_m = case.c_per_m - b, case.altitude_m / cos
     kd = float(np.log(row.at_port / row.at_floor) / case.altitude_m)
     table = phase_table(case.phase)
-
-    def beyond(degrees: float) -> float:
-        return scattering.share_beyond(float(np.deg2rad(np.clip(degrees, 1.0, 179.0))), table)
-
     seen = dict(
         kd_per_m=np.array([kd]), depth_m=case.altitude_m, path_m=path_m, cos_field=cos, elevation_rad=ELEVATION_RAD,
         n_water=N_WATER,
     )  # fmt: skip
     entering = np.ones(1) / sunlight.REFERENCE_TRANSMITTANCE  # the port lies just below the surface
     if multiple_scattering:
-        every = case.c_per_m - b * (1.0 - beyond(constants.veil_deg))
+        every = case.c_per_m - b * (1.0 - beyond(case, constants.veil_deg))
         path = sunlight.diffuse_path_radiance_w_m2_sr_nm(
-            entering, absorption_per_m=np.array([a]), backward_per_m=np.array([b * beyond(constants.back_deg)]), **seen
+            entering, absorption_per_m=np.array([a]), backward_per_m=np.array([source_per_m(case, constants)]), **seen
         )
         path *= constants.back / multiple.SUN_BACK * max(kd / a, 1.0) ** (constants.power - multiple.SUN_BACK_POWER)
     else:
