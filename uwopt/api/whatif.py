@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from uwopt.api.common import Progress, Source, central_notes, time_warnings
 from uwopt.api.floats import own_float_rules
-from uwopt.api.solving import patience_warnings
+from uwopt.api.search_notes import patience_warnings
 from uwopt.api.timing import timed
 from uwopt.api.varied import At, Switches, Systems, VariedGrid
 from uwopt.deadline import Deadline

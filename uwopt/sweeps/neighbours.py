@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from uwopt.api.common import base_result, prepared, selection_warnings
 from uwopt.api.floats import own_float_rules
-from uwopt.api.solving import gain_warnings
+from uwopt.api.search_notes import gain_warnings
 from uwopt.mission.doubt import CENTRAL
 from uwopt.mission.mission import Mission
 from uwopt.objectives.goal import goal_of, taken_instead

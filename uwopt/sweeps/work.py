@@ -16,7 +16,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from uwopt.api.solving import interrupted, solve
+from uwopt.api.search_notes import interrupted
+from uwopt.api.solving import solve
 from uwopt.errors import UwoptError
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Value, Varied, VariedMission
