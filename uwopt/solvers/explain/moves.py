@@ -21,7 +21,7 @@ from uwopt.solvers.recommend import Sought
 from uwopt.units import split_unit
 
 FARTHEST_SPEED = 0.1  # of the speed that is asked
-ALTITUDES = (0.4, 0.65, 1.5)  # of the altitude that is asked; what is near and fits at all fits soonest
+ALTITUDES = (0.4, 0.65, 1.5, 0.15)  # of the altitude that is asked; what is near and fits at all fits soonest
 FARTHEST_CLARITY = (40.0, 8.0)  # times as clear: the first that is no more than water can be
 FARTHEST_TIME = 10.0  # times as long between images, or as short a duty
 SHARE = 0.6  # of the time, for trying all keys far from where they stand
