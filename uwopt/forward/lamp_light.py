@@ -27,6 +27,7 @@ from uwopt.forward.spectra import LightPart, sees_colours
 from uwopt.forward.views import Views
 from uwopt.model import beam as beams
 from uwopt.model.image_mean import (
+    FEW_FRAME_MAY_MISS,
     FRAME_MAY_MISS,
     along_symmetric,
     each_lamp,
@@ -298,7 +299,7 @@ class LampField:
         shape = (len(signal), len(self.scene.range_m), signal.shape[2])
         signal = np.broadcast_to(signal, shape)
         veil_there = None if veil_there is None else np.broadcast_to(veil_there, shape)
-        may_miss = FRAME_MAY_MISS if pixels == "frame" and signal.shape[2] > 1 else 0
+        may_miss = self.may_miss if pixels == "frame" and signal.shape[2] > 1 else 0
         return ImageLight(signal.min(axis=2), worst_e=signal, worst_veil_e=veil_there, may_miss=may_miss)
 
     def asked_pixels(
@@ -311,13 +312,18 @@ class LampField:
         """
         if pixels == "darkest":
             return self.at_worst_pixels(view, veils=veils, ranges_m=ranges_m)
-        places = frame_places(view.tan_along, view.tan_across)
+        places = frame_places(view.tan_along, view.tan_across, few=self.fineness.few_places)
         signal, veil_there = self.at_pixels(view, *places, veils=veils, ranges_m=ranges_m)
         if self.sunlit:  # which are worst depends on lamps and sun together
             return signal, veil_there
         if veil_there is None:
-            return reached_by_most(signal, FRAME_MAY_MISS)[:, :, None], None
-        return decisive_pixels(signal, veil_there, FRAME_MAY_MISS)
+            return reached_by_most(signal, self.may_miss)[:, :, None], None
+        return decisive_pixels(signal, veil_there, self.may_miss)
+
+    @property
+    def may_miss(self) -> int:
+        """How many of the places over the frame may be darker."""
+        return FEW_FRAME_MAY_MISS if self.fineness.few_places else FRAME_MAY_MISS
 
     def at_likely_pixels(self, view: Views, pixels: Pixels) -> Array:
         """Upper bound on the signal of the pixel that decides, at the farthest altitude: some of those asked for, (n,).

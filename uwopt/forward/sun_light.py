@@ -75,7 +75,7 @@ class SunField:
         if few:
             grid = likely_places(view, pixels)
         elif pixels == "frame":
-            grid = frame_places(view.tan_along, view.tan_across)
+            grid = frame_places(view.tan_along, view.tan_across, few=self.scene.fineness.few_places)
         else:
             points = self.problem.pixels_a_side(self.scene_index)
             grid = pixel_grid(view.tan_along, view.tan_across, half=half_grid, n_points=points)

@@ -21,11 +21,16 @@ class Fineness:
     veil: float = 1.0  # backscatter along rays and over the image
     sun: float = 1.0  # daylight over image and azimuth
     sharpness: float = 1.0  # information over spatial frequencies
-    places: float = 1.0  # grids on which the darkest place is looked for
+    places: float = 1.0  # grids on which the darkest place is looked for; below 1 also few places stand for the frame
 
     def __post_init__(self) -> None:
         if not all(0.0 < value < float("inf") for value in self.by_part().values()):
             raise ValueError(f"fineness must be finite and above 0: {self.by_part()}")
+
+    @property
+    def few_places(self) -> bool:
+        """Whether the light over the frame is asked for roughly."""
+        return self.places < 1.0
 
     @staticmethod
     def names() -> tuple[str, ...]:

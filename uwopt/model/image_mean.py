@@ -25,8 +25,10 @@ MOST_ORDER = 768
 MAX_NODES_AT_ONCE = 400_000
 PIXELS_A_SIDE = 17  # of the grid on which the worst pixel is looked for
 FRAME_PLACES, FRAME_STEP = 377, 233  # Fibonacci numbers: a lattice whose points share out the image's area evenly
+FEW_FRAME_PLACES, FEW_FRAME_STEP = 89, 55  # likewise, where shares of it are asked for roughly
 FRAME_SHARE = 0.95  # of the image: what is reached there counts as reached over the frame
 FRAME_MAY_MISS = int(FRAME_PLACES * (1.0 - FRAME_SHARE))
+FEW_FRAME_MAY_MISS = int(FEW_FRAME_PLACES * (1.0 - FRAME_SHARE))
 
 
 def field_means(
@@ -293,8 +295,8 @@ def pixel_grid(
     return tan_along[:, None] * along, tan_across[:, None] * across
 
 
-def frame_places(tan_along: Array, tan_across: Array) -> tuple[Array, Array]:
-    """Places that share out each image evenly: tangents [1], (n, FRAME_PLACES) each.
+def frame_places(tan_along: Array, tan_across: Array, *, few: bool = False) -> tuple[Array, Array]:
+    """Places that share out each image evenly: tangents [1], (n, FRAME_PLACES) each, or (n, FEW_FRAME_PLACES).
 
         u_i = 2 (i + 1/2) / F - 1,   v_i = 2 ((i F' mod F) + 1/2) / F - 1,   F, F' Fibonacci numbers
 
@@ -305,9 +307,10 @@ def frame_places(tan_along: Array, tan_across: Array) -> tuple[Array, Array]:
     ----------
     Niederreiter, Random Number Generation and Quasi-Monte Carlo Methods, SIAM 1992: good lattice points.
     """
-    index = np.arange(FRAME_PLACES)
-    along = (2.0 * index + 1.0) / FRAME_PLACES - 1.0
-    across = (2.0 * (index * FRAME_STEP % FRAME_PLACES) + 1.0) / FRAME_PLACES - 1.0
+    count, step = (FEW_FRAME_PLACES, FEW_FRAME_STEP) if few else (FRAME_PLACES, FRAME_STEP)
+    index = np.arange(count)
+    along = (2.0 * index + 1.0) / count - 1.0
+    across = (2.0 * (index * step % count) + 1.0) / count - 1.0
     return tan_along[:, None] * along, tan_across[:, None] * across
 
 

@@ -90,7 +90,7 @@ class WaterResponse:
         leg = nodes_for([state.lamp_leg for state in states])
 
         def seen(table: bool, c: float, k: float, floor: float = 1.0) -> list[SceneRows]:
-            return reference(waters.kept(WaterState(table, c, k, floor)))
+            return reference(waters.kept(WaterState(table, c, k, floor), roughly=True))
 
         corners = list(product(SIDES, SIDES)) if len(clarity) > 1 and len(leg) > 1 else []
         places = dict.fromkeys([*product(clarity, (0.0,)), *product((0.0,), leg), *corners])

@@ -25,6 +25,7 @@ from uwopt.forward.scene import (
     Scattering,
     SceneOptics,
     geometric,
+    rough,
     scene_optics,
     seen_anew,
     without_reserve,
@@ -73,7 +74,7 @@ class Waters:
     """A mission's scenes in any state, and at the nodes between which states lie."""
 
     nodes_of: list[KnownWaters]
-    known: dict[WaterState, list[SceneOptics]] = field(default_factory=dict, repr=False, compare=False)
+    known: dict[tuple[WaterState, bool], list[SceneOptics]] = field(default_factory=dict, repr=False, compare=False)
 
     @staticmethod
     def of(mission: Mission, scenes: Sequence[SceneOptics]) -> Waters:
@@ -85,22 +86,24 @@ class Waters:
         made = Waters.of(mission, scenes)
         for own, other in zip(made.nodes_of, self.nodes_of, strict=True):
             own.known, own.known_columns = other.known, other.known_columns
-        for state, known in self.known.items():
-            again = [seen_again(one, state, scene) for one, scene in zip(known, scenes, strict=True)]
+        for key, known in self.known.items():
+            again = [seen_again(one, key[0], scene) for one, scene in zip(known, scenes, strict=True)]
             there = [one for one in again if one is not None]
             if len(there) == len(again):
-                made.known[state] = there
+                made.known[key] = there
         return made
 
     def at(self, state: WaterState) -> list[SceneOptics]:
         """The scenes in one state."""
         return [nodes.at(state) for nodes in self.nodes_of]
 
-    def kept(self, state: WaterState) -> list[SceneOptics]:
-        """The same, with the tables that are made of them, for all hardware."""
-        if state not in self.known:
-            self.known[state] = self.at(state)
-        return self.known[state]
+    def kept(self, state: WaterState, *, roughly: bool = False) -> list[SceneOptics]:
+        """The same, with the tables that are made of them, for all hardware; `roughly`: see `scene.rough`."""
+        key = state, roughly
+        if key not in self.known:
+            made = self.at(state)
+            self.known[key] = [rough(one) for one in made] if roughly else made
+        return self.known[key]
 
 
 class KnownWaters:
