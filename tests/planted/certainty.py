@@ -44,7 +44,21 @@ DEFECTS = (
         file=f"{ROOM}/response.py",
         old="factor = factor * (1.0 + (bright - 1.0) * self.from_floor[index][name])",
         new="factor = factor / (1.0 + (bright - 1.0) * self.from_floor[index][name])",
-        test=f"{TESTS}::test_light_in_other_water_is_that_of_the_model",
+        test=f"{TESTS}::test_light_in_other_water_is_that_of_the_model[mean]",
+    ),
+    Defect(
+        name="few places over the frame stand on one line",
+        file="uwopt/model/image_mean.py",
+        old="FEW_FRAME_PLACES, FEW_FRAME_STEP = 89, 55",
+        new="FEW_FRAME_PLACES, FEW_FRAME_STEP = 89, 1",
+        test="tests/solvers/test_over_frame.py::test_places_share_out_the_image_evenly[True-89]",
+    ),
+    Defect(
+        name="water is rough but for what it scatters",
+        file="uwopt/forward/scene.py",
+        old="scattering_per_m=one.scattering_per_m[kept]",
+        new="scattering_per_m=0.5 * one.scattering_per_m[kept]",
+        test=f"{TESTS}::test_light_in_other_water_is_that_of_the_model[worst]",
     ),
     Defect(
         name="scenarios see a floor in proportion to its reflectance, whatever water turns back to it",
@@ -354,7 +368,7 @@ DEFECTS = (
         file=f"{ROOM}/together.py",
         old="changes[name] = np.where(seen, beyond_it, column)",
         new="changes[name] = column",
-        test=f"{TESTS}::test_light_in_other_water_is_that_of_the_model",
+        test=f"{TESTS}::test_light_in_other_water_is_that_of_the_model[mean]",
     ),
     Defect(
         name="a panel leaves the band of altitudes as its first scenario does",

@@ -13,6 +13,8 @@ from scipy.optimize import brentq
 
 from uwopt.forward.setting_rows import of_darkest_pixels
 from uwopt.model.image_mean import (
+    FEW_FRAME_MAY_MISS,
+    FEW_FRAME_PLACES,
     FRAME_MAY_MISS,
     FRAME_PLACES,
     frame_places,
@@ -24,7 +26,7 @@ from uwopt.solvers.settings import windows
 from uwopt.solvers.settings.windows import Sun
 
 SQUARE = np.array([1.0]), np.array([1.0])
-COUNTED = 1.0 / FRAME_PLACES  # to so much of the image are shares counted
+COUNTED, FEW_COUNTED = 1.0 / FRAME_PLACES, 1.0 / FEW_FRAME_PLACES  # to so much of the image are shares counted
 
 
 def radius_of(share: float) -> float:
@@ -37,22 +39,26 @@ def radius_of(share: float) -> float:
     return float(brentq(outside, 1.0, math.sqrt(2.0)))
 
 
-def test_a_twentieth_of_the_image_lies_beyond_the_place_that_counts() -> None:
-    along, across = frame_places(*SQUARE)
+@pytest.mark.parametrize(
+    ("few", "may_miss", "counted"), [(False, FRAME_MAY_MISS, COUNTED), (True, FEW_FRAME_MAY_MISS, FEW_COUNTED)]
+)
+def test_a_twentieth_of_the_image_lies_beyond_the_place_that_counts(few: bool, may_miss: int, counted: float) -> None:
+    along, across = frame_places(*SQUARE, few=few)
     # light that falls to one side, along and across: 5 % of the image lie within 0.1 of its edge
     for side in (along, across):
-        assert reached_by_most(side, FRAME_MAY_MISS)[0] == pytest.approx(-0.9, abs=2.0 * COUNTED)
+        assert reached_by_most(side, may_miss)[0] == pytest.approx(-0.9, abs=2.0 * counted)
     # and to all corners: 5 % lie farther out than a circle that the square's four segments cut
-    found = reached_by_most(-np.hypot(along, across), FRAME_MAY_MISS)[0]
-    assert -found == pytest.approx(radius_of(0.05), abs=0.01)
+    found = reached_by_most(-np.hypot(along, across), may_miss)[0]
+    assert -found == pytest.approx(radius_of(0.05), abs=4.0 * counted)
 
 
-def test_places_share_out_the_image_evenly() -> None:
-    along, across = frame_places(*SQUARE)
+@pytest.mark.parametrize(("few", "count"), [(False, FRAME_PLACES), (True, FEW_FRAME_PLACES)])
+def test_places_share_out_the_image_evenly(few: bool, count: int) -> None:
+    along, across = frame_places(*SQUARE, few=few)
     for u, v in ((0.5, 0.5), (-0.3, 0.8), (0.1, -0.6)):
         inside = ((along < u) & (across < v)).mean()
-        assert inside == pytest.approx(0.25 * (1.0 + u) * (1.0 + v), abs=0.01)
-    assert np.unique(along).size == np.unique(across).size == FRAME_PLACES
+        assert inside == pytest.approx(0.25 * (1.0 + u) * (1.0 + v), abs=4.0 / count)
+    assert np.unique(along).size == np.unique(across).size == count
 
 
 def test_the_darkest_few_may_miss() -> None:

@@ -19,7 +19,7 @@ from uwopt.errors import RangeError
 from uwopt.model.spectrum import FloatArray, trapezoid_weights_nm
 
 BLOCK = 2048  # points evaluated together: the powers of one block stay in the processor's cache
-MOST_PRODUCTS = 1_000_000  # of a product of matrices: from 2^20 on OpenBLAS wakes threads that wait for one another
+MOST_PRODUCTS = 500_000  # of a product of matrices: from 2^19 on OpenBLAS wakes threads that wait for one another
 PROBE_ORDER = 32  # of the one-dimensional trial fits that choose order and warp
 # How strongly the nodes crowd towards short ranges, where the spectrum changes most.
 WARPS = (0.0, 0.2, 0.4, 0.6, 0.8)
@@ -145,7 +145,7 @@ def product(left: Any, right: Any) -> Any:
     ----------
     Definition of the product; OpenBLAS, `interface/gemm.c`, for the size from which it takes threads.
     """
-    rows = max(MOST_PRODUCTS // (2 * right.size), 1)  # of a transposed matrix half as many wake them
+    rows = max(MOST_PRODUCTS // right.size, 1)
     if len(left) <= rows:
         return left @ right
     return np.concatenate([left[start : start + rows] @ right for start in range(0, len(left), rows)])
