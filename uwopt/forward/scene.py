@@ -7,7 +7,7 @@ and in how many altitudes stand for the tolerance.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -43,8 +43,6 @@ STEEPEST_SUN_PATH = 0.85  # way of light straight down over that of the sun at 6
 FAINTEST = 1e-9  # of a lamp's brightest colour: fainter ones count for nothing
 FAINT = 1e-12  # 1/m, below which no coefficient counts
 LEAST_SHARE = 1e-3  # of a step: a kink nearer to a point of the grid lies on it
-ROUGH_STEP = 4  # colours of a scene of which one is kept in its rough likeness
-ROUGH = fine.Fineness(spectrum=0.5, image=0.5, veil=0.75, sun=0.5, places=0.25)
 GRID_SPAN_NM = 400.0  # of `wavelength_grid_nm`
 GRID_STEP_NM = 0.5  # 1 nm would err by up to 2e-4 where turbid water leaves little light, 5 nm by 2e-3
 
@@ -330,22 +328,6 @@ def scene_optics(
         fineness=fineness,
         pitch_rad=pitch_rad,
     )
-
-
-def rough(known: SceneOptics) -> SceneOptics:
-    """The same scene with fewer colours and coarser integrals: for how light changes with the water, not for how much.
-
-    Both are off by as much in like waters: of light's changes 2e-4 is lost, and 1e-3 of those at the frame's places.
-    """
-    count = len(known.wavelength_nm)
-    kept = np.unique(np.append(np.arange(0, count, ROUGH_STEP), count - 1))
-
-    def thinned(column: Any) -> Any:
-        return column[kept] if isinstance(column, np.ndarray) and column.shape == (count,) else column
-
-    columns: dict[str, Any] = {f.name: thinned(getattr(known, f.name)) for f in fields(known)}
-    scattering = tuple(replace(one, scattering_per_m=one.scattering_per_m[kept]) for one in known.scattering)
-    return replace(known, **(columns | {"scattering": scattering, "cache": {}, "fineness": ROUGH}))
 
 
 def seen_anew(known: SceneOptics, view: SceneView) -> SceneOptics | None:

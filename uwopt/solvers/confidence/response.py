@@ -20,7 +20,6 @@ from uwopt.forward.lamp_light import ImageLight
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.setting_rows import BALANCE_ROUND, SceneRows
 from uwopt.model import sensor
-from uwopt.model.image_mean import reached_by_most
 from uwopt.solvers.confidence.waters import Waters, WaterState
 
 Array = NDArray[Any]
@@ -32,7 +31,9 @@ VEILED = (
     "veil_e", "worst_veil_e", "red_veil_e", "sun_veil_e_s", "worst_sun_veil_e_s", "sun_red_veil_e_s",
 )  # fmt: skip
 UNLIT = ("background_e",)  # open water behind targets knows no floor
-AT_PIXELS = tuple(name for name in (*LIT, *VEILED) if name.startswith("worst_"))
+OF_LAMPS, OF_SUN = ("worst_e", "worst_veil_e"), ("worst_sun_signal_e_s", "worst_sun_veil_e_s")
+AT_PIXELS = {name: both for both in (OF_LAMPS, OF_SUN) for name in both}  # signal and veil at pixels
+ABOUT = 2  # pixels on either side of the one that decides
 COLUMNS = (*LIT, *VEILED, *UNLIT)
 Reference = Callable[[list[SceneOptics]], list[SceneRows]]  # one imager's rows in these scenes
 BRIGHTER = 1.25  # floor at which the share of the veil that it sends is measured
@@ -138,16 +139,18 @@ class WaterResponse:
 
 
 def level(rows: SceneRows, name: str, row: int) -> Array:
-    """A light column of one row; of pixels what all but those that may miss it reach, the veil's mean there.
+    """A light column of one row; of pixels the mean over some about the one that decides, by s^2 / (s + v).
 
-    Which pixels may decide differs between waters; as a group they darken alike.
+    Which one decides differs between waters; those about it darken alike.
     """
     column = np.asarray(getattr(rows, name)[row])
     if name not in AT_PIXELS:
         return column
-    if name in LIT:
-        return reached_by_most(column, min(rows.may_miss, column.shape[1] - 1))[:, None]
-    return np.asarray(column.mean(axis=1, keepdims=True))
+    signal, over = (getattr(rows, one) for one in AT_PIXELS[name])
+    seen = signal[row] ** 2 / np.maximum(signal[row] if over is None else signal[row] + over[row], TINY)
+    place = min(rows.may_miss, seen.shape[1] - 1)
+    about = np.argsort(seen, axis=1, kind="stable")[:, max(place - ABOUT, 0) : place + ABOUT + 1]
+    return np.asarray(np.take_along_axis(column, about, axis=1).mean(axis=1, keepdims=True))
 
 
 def nodes_for(values: Sequence[float]) -> tuple[float, ...]:

@@ -19,13 +19,13 @@ from numpy.typing import NDArray
 from uwopt.catalog.curves.clarity import ClarityEnd
 from uwopt.catalog.curves.spectra import water_types
 from uwopt.forward.problem import Problem
+from uwopt.forward.rough import rough
 from uwopt.forward.scene import (
     LOST,
     LampLeg,
     Scattering,
     SceneOptics,
     geometric,
-    rough,
     scene_optics,
     seen_anew,
     without_reserve,
@@ -98,7 +98,7 @@ class Waters:
         return [nodes.at(state) for nodes in self.nodes_of]
 
     def kept(self, state: WaterState, *, roughly: bool = False) -> list[SceneOptics]:
-        """The same, with the tables that are made of them, for all hardware; `roughly`: see `scene.rough`."""
+        """The same, with the tables that are made of them, for all hardware; `roughly`: see `forward.rough`."""
         key = state, roughly
         if key not in self.known:
             made = self.at(state)
