@@ -29,6 +29,7 @@ settings.register_profile(
     suppress_health_check=[HealthCheck.too_slow],
 )
 settings.load_profile("uwopt")
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command does: those of two workers wait for each other
 LONGEST = ("test_readme.py", "test_types.py")
 
 
