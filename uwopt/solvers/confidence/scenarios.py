@@ -101,9 +101,9 @@ class Scenarios:
         return np.argsort([sum(loss(scene) for scene in scenes) for scenes in self.scenes], kind="stable")
 
     def scenes_at(self, share: float) -> list[SceneOptics]:
-        """The scenes, roughly, in water that takes more of the light than in so large a share of the scenarios."""
+        """The scenes in water that takes more of the light than in so large a share of the scenarios."""
         place = min(int(share * self.count), self.count - 1)
-        return self.waters.kept(self.states[int(self.by_loss[place])], roughly=True)
+        return self.waters.kept(self.states[int(self.by_loss[place])])
 
     def favoured(self, part: Any) -> Any:
         """A part that is in no scenario more favourable."""
