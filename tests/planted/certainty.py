@@ -56,7 +56,7 @@ DEFECTS = (
     Defect(
         name="the veil at any pixel stands for that where the SNR is decided",
         file=f"{ROOM}/response.py",
-        old="np.take_along_axis(column, about, axis=1).mean(axis=1, keepdims=True)",
+        old='np.take_along_axis(column, np.argsort(seen, axis=1, kind="stable")[:, place, None], axis=1)',
         new="column.mean(axis=1, keepdims=True)",
         test=f"{TESTS}::test_light_in_other_water_is_that_of_the_model[worst]",
     ),

@@ -83,10 +83,10 @@ DEFECTS = (
         test=f"{MONTE_CARLO}::test_rows_of_daylight_are_found_again",
     ),
     Defect(
-        name="walks sorted by the sun forget what the water absorbs",
+        name="an image's path radiance under a low sun is that of one quarter",
         file="docs/validation/orders/low_sun.py",
-        old="weight = survivor(rng, weight * water.albedo, LEAST * first)",
-        new="weight = survivor(rng, weight, LEAST * first)",
+        old="means = over_port[0].sum(axis=-1)",
+        new="means = over_port[0].mean(axis=-1)",
         test=f"{MONTE_CARLO}::test_suns_from_all_about_are_an_even_sky",
     ),
     Defect(
@@ -390,15 +390,15 @@ DEFECTS = (
     Defect(
         name="what the water sends back goes round for nothing",
         file="uwopt/model/widened.py",
-        old="np.arcsin(np.minimum(rest * np.sin(angle), 1.0)), s + rest - 1.0",
-        new="np.arcsin(np.minimum(rest * np.sin(angle), 1.0)), 0.0 * angle",
+        old="detour = s + rest - 1.0",
+        new="detour = 0.0 * rest",
         test=f"{FULL}::test_mean_veils_under_smooth_lobes[all orders, flat port, narrow lobes, turbid]",
     ),
     Defect(
         name="what is sent back comes from a floor's distance and not from a place about the lamp",
         file="uwopt/model/widened.py",
-        old="        if sent_back:\n            rest",
-        new="        if False:\n            rest",
+        old="        if sent_back:\n            apparent",
+        new="        if False:\n            apparent",
         test=f"{FULL}::test_mean_veils_under_smooth_lobes[all orders, flat port, narrow lobes, turbid]",
     ),
     Defect(

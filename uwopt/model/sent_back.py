@@ -30,7 +30,7 @@ from uwopt.model.image_mean import gauss
 from uwopt.model.path_table import product
 from uwopt.model.scattering import PhaseTable, look_up
 from uwopt.model.spectrum import FloatArray
-from uwopt.model.widened import ORDERS, WAY_NODES, forward_masses, legendre
+from uwopt.model.widened import ORDERS, WAY_NODES, forward_masses, legendre, seen_from_lamp
 
 EVEN_WITHIN_RAD = np.deg2rad(60.0)
 SIDE_NODES = 128  # of the cosine, on either side of that angle
@@ -117,9 +117,7 @@ def aslant_share(phase: PhaseTable | None) -> FloatArray:
     angle, mass = forward_masses(phase)
     share = np.zeros(ORDERS + 1)
     for node, weight in zip(*gauss(WAY_NODES), strict=True):
-        s = 0.5 * (node + 1.0)
-        rest = np.sqrt(1.0 - np.square(s * np.sin(angle))) - s * np.cos(angle)
-        apparent = np.arcsin(np.minimum(rest * np.sin(angle), 1.0))
+        apparent, _ = seen_from_lamp(angle, 0.5 * (node + 1.0))
         share += weight * (legendre(np.cos(angle - apparent)) @ mass)
     return share
 

@@ -242,13 +242,19 @@ def _turns(angles: bytes, sent_back: bool) -> list[tuple[FloatArray, FloatArray,
     for node, weight in zip(*gauss(WAY_NODES), strict=True):
         s = 0.5 * (node + 1.0)
         if sent_back:
-            rest = np.sqrt(1.0 - np.square(s * np.sin(angle))) - s * np.cos(angle)
-            apparent, detour = np.arcsin(np.minimum(rest * np.sin(angle), 1.0)), s + rest - 1.0
+            apparent, rest = seen_from_lamp(angle, s)
+            detour = s + rest - 1.0
         else:
             apparent = np.arctan((1.0 - s) * np.tan(angle))
             detour = s + (1.0 - s) / np.cos(angle) - 1.0 / np.cos(apparent)
         found.append((np.ascontiguousarray(legendre(np.cos(apparent)).T), np.maximum(detour, 0.0), float(weight)))
     return found
+
+
+def seen_from_lamp(angle_rad: FloatArray, share: float) -> tuple[FloatArray, FloatArray]:
+    """alpha [rad] and w [1] of light that turns by these angles (n,) at a share of a way about the lamp (n,)."""
+    rest = np.sqrt(1.0 - np.square(share * np.sin(angle_rad))) - share * np.cos(angle_rad)
+    return np.arcsin(np.minimum(rest * np.sin(angle_rad), 1.0)), rest
 
 
 @cache

@@ -83,44 +83,68 @@ def drawn_cases() -> list[Case]:
 
 
 @compiled
-def ended(
+def left(
     rng: Any, water: Water, depth: float, floor: float, z: float, dx: float, dy: float, dz: float, weight: float
-) -> tuple[float, float, float]:  # fmt: skip
-    """Follows a walk from height z to the floor or the surface: +1 or -1 (0: lost), its weight, its last cosine."""
+) -> tuple[float, float, float, float, float]:  # fmt: skip
+    """Follows a walk to the floor or out of the water: +1 or -1 (0: lost), its weight, its direction."""
     first = weight
     for _ in range(4 * MOST_STEPS):
         way = -np.log(1.0 - rng.random()) / water.c
         if dz > 0.0 and way * dz >= floor - z:
-            return 1.0, weight, dz
+            return 1.0, weight, dx, dy, dz
         if dz < 0.0 and way * dz <= -depth - z:
-            return -1.0, weight, -dz
+            return -1.0, weight, dx, dy, dz
         z += way * dz
         weight = survivor(rng, weight * water.albedo, LEAST * first)
         if weight == 0.0:
             break
         dx, dy, dz = turned(rng, dx, dy, dz, drawn_angle(rng, water, 1.0))
-    return 0.0, 0.0, 0.0
+    return 0.0, 0.0, 0.0, 0.0, 0.0
 
 
 @compiled
-def irradiance(
-    rng: Any, water: Water, depth: float, floor: float, reflectance: float, z: float, cos_sky: float, n: int
-) -> float:  # fmt: skip
-    """Downwelling irradiance at height z over that just below the surface, all touches of the floor, by n walks."""
-    total = 0.0
+def irradiances(
+    rng: Any, water: Water, depth: float, floor: float, reflectance: float, z: float, rings: Any, n: int, out: Any
+) -> None:  # fmt: skip
+    """Adds to `out` (rings,) what n walks from a level place leave in each ring, touches of the floor included."""
     for _ in range(n):
         weight, at = 1.0, z
         while weight > 0.0:
             dz = -np.sqrt(rng.random())
             phi, sine = 2.0 * np.pi * rng.random(), np.sqrt(1.0 - dz * dz)
-            end, weight, cos = ended(
+            end, weight, _x, _y, down = left(
                 rng, water, depth, floor, at, sine * np.cos(phi), sine * np.sin(phi), dz, weight
             )
             if end < 0.0:
-                total += weight * (1.0 if cos > cos_sky else 0.0)
+                for k in range(len(rings)):
+                    if rings[k, 0] < -down < rings[k, 1]:
+                        out[k] += weight
             weight = survivor(rng, weight * reflectance, LEAST) if end > 0.0 else 0.0
             at = floor
-    return total / n / (1.0 - cos_sky * cos_sky)
+
+
+def irradiance(
+    rng: Any, water: Water, depth: float, floor: float, reflectance: float, z: float, cos_sky: float, n: int
+) -> float:  # fmt: skip
+    """Downwelling irradiance at height z over that just below the surface, all touches of the floor, by n walks."""
+    total = np.zeros(1)
+    irradiances(rng, water, depth, floor, reflectance, z, np.array([[cos_sky, 2.0]]), n, total)
+    return float(total[0] / n / (1.0 - cos_sky * cos_sky))
+
+
+@compiled
+def first_turned(
+    rng: Any, water: Water, floor: float, tangent: float, spread: float, su: float, sv: float
+) -> tuple[float, float, float, float, float, float, float, float]:  # fmt: skip
+    """A walk from the camera that is scattered before the floor: its pixel's tangents, cosine and weight there, its
+    height, and the direction in which it goes on."""
+    tx = (1.0 + spread * (2.0 * (su % 1.0) - 2.0)) * tangent
+    ty = (1.0 + spread * (2.0 * (sv % 1.0) - 2.0)) * tangent
+    uz = 1.0 / np.sqrt(1.0 + tx * tx + ty * ty)
+    weight = -np.expm1(-water.c * floor / uz)
+    way = -np.log1p(-rng.random() * weight) / water.c
+    dx, dy, dz = turned(rng, tx * uz, ty * uz, uz, drawn_angle(rng, water, 1.0))
+    return tx, ty, uz, weight * water.albedo, way * uz, dx, dy, dz
 
 
 @compiled
@@ -130,17 +154,13 @@ def batch(
     """Adds n walks to `out` (2,): share that ends at the floor, scattered, and at the sky, times cos^4."""
     su, sv = rng.random(), rng.random()
     for i in range(n):
-        u = 1.0 + spread * (2.0 * ((su + i * STEP_U) % 1.0) - 2.0)
-        v = 1.0 + spread * (2.0 * ((sv + i * STEP_V) % 1.0) - 2.0)
-        tx, ty = u * tangent, v * tangent
-        uz = 1.0 / np.sqrt(1.0 + tx * tx + ty * ty)
-        weight = -np.expm1(-water.c * floor / uz)
-        way = -np.log1p(-rng.random() * weight) / water.c
-        dx, dy, dz = turned(rng, tx * uz, ty * uz, uz, drawn_angle(rng, water, 1.0))
-        end, weight, cos = ended(rng, water, depth, floor, way * uz, dx, dy, dz, weight * water.albedo)
+        _tx, _ty, uz, weight, z, dx, dy, dz = first_turned(
+            rng, water, floor, tangent, spread, su + i * STEP_U, sv + i * STEP_V
+        )
+        end, weight, _x, _y, down = left(rng, water, depth, floor, z, dx, dy, dz, weight)
         if end > 0.0:
             out[0] += weight * uz**4
-        elif end < 0.0 and cos > cos_sky:
+        elif end < 0.0 and -down > cos_sky:
             out[1] += weight * uz**4
 
 

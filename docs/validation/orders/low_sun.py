@@ -16,56 +16,14 @@ import numpy as np
 from uwopt.model import sunlight
 from uwopt.model.multiple import TESTED_THICKNESS
 
-from .camera import LEAST, STEP_U, STEP_V
-from .daylight import SEED, Case, drawn_cases
-from .lamps import MOST_STEPS
+from .camera import STEP_U, STEP_V
+from .daylight import SEED, Case, drawn_cases, first_turned, irradiances, left
 from .sunlit import N_WATER, USED, rays_of, source_per_m
-from .walk import Water, compiled, drawn_angle, phase_of, survivor, turned, water_of
+from .walk import Water, compiled, phase_of, water_of
 
 RINGS = ((0.67, 0.71), (0.74, 0.78), (0.84, 0.88), (0.95, 0.99))  # cosines in water
 WALKS, N_IRRADIANCE, BATCHES = 1_600_000, 1_600_000, 8
 QUARTERS = 4  # of the azimuth between ray and sun: towards it, aside twice, away
-
-
-@compiled
-def left(
-    rng: Any, water: Water, depth: float, floor: float, z: float, dx: float, dy: float, dz: float, weight: float
-) -> tuple[float, float, float, float, float]:  # fmt: skip
-    """Follows a walk to the floor or out of the water: +1 or -1 (0: lost), its weight, its direction."""
-    first = weight
-    for _ in range(4 * MOST_STEPS):
-        way = -np.log(1.0 - rng.random()) / water.c
-        if dz > 0.0 and way * dz >= floor - z:
-            return 1.0, weight, dx, dy, dz
-        if dz < 0.0 and way * dz <= -depth - z:
-            return -1.0, weight, dx, dy, dz
-        z += way * dz
-        weight = survivor(rng, weight * water.albedo, LEAST * first)
-        if weight == 0.0:
-            break
-        dx, dy, dz = turned(rng, dx, dy, dz, drawn_angle(rng, water, 1.0))
-    return 0.0, 0.0, 0.0, 0.0, 0.0
-
-
-@compiled
-def irradiances(
-    rng: Any, water: Water, depth: float, floor: float, reflectance: float, z: float, rings: Any, n: int, out: Any
-) -> None:  # fmt: skip
-    """Adds to `out` (rings,) what n walks from a level place leave in each ring, touches of the floor included."""
-    for _ in range(n):
-        weight, at = 1.0, z
-        while weight > 0.0:
-            dz = -np.sqrt(rng.random())
-            phi, sine = 2.0 * np.pi * rng.random(), np.sqrt(1.0 - dz * dz)
-            end, weight, _x, _y, down = left(
-                rng, water, depth, floor, at, sine * np.cos(phi), sine * np.sin(phi), dz, weight
-            )
-            if end < 0.0:
-                for k in range(len(rings)):
-                    if rings[k, 0] < -down < rings[k, 1]:
-                        out[k] += weight
-            weight = survivor(rng, weight * reflectance, LEAST) if end > 0.0 else 0.0
-            at = floor
 
 
 @compiled
@@ -75,14 +33,10 @@ def paths(
     """Adds to `out` (rings, quarters) what n scattered walks from the camera leave there, times cos^4."""
     su, sv = rng.random(), rng.random()
     for i in range(n):
-        u = 1.0 + spread * (2.0 * ((su + i * STEP_U) % 1.0) - 2.0)
-        v = 1.0 + spread * (2.0 * ((sv + i * STEP_V) % 1.0) - 2.0)
-        tx, ty = u * tangent, v * tangent
-        uz = 1.0 / np.sqrt(1.0 + tx * tx + ty * ty)
-        weight = -np.expm1(-water.c * floor / uz)
-        way = -np.log1p(-rng.random() * weight) / water.c
-        dx, dy, dz = turned(rng, tx * uz, ty * uz, uz, drawn_angle(rng, water, 1.0))
-        end, weight, dx, dy, dz = left(rng, water, depth, floor, way * uz, dx, dy, dz, weight * water.albedo)
+        tx, ty, uz, weight, z, dx, dy, dz = first_turned(
+            rng, water, floor, tangent, spread, su + i * STEP_U, sv + i * STEP_V
+        )
+        end, weight, dx, dy, dz = left(rng, water, depth, floor, z, dx, dy, dz, weight)
         if end < 0.0:
             for k in range(len(rings)):
                 if rings[k, 0] < -dz < rings[k, 1]:

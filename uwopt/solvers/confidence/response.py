@@ -33,7 +33,6 @@ VEILED = (
 UNLIT = ("background_e",)  # open water behind targets knows no floor
 OF_LAMPS, OF_SUN = ("worst_e", "worst_veil_e"), ("worst_sun_signal_e_s", "worst_sun_veil_e_s")
 AT_PIXELS = {name: both for both in (OF_LAMPS, OF_SUN) for name in both}  # signal and veil at pixels
-ABOUT = 2  # pixels on either side of the one that decides
 COLUMNS = (*LIT, *VEILED, *UNLIT)
 Reference = Callable[[list[SceneOptics]], list[SceneRows]]  # one imager's rows in these scenes
 BRIGHTER = 1.25  # floor at which the share of the veil that it sends is measured
@@ -139,18 +138,14 @@ class WaterResponse:
 
 
 def level(rows: SceneRows, name: str, row: int) -> Array:
-    """A light column of one row; of pixels the mean over some about the one that decides, by s^2 / (s + v).
-
-    Which one decides differs between waters; those about it darken alike.
-    """
+    """A light column of one row; of pixels that of the one that decides, by s^2 / (s + v): another in other water."""
     column = np.asarray(getattr(rows, name)[row])
     if name not in AT_PIXELS:
         return column
     signal, over = (getattr(rows, one) for one in AT_PIXELS[name])
     seen = signal[row] ** 2 / np.maximum(signal[row] if over is None else signal[row] + over[row], TINY)
     place = min(rows.may_miss, seen.shape[1] - 1)
-    about = np.argsort(seen, axis=1, kind="stable")[:, max(place - ABOUT, 0) : place + ABOUT + 1]
-    return np.asarray(np.take_along_axis(column, about, axis=1).mean(axis=1, keepdims=True))
+    return np.take_along_axis(column, np.argsort(seen, axis=1, kind="stable")[:, place, None], axis=1)
 
 
 def nodes_for(values: Sequence[float]) -> tuple[float, ...]:
