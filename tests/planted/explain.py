@@ -15,6 +15,35 @@ ROUNDS = "tests/solvers/test_in_rounds.py"
 
 DEFECTS = (
     Defect(
+        name="two requirements are said to have to give where one may do",
+        file="uwopt/report/text/nothing_fits.py",
+        old="    if why is not None and why.not_known:\n",
+        new="    if False:\n",
+        test="tests/report/test_short.py::test_what_was_not_tried_is_not_told_to_be_in_vain",
+    ),
+    Defect(
+        name="what does not help is told without a reason where no imager is left",
+        file="uwopt/solvers/explain/relaxed.py",
+        old="        return in_the_way(found, name) or none\n",
+        new="        return in_the_way(found, name)\n",
+        test="tests/solvers/test_least_change.py"
+        "::test_what_does_not_help_alone_is_told_with_what_still_stands_in_the_way",
+    ),
+    Defect(
+        name="a hundred times what is asked is told as a change to make",
+        file="uwopt/report/text/helps.py",
+        old="    return times >= FAR_TIMES or ",
+        new="    return ",
+        test="tests/report/test_short.py::test_ten_times_what_is_asked_is_called_out_of_reach",
+    ),
+    Defect(
+        name="that nothing is known of single changes is told twice",
+        file="uwopt/report/text/nothing_fits.py",
+        old="(relaxations_of(result) or stopped or open_yet)",
+        new="(relaxations_of(result) or stopped)",
+        test="tests/report/test_short.py::test_what_does_not_help_is_told_with_what_stands_in_the_way",
+    ),
+    Defect(
         name="the nearest change has all the time until it is the least",
         file="uwopt/solvers/explain/least_change.py",
         old="            one.step(phase.at_most(max(fair_s, LEAST_TURN_S)))",
@@ -194,7 +223,7 @@ DEFECTS = (
     Defect(
         name="what is dropped at once is taken for useless though something fits",
         file="uwopt/solvers/explain/singles.py",
-        old="        if found is None:\n            return []\n        if not found.outcome.best:\n",
+        old="        if found is None:\n            return {}\n        if not found.outcome.best:\n",
         new="        if found is None or found.outcome.best:\n",
         test="tests/solvers/test_least_change.py::test_dropped_at_once_no_requirement_is_lost_that_helps",
     ),

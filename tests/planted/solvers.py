@@ -848,8 +848,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="the page keeps to itself what helps together",
         file="uwopt/report/text/nothing_fits.py",
-        old="if alone else (TOGETHER, together_of(result))",
-        new="if alone else (TOGETHER, [])",
+        old="    if together := together_of(result):\n",
+        new="    if (together := together_of(result)) and alone:\n",
         test="tests/report/test_short.py::test_changes_that_help_together_alone_are_told_on_the_page",
     ),
     Defect(

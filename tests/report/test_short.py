@@ -13,7 +13,7 @@ import pytest
 from uwopt.api.risks import with_risks
 from uwopt.report.page.page import report_html
 from uwopt.report.text.console import print_blocks
-from uwopt.report.text.nothing_fits import helpful_lines
+from uwopt.report.text.nothing_fits import helpful_lines, infeasible_block
 from uwopt.report.text.short import short_text_blocks
 from uwopt.report.text.tables import result_blocks
 from uwopt.results.basis import Risk
@@ -221,9 +221,9 @@ def test_a_limit_that_only_high_prices_break_is_told_as_such(make_result: Make) 
 def test_what_was_not_tried_is_not_told_to_be_in_vain(make_result: Make) -> None:
     nothing = {"recommendation": None, "runners_up": [], "generic_alternative": None, "status": "infeasible"}
     why = {"requirements": [], "relaxations": [], "nearest_miss": None}
-    cut = [Note("time", "", "not worked out in 10 s: whether it could be met without cost")]
-    assert "at least two have to give" in text_of(make_result(infeasible=why, warnings=[], **nothing))
-    assert "at least two have to give" not in text_of(make_result(infeasible=why, warnings=cut, **nothing))
+    cut = why | {"not_known": ["cost"]}
+    assert "at least two have to give" in text_of(make_result(infeasible=why, **nothing))
+    assert "at least two have to give" not in text_of(make_result(infeasible=cut, **nothing))
 
 
 def test_changes_that_help_together_alone_are_told_on_the_page(make_result: Make) -> None:
@@ -287,12 +287,45 @@ def test_signal_to_noise_is_told_as_the_mean_that_it_is(make_result: Make) -> No
     assert "mean signal to noise 30.0 dB" in text_of(make_result())
 
 
+@pytest.mark.parametrize(("needed", "far"), [(29_000.0, False), (30_000.0, True), (300.5, False), (299.0, True)])
+def test_ten_times_what_is_asked_is_called_out_of_reach(make_result: Make, needed: float, far: bool) -> None:
+    cost = {"name": "cost", "limit": 3000.0, "needed": needed, "miss_rel": 1.0, "nearest": True}
+    speed = {"name": "speed_m_s", "asked": 3000.0, "needed": needed, "unit": "m_s", "nearest": True}
+    for why in ({"relaxations": [cost]}, {"relaxations": [], "moves": [speed]}):
+        made = make_result(
+            status="infeasible", recommendation=None, runners_up=[],
+            infeasible={"requirements": [], "nearest_miss": None} | why,
+        )  # fmt: skip
+        text = text_of(made)
+        assert ("Out of reach" in text) == far and ("Each of these changes" in text) != far
+
+
+def test_decibels_are_not_out_of_reach_by_their_ratio(make_result: Make) -> None:
+    snr = {"name": "min_snr", "limit": 30.0, "needed": 2.0, "miss_rel": 0.9}
+    why = {"requirements": [], "nearest_miss": None, "relaxations": [snr]}
+    text = text_of(make_result(status="infeasible", recommendation=None, runners_up=[], infeasible=why))
+    assert "Each of these changes" in text and "2.000 dB less may do" in text
+
+
+def test_what_does_not_help_is_told_with_what_stands_in_the_way(make_result: Make) -> None:
+    gives = [("min_snr", ["min_swath_m"]), ("power_w", ["light", "max_white_balance"]), ("cost", ["min_swath_m"])]
+    useless = [{"name": name, "still": still} for name, still in gives]
+    why = {"requirements": [], "nearest_miss": None, "relaxations": [], "no_help": useless}
+    why["not_known"] = ["overlap", "water"]
+    made = make_result(status="infeasible", recommendation=None, runners_up=[], infeasible=why)
+    told = " ".join(str(line) for line in infeasible_block(made).lines)
+    assert "moved far: min_snr and cost (even so swath too narrow); power_w (even so no light gives" in told
+    assert "wanted signal, or colours too far apart)." in told
+    assert "whether it is enough to give way in overlap or water." in told
+    assert "Which single change" not in told  # as that says no more
+
+
 def test_moves_and_contradictions_are_told(make_result: Make) -> None:
     moves = [{"name": "speed_m_s", "asked": 1.5, "needed": 0.62, "unit": "m_s", "nearest": True},
              {"name": "water", "asked": "III", "needed": "IB", "unit": "", "nearest": False}]  # fmt: skip
     why = {"requirements": [], "relaxations": [], "nearest_miss": None, "moves": moves,
            "contradiction": ["min_snr", "min_swath_m"]}  # fmt: skip
     text = text_of(make_result(status="infeasible", recommendation=None, runners_up=[], infeasible=why))
-    assert "speed_m_s 1.500 m/s -> 0.620 m/s" in text or "speed_m_s 1.500 m/s -> 0.6200 m/s" in text
-    assert "water III -> IB (less may do)" in text
+    assert "speed (speed_m_s) 1.500 m/s 0.6200 m/s no less will do water III IB less may do" in text
+    assert "whether less than what is told of water is enough. uwopt explain with --seconds 60 goes on." in text
     assert "These contradict each other" in text and "swath (min_swath_m)" in text

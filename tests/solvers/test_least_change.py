@@ -293,6 +293,18 @@ def test_what_may_help_is_asked_of_first_and_once(parts, catalog, monkeypatch):
     assert asked[2:] == [{"overlap"}]
 
 
+def test_what_does_not_help_alone_is_told_with_what_still_stands_in_the_way(parts, catalog):
+    """The one lens sees 1.42 m, and no light makes 60 dB of its camera's well."""
+    wanted = mission(parts, min_swath_m=9.0, min_snr_db=60.0)
+    found = seek(wanted, catalog, POWER, generic="never", top=1)
+    proof = certificate(found.selection, found.problem, found.outcome, POWER)
+    why = why_nothing(Trials(wanted, catalog, POWER, "never", like=found), proof)
+    still = {one.name: one.still for one in why.no_help}
+    assert still["min_swath_m"] == ["settings"] and still["min_snr"] == ["min_swath_m"]
+    assert still["overlap"] == still["water"] == ["min_swath_m"]
+    assert not set(still) & {one.name for one in why.relaxations} and why.not_known == []
+
+
 def test_what_a_design_misses_alone_is_known_to_help(parts, catalog):
     """Dropped with one that hinders nothing, the peak of power is all that what fits then misses."""
     base = mission(parts, max_blur_px=1.0, max_airy_px=9.0)

@@ -125,6 +125,17 @@ class Relaxed(Record):
     fits_at_central_prices: Flag = Field(
         default=False, description="a limit of cost that a system keeps unless its prices turn out high"
     )
+    nearest: Flag = Field(
+        default=False, description="whether nothing fits where this alone gives a little less; false: not known"
+    )
+
+
+@dataclass(frozen=True, config=RECORD)
+class NoHelp(Record):
+    """A requirement or key of which it is known that it alone does not help, and why not."""
+
+    name: str = Field(description="the requirement, or the key that was moved")
+    still: list[str] = Field(description="rules that still stand in the way without it: by which most fall first")
 
 
 @dataclass(frozen=True, config=RECORD)
@@ -218,6 +229,12 @@ class WhyNothing(Record):
     )
     contradiction_is_least: Flag = Field(
         default=False, description="whether that something fits without any one of those is known of each"
+    )
+    no_help: list[NoHelp] = Field(
+        default_factory=list, description="requirements and keys that alone do not help, however far they give"
+    )
+    not_known: list[str] = Field(
+        default_factory=list, description="requirements and keys of which there was no time to know whether they help"
     )
 
 

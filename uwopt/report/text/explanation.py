@@ -25,6 +25,7 @@ def explanation_blocks(result: Result) -> Iterator[Block | Text]:
         yield infeasible_block(result)
         if nearest_miss(result) is not None and (note := miss_sentence(result)) is not None:
             yield block("What comes nearest", [note])
-    if result.warnings:
-        yield block("Notes", [sentence("- " + words.as_sentence(note.message)) for note in result.warnings])
+    notes = [note for note in result.warnings if note.code != "time" or result.infeasible is None]  # else told above
+    if notes:
+        yield block("Notes", [sentence("- " + words.as_sentence(note.message)) for note in notes])
     yield sentence(f"Took {words.run_time_sentence(result.timing_s)}.", "dim")

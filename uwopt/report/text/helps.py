@@ -15,28 +15,84 @@ from uwopt.results.result import Result
 if TYPE_CHECKING:
     from uwopt.results.front import FrontResult
 
+FAR_TIMES = 10.0
+MORE_S = (60, 300, 1800)  # that are told to be given
+KEYS = {"altitude_m": "altitude", "speed_m_s": "speed", "frame_interval_s": "time between images",
+        "duration_h": "duration", "visibility_m": "visibility", "secchi_m": "Secchi depth"}  # fmt: skip
 OF_DEPTH = ": depth rating"  # how what excludes a kind of part by its rating ends
 
 
-def move_lines(result: Result | FrontResult) -> list[Line]:
-    """Speed, water or height at which the mission could be met as it is."""
-    moves = result.infeasible.moves if result.infeasible is not None else []
-    if not moves:
-        return []
-    told = words.listed([move_text(move) for move in moves])
-    these = "each of these" if len(moves) > 1 else "this"
-    return [sentence(f"Moved alone, all else as asked, {these} would do: {told}.")]
+def is_far(name: str, asked: float | None, needed: float | None) -> bool:
+    """Whether a change is out of reach: to ten times what is asked, or a tenth of it. Of decibels none is."""
+    if not asked or not needed or name in ("min_snr", "min_snr_red_db"):
+        return False
+    times = needed / asked
+    return times >= FAR_TIMES or 0.0 < times <= 1.0 / FAR_TIMES
+
+
+def moves_of(result: Result | FrontResult) -> list[Moved]:
+    """Keys of which one moved alone would help."""
+    return result.infeasible.moves if result.infeasible is not None else []
 
 
 def move_text(move: Moved) -> str:
-    """`altitude_m 5.00 -> 3.15 m`, and whether less is known not to do."""
-    name = formats.one_line(move.name, 40)
-    if isinstance(move.asked, str) or isinstance(move.needed, str):
-        text = f"{name} {formats.one_line(move.asked, 20)} -> {formats.one_line(move.needed, 20)}"
-    else:
-        asked, needed = formats.quantities_apart(move.asked, move.needed, unit=move.unit, digits=4)
-        text = f"{name} {asked} -> {needed}"
+    """`altitude_m 5.00 m -> 3.15 m`, and whether less is known not to do."""
+    _, asked, needed = move_texts(move)
+    text = f"{formats.one_line(move.name, 40)} {asked} -> {needed}"
     return text if move.nearest else f"{text} (less may do)"
+
+
+def move_texts(move: Moved) -> tuple[str, str, str]:
+    """Key, where it stands, where something fits."""
+    key = formats.one_line(move.name, 40)
+    name = f"{KEYS[key]} ({key})" if key in KEYS else key
+    if isinstance(move.asked, str) or isinstance(move.needed, str):
+        return name, formats.one_line(move.asked, 20), formats.one_line(move.needed, 20)
+    asked, needed = formats.quantities_apart(move.asked, move.needed, unit=move.unit, digits=4)
+    return name, asked, needed
+
+
+def move_is_far(move: Moved) -> bool:
+    """As `is_far`."""
+    if isinstance(move.asked, str) or isinstance(move.needed, str):
+        return False
+    return is_far(move.name, move.asked, move.needed)
+
+
+def no_help_lines(result: Result | FrontResult) -> list[Line]:
+    """What is known not to help alone, with what still stands in the way, those alike together."""
+    why = result.infeasible
+    groups: dict[tuple[str, ...], list[str]] = {}
+    for item in why.no_help if why is not None else []:
+        groups.setdefault(tuple(item.still), []).append(formats.one_line(item.name, 40))
+    if not groups:
+        return []
+    told = [
+        words.listed(names) + (f" (even so {', or '.join(words.rule_name(rule) for rule in still)})" if still else "")
+        for still, names in groups.items()
+    ]
+    return [sentence(f"Not enough by itself, even left out or moved far: {'; '.join(told)}.")]
+
+
+def not_known_lines(result: Result | FrontResult) -> list[Line]:
+    """What there was no time to know, and how to give it more."""
+    why = result.infeasible
+    if why is None or result.status != "infeasible":
+        return []
+    unsure = [item.name for item in why.relaxations if not item.nearest and item.needed is not None]
+    unsure += [move.name for move in why.moves if not move.nearest]
+    told = []
+    if why.not_known:
+        names = words.listed([formats.one_line(name, 40) for name in why.not_known]).replace(" and ", " or ")
+        told.append(f"whether it is enough to give way in {names}")
+    if unsure:
+        names = words.listed([formats.one_line(name, 40) for name in unsure])
+        told.append(f"whether less than what is told of {names} is enough")
+    if not told:
+        return []
+    spent_s = result.timing_s.get("explanation", 0.0)
+    more_s = next((one for one in MORE_S if one > 1.5 * spent_s), MORE_S[-1])
+    return [sentence(f"Not known yet: {'; '.join(told)}. uwopt explain with --seconds {more_s} goes on.")]
 
 
 def depth_lines(result: Result | FrontResult) -> list[Line]:
@@ -80,7 +136,7 @@ def contradiction_lines(result: Result | FrontResult) -> list[Line]:
         return []
     told = words.listed([f"{words.requirement_name(name)} ({formats.one_line(name)})" for name in names])
     if len(names) == 1:
-        return [sentence(f"No parts meet this alone, whatever else is asked: {told}.")]
+        return [sentence(f"As the scene and the vehicle are, no parts meet this even by itself: {told}.")]
     assert result.infeasible is not None
     if not result.infeasible.contradiction_is_least:
         return [sentence(f"These contradict each other, and fewer of them may do so already: {told}.")]

@@ -6,9 +6,18 @@ from typing import TYPE_CHECKING
 
 from uwopt.mission.reserves import REFUSED
 from uwopt.report.text import formats, vocabulary, words
-from uwopt.report.text.helps import contradiction_lines, depth_lines, move_lines
+from uwopt.report.text.helps import (
+    contradiction_lines,
+    depth_lines,
+    is_far,
+    move_is_far,
+    move_texts,
+    moves_of,
+    no_help_lines,
+    not_known_lines,
+)
 from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, sentence
-from uwopt.results.basis import Excluded, Relaxed
+from uwopt.results.basis import Excluded, Moved, Relaxed
 from uwopt.results.result import Result
 from uwopt.units import split_unit
 
@@ -22,18 +31,21 @@ AT_CENTRAL_PRICES = (
 )
 HELPFUL = "Each of these changes alone would let a system through:"
 SMALLER = "Or these together, each a smaller share of what is asked than any of those:"
-TOGETHER = "No change alone is known to help; these together would let a system through:"
+TOGETHER = "All of these together would let a system through:"
+FAR = "Out of reach, though alone it would let a system through:"
+LESS, NO_LESS = "less may do", "no less will do"
 
 
 def infeasible_block(result: Result | FrontResult) -> Block:
     """The least that single requirements would have to give, and what excludes how much."""
     stopped = result.status == "stopped"
     lines = helpful_lines(result)
-    alone = what_helps(result)[1]
-    if not alone and not stopped and isinstance(result, Result):  # of fronts, the verdict has said it
-        lines.insert(0, sentence(f"{no_change_helps(result)}."))
+    open_yet = result.infeasible is not None and bool(result.infeasible.not_known)
+    if not (relaxations_of(result) or stopped or open_yet) and isinstance(result, Result):  # else told, or below
+        lines.append(sentence(f"{no_change_helps(result)}."))
     lines += none_left_lines(result)
     lines += [] if (fit := fit_sentence(result)) is None else [fit]
+    lines += [*contradiction_lines(result), *no_help_lines(result), *not_known_lines(result)]
     table = columns(("combinations", "right"), ("excluded because", "left"))
     bounded = False
     for item in result.infeasible.requirements if result.infeasible is not None else []:
@@ -51,24 +63,27 @@ def infeasible_block(result: Result | FrontResult) -> Block:
 
 def helpful_lines(result: Result | FrontResult) -> list[Line]:
     """The changes that would help, and a limit of cost that only high prices break; nothing where none is known."""
-    said, helpful = what_helps(result)
-    lines: list[Line] = [sentence(said), relaxation_table(result, helpful)] if helpful else []
-    if any(item.fits_at_central_prices for item in helpful):
+    alone, far = changes_alone(result)
+    lines: list[Line] = [sentence(HELPFUL), change_table(result, alone)] if alone else []
+    if any(isinstance(item, Relaxed) and item.fits_at_central_prices for item in alone):
         lines.append(sentence(AT_CENTRAL_PRICES))
-    if relaxations_of(result) and (smaller := together_of(result)):
-        lines += [sentence(SMALLER), relaxation_table(result, smaller)]
-    return [*lines, *depth_lines(result), *move_lines(result), *contradiction_lines(result)]
+    if together := together_of(result):
+        lines += [sentence(SMALLER if alone else TOGETHER), relaxation_table(result, together)]
+    if far:
+        lines += [sentence(FAR), change_table(result, far)]
+    return [*lines, *depth_lines(result)]
 
 
 def no_change_helps(result: Result | FrontResult) -> str:
     """What is known where no single change is known to help."""
-    cut = any(note.code == "time" and "could be met without" in note.message for note in result.warnings)
-    if cut:
-        return "No single requirement that alone stands in the way was found in the time there was"
     why = result.infeasible
+    if why is not None and why.not_known:
+        return "Which single change would be enough is not known yet"
     if why is not None and (why.none_left or why.nearest_fit is not None):
         return "No requirement alone stands in the way"
-    return "No single requirement stands in the way; at least two have to give"
+    if moves_of(result):
+        return "No requirement alone is enough to leave out"
+    return "No requirement alone is enough to leave out; at least two have to give"
 
 
 def excluding_most(result: Result) -> Text | None:
@@ -138,10 +153,20 @@ def miss_text(result: Result | FrontResult) -> str:
     return f"meets all that is asked but {name}: {possible} instead of {asked}"
 
 
-def what_helps(result: Result | FrontResult) -> tuple[str, list[Relaxed]]:
+def changes_alone(result: Result | FrontResult) -> tuple[list[Relaxed | Moved], list[Relaxed | Moved]]:
+    """Changes of which each helps alone: those that a person can make, and those that are out of reach."""
+    limits, moves = relaxations_of(result), moves_of(result)
+    far: list[Relaxed | Moved] = [item for item in limits if is_far(item.name, item.limit, item.needed)]
+    far += [move for move in moves if move_is_far(move)]
+    near: list[Relaxed | Moved] = [item for item in limits if item not in far]
+    return [*near, *(move for move in moves if move not in far)], far
+
+
+def what_helps(result: Result | FrontResult) -> tuple[str, list[Relaxed | Moved]]:
     """How changes help, each alone or else together, and these changes."""
-    alone = relaxations_of(result)
-    return (HELPFUL, alone) if alone else (TOGETHER, together_of(result))
+    alone, far = changes_alone(result)
+    together = together_of(result)
+    return (HELPFUL, alone) if alone else (TOGETHER, [*together]) if together else (FAR, far)
 
 
 def relaxations_of(result: Result | FrontResult) -> list[Relaxed]:
@@ -154,12 +179,26 @@ def together_of(result: Result | FrontResult) -> list[Relaxed]:
     return result.infeasible.together if result.infeasible is not None else []
 
 
+def change_table(result: Result | FrontResult, items: list[Relaxed | Moved]) -> Grid:
+    """What stands and what would do, and whether a smaller change is known not to."""
+    table = columns(("change", "left"), ("asked", "right"), ("possible", "right"), ("", "left"))
+    for item in items:
+        least = "" if item.needed is None else NO_LESS if item.nearest else LESS
+        table.add_row(*map(Text, (*change_texts(result, item), least)))
+    return table
+
+
 def relaxation_table(result: Result | FrontResult, items: list[Relaxed]) -> Grid:
     """What is asked and what could be had."""
     table = columns(("requirement", "left"), ("asked", "right"), ("possible", "right"))
     for item in items:
         table.add_row(*map(Text, relaxation_texts(result, item)))
     return table
+
+
+def change_texts(result: Result | FrontResult, item: Relaxed | Moved) -> tuple[str, str, str]:
+    """Requirement or key, what is asked, what would do."""
+    return move_texts(item) if isinstance(item, Moved) else relaxation_texts(result, item)
 
 
 def relaxation_texts(result: Result | FrontResult, item: Relaxed) -> tuple[str, str, str]:

@@ -12,6 +12,7 @@ from uwopt.quantities import BY_NAME, TERMS
 from uwopt.report.text import formats, words
 from uwopt.report.text.certainty import ask_first, certainty_block, status_text, surer_block
 from uwopt.report.text.doubts import quoted_number
+from uwopt.report.text.helps import contradiction_lines, not_known_lines
 from uwopt.report.text.in_hand import fails_first
 from uwopt.report.text.knee import goal_text
 from uwopt.report.text.layout import Block, Joined, Line, Text, block, columns, fact_lines, sentence
@@ -340,6 +341,7 @@ def nothing_blocks(result: Result) -> Iterator[Block]:
         most = excluding_most(result)
         lines = [sentence(f"{no_change_helps(result)}."), *([most] if most else [])]
     lines += [] if (fit := fit_sentence(result)) is None else [fit]
+    lines += [*contradiction_lines(result), *not_known_lines(result)]
     if result.status == "infeasible" and result.mission.get("practice") == "recommended":
         lines.append(sentence(ASKED_BY_PRACTICE))
     if lines:

@@ -9,7 +9,7 @@ from uwopt.quantities import TERMS
 from uwopt.report.text import formats, vocabulary, words
 from uwopt.report.text.doubts import NO_QUOTE_MATTERS, bad_ends_text, quote_text
 from uwopt.report.text.in_hand import fails_first
-from uwopt.report.text.nothing_fits import miss_text, no_change_helps, relaxation_texts, what_helps
+from uwopt.report.text.nothing_fits import change_texts, miss_text, no_change_helps, what_helps
 from uwopt.report.text.tables import nearest_miss
 from uwopt.results.design import Design
 from uwopt.results.front import FrontObjective, FrontPoint, FrontResult
@@ -98,7 +98,7 @@ def nothing(result: Result | FrontResult) -> tuple[str, str]:
         )
     said, helpful = what_helps(result)
     if helpful:
-        changes = (relaxation_texts(result, item) for item in helpful)
+        changes = (change_texts(result, item) for item in helpful)
         listed = ", ".join(f"{name.partition(' (')[0]} {possible}" for name, _, possible in changes)
         return first, f"{said} {listed}"
     if result.status == "stopped":

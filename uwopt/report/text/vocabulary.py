@@ -144,6 +144,7 @@ RULES: Mapping[str, str] = {
     "max_blur_px": "blurred at the shortest exposure",
     "min_snr": "too little light for the wanted signal",
     "light": "no light gives the wanted signal",
+    "settings": "no setting meets the rest",
     "max_white_balance": "colours too far apart",
     "cost": "too expensive",
     "mass_kg": "too heavy",

@@ -7,7 +7,7 @@ each other (`contradiction`). What there was no time for is noted.
 
 from __future__ import annotations
 
-from uwopt.results.basis import Excluded, Moved, Relaxed, WhyNothing
+from uwopt.results.basis import Excluded, Moved, NoHelp, Relaxed, WhyNothing
 from uwopt.results.design import Design
 from uwopt.results.result import Certificate
 from uwopt.solvers.explain.contradiction import Contradiction, contradiction
@@ -65,7 +65,9 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
         relaxations = every
         nearest = design_of(trials, every)
     clash = clash_of(trials, relaxations)
-    helpful = [Relaxed(r.name, r.limit, r.needed, r.miss_rel, r.fits_at_central_prices) for r in relaxations]
+    helpful = [
+        Relaxed(r.name, r.limit, r.needed, r.miss_rel, r.fits_at_central_prices, r.is_least) for r in relaxations
+    ]
     return WhyNothing(
         excluded,
         helpful,
@@ -76,6 +78,8 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
         contradiction=list(clash.names),
         contradiction_is_least=clash.is_least,
         none_left=[*none_left(trials.mission, trials.relaxer.selection)],
+        no_help=[NoHelp(name, [*rules]) for name, rules in (singles.useless | mover.useless).items()],
+        not_known=[*singles.left, *mover.not_known],
     )
 
 

@@ -35,6 +35,7 @@ class Relaxation:
     miss_rel: float
     found: Sought
     fits_at_central_prices: bool = False
+    is_least: bool = False  # known to be
 
     @property
     def is_of_use(self) -> bool:
@@ -141,10 +142,14 @@ class LeastLimit:
     def told(self) -> Relaxation:
         """As far as it is drawn in."""
         change, one = self.narrowing.change if self.narrowing else None, self.one
-        if not (self.is_least or (self.narrowing and self.narrowing.is_least)):
+        is_least = self.is_least or (self.narrowing is not None and self.narrowing.is_least)
+        if not is_least:
             self.trials.deadline.left_out.append(less_of(self.name))
         needed, found = (self._reached(), self.found) if change is None else (change.limit, change.found)
-        return Relaxation(one.name, one.limit, needed, miss(one.limit, needed), found, one.at_central_prices)
+        return Relaxation(
+            one.name, one.limit, needed, miss(one.limit, needed), found, one.at_central_prices,
+            is_least and needed is not None,
+        )  # fmt: skip
 
     def _reached(self) -> float | None:
         """The limit that the design at hand would keep, as it would be typed."""

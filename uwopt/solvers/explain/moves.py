@@ -125,6 +125,8 @@ class Mover:
     deadline: Deadline
     far: list[Far] = field(default_factory=list)
     interrupted: bool = False
+    useless: dict[str, tuple[str, ...]] = field(default_factory=dict)  # known not to help: `relaxed.in_the_way`
+    not_known: list[str] = field(default_factory=list)  # keys
     base: VariedMission = field(init=False)
 
     def __post_init__(self) -> None:
@@ -178,6 +180,7 @@ class Mover:
             except KeyboardInterrupt:
                 self.interrupted, known = True, False
             if not known:
+                self.not_known.append(one.key.name)
                 self.deadline.left_out.append(f"whether another {one.key.name} would do")
 
     def changes(self) -> list[Move]:
@@ -231,13 +234,16 @@ class Mover:
 
     def _is_known(self, one: Try, phase: Deadline) -> bool:
         """Try a key far away; whether it is known then if that helps."""
-        known = True
+        known, rules = True, tuple[str, ...]()
         for value in one.values:
             found = self._search(one.key, value, phase.at_most(TURN * phase.left_s), few_first=False)
             if found is not None and found.outcome.best:
                 self.far.append(Far(one, value, found))
                 return True
             known = known and (found is None or found.outcome.complete)
+            rules = rules if found is None else self.relaxer.why_not(found, one.key.name)
+        if known:
+            self.useless[one.key.name] = rules
         return known
 
     def _drawn(self, far: Far) -> Narrowing | NearestType:

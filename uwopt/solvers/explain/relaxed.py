@@ -22,7 +22,7 @@ from uwopt.forward.assembly import Generic, build_problem, selected
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.exact.account import NOT_REACHED
+from uwopt.solvers.exact.account import NOT_REACHED, RULES
 from uwopt.solvers.exact.imager_rules import focus_rules, view_rules
 from uwopt.solvers.exact.imagers import (
     FittingPairs,
@@ -34,6 +34,7 @@ from uwopt.solvers.exact.imagers import (
     landscapes,
     seen_behind,
 )
+from uwopt.solvers.exact.node_bounds import NODE_RULES
 from uwopt.solvers.exact.search import Search, are_too_many
 from uwopt.solvers.recommend import Sought, same_scenes, seek
 from uwopt.solvers.warm.tables import asking, imagers_of, of_block
@@ -42,6 +43,10 @@ Array = NDArray[Any]
 FEW_PAIRS = 5000  # of camera and lens behind ports, likewise, of which most break some rule
 FEW_IMAGERS = 250  # that are tried before all: where something fits at all, it is mostly among them
 OTHER_WATER = "other water"  # of which no rule of an imager knows
+NO_REASONS = frozenset({"better_housing", "bound", "mount", "image_circle", "complete"})  # whatever is asked
+LATE_RULES = frozenset({*NODE_RULES, "cost", "mass_kg", "power_w", "energy_wh"}) - NO_REASONS  # that know of lamps
+SETTINGS = "settings"  # that none of a design's does: a reason, though no rule of a search
+MOST_REASONS = 2  # told
 CHEAPEST = Objective.of("cost")
 ANY = Objective.of("power")  # where any design that fits will do: by no other objective takes a search less
 
@@ -281,6 +286,14 @@ class Relaxer:
         """The tables for a mission that asks for less of the same parts in the same scenes."""
         return asking(self.problem, mission, self.selection)
 
+    def why_not(self, found: Sought, name: str) -> tuple[str, ...]:
+        """What stands in the way of a search without a requirement or with a key moved; `name`: of it.
+
+        Where it had no imager, that is what leaves none in the search of all that is asked.
+        """
+        none = () if self.like is None or self.like.outcome.best else in_the_way(self.like, name)
+        return in_the_way(found, name) or none
+
     def effort(self, freed: Collection[str]) -> float:
         """How many imagers a search without these requirements looks at, about; inf: all there are."""
         if not set(freed) <= FREES.keys() or self.are_too_many:
@@ -351,6 +364,18 @@ def hope(found: Sought) -> float:
     """The share of a search's designs that no rule discards: solved, or not reached in time."""
     account = found.outcome.account
     return (account.evaluated + account.discarded.get(NOT_REACHED, 0)) / max(account.total, 1)
+
+
+def in_the_way(found: Sought, freed: str = "") -> tuple[str, ...]:
+    """The rules by which the designs of a search fall that found none, but for that which is `freed`.
+
+    Those that know of lamps if any, else `SETTINGS` of what was solved in vain, else the last of an imager's.
+    """
+    account = found.outcome.account
+    lost = account.discarded
+    rules = [rule for rule in RULES if lost.get(rule, 0) > 0 and rule not in NO_REASONS and rule != freed]
+    late = [rule for rule in rules if rule in LATE_RULES] or ([SETTINGS] if account.evaluated else rules[-1:])
+    return tuple(sorted(late, key=lambda rule: -lost.get(rule, 0))[:MOST_REASONS])
 
 
 def in_best_housing(problem: Problem, block: PortBlock) -> PortBlock:

@@ -41,7 +41,7 @@ class Singles:
     left: dict[str, float] = field(default_factory=dict)
     suspects: Sequence[str] = ()  # without all of which something fits
     hopes: dict[str, float] = field(default_factory=dict)  # of those dropped among a few imagers, as `relaxed.hope`
-    useless: set[str] = field(default_factory=set)  # known not to help
+    useless: dict[str, tuple[str, ...]] = field(default_factory=dict)  # known not to help: `relaxed.in_the_way`
     together: tuple[list[str], Sought] | None = None  # that give together, and a design without them
 
     def try_few(self) -> None:
@@ -127,15 +127,14 @@ class Singles:
 
     def _open(self, limits: Mapping[str, float]) -> dict[str, float]:
         """Those of which it is not known whether they help."""
-        known = {one.name for one in self.helpful} | self.useless
+        known = {one.name for one in self.helpful} | self.useless.keys()
         return {name: limit for name, limit in limits.items() if name not in known}
 
     def drop_light(self) -> None:
         """Drop every requirement that no imager's rule knows."""
         trials = self.trials
         self.left = self._open({name: trials.limits[name] for name in trials.limits if name in OF_LIGHT})
-        for name in self._useless([name for name in self.left if name != "min_snr"]):
-            del self.left[name]
+        self.useless |= self._useless([name for name in self.left if name != "min_snr"])
         self.left = self._open(self.left)
         suspects = self.suspects
         self.left = {name: self.left[name] for name in sorted(self.left, key=lambda name: name not in suspects)}
@@ -160,19 +159,19 @@ class Singles:
         """Note what is not known."""
         self.trials.deadline.left_out.extend(f"whether it could be met without {name}" for name in self.left)
 
-    def _useless(self, names: Sequence[str]) -> list[str]:
-        """Those of which none helps, as nothing fits without all of them: by halves where something does."""
+    def _useless(self, names: Sequence[str]) -> dict[str, tuple[str, ...]]:
+        """Those of which none helps, as nothing fits without all of them, and why: by halves where something does."""
         if len(names) < FEW:
-            return []
+            return {}
         found = self.trials.seek_without(names)
         if found is None:
-            return []
+            return {}
         if not found.outcome.best:
-            return [*names]
+            return {name: self.trials.relaxer.why_not(found, name) for name in names}
         self._take_the_only_miss(found, names)
         self.suspects = names
         middle = len(names) // 2
-        return [*self._useless(names[:middle]), *self._useless(names[middle:])]
+        return self._useless(names[:middle]) | self._useless(names[middle:])
 
     def _take_the_only_miss(self, found: Sought, names: Sequence[str]) -> None:
         """Where a design without several requirements misses only one of them, that one alone helps."""
@@ -201,7 +200,6 @@ class Singles:
                     known.append(name)
             except KeyboardInterrupt:
                 trials.interrupted = True
-        self.useless |= set(known) - {one.name for one in self.helpful}
         self.left = {name: limit for name, limit in self.left.items() if name not in known}
 
     def _helps_among_few(self, name: str, turn: Deadline) -> bool:
@@ -221,6 +219,7 @@ class Singles:
         by_depth = key == "depth_rating_m"
         relaxed = trials.mission if by_depth else without(trials.mission, section, key)
         if relaxed is None:
+            self.useless[name] = ()
             return True
         seek_one = partial(
             trials.relaxer.seek, goal=goal_without(name), freed={name}, enough=True,
@@ -241,6 +240,8 @@ class Singles:
             found = seek_one(relaxed, deadline=turn)
         if found.outcome.best:
             self.helpful.append(Without(name, limit, relaxed, found))
+        elif found.outcome.complete:
+            self.useless[name] = trials.relaxer.why_not(found, name)
         if found.outcome.interrupted:
             raise KeyboardInterrupt
         return found.outcome.complete or bool(found.outcome.best)
