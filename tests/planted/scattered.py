@@ -274,6 +274,13 @@ DEFECTS = (
         test="tests/model/test_widened.py::test_bounds_of_a_widened_lobe_lie_nowhere_below_it[2.0-0.9-narrow]",
     ),
     Defect(
+        name="of waters side by side each has the next one's halo",
+        file="uwopt/model/widened.py",
+        old="np.split(product(series, _at_knots()), waters)",
+        new="np.split(product(series, _at_knots())[::-1], waters)",
+        test="tests/model/test_widened.py::test_waters_side_by_side_are_as_each_alone",
+    ),
+    Defect(
         name="the water of a panel widens lobes as one of its states does",
         file="uwopt/solvers/confidence/panels.py",
         old="return bounding(each, left, most=not back)",
@@ -411,8 +418,8 @@ DEFECTS = (
     Defect(
         name="the floor sends nothing up that water turns down again",
         file="uwopt/forward/scene.py",
-        old="reflectance=0.0 if back else weight @ self.reflectance",
-        new="reflectance=0.0",
+        old="floor = 0.0 if back else weight @ scene.reflectance",
+        new="floor = 0.0",
         test=f"{FULL}::test_mean_electrons_under_smooth_lobes[all orders, flat port, narrow lobes, turbid]",
     ),
     Defect(

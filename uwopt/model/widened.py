@@ -75,9 +75,9 @@ def ways_m(reach_m: float) -> FloatArray:
 
 def widened(
     lobe: beams.Beam, turned: Sequence[Turned], reach_m: float = 0.0, *, absorbed: ArrayLike = 0.0,
-    returned: ArrayLike = 1.0, sent_back: bool = False,
-) -> beams.Beam:  # fmt: skip
-    """A lobe with what scattering on a way makes of it, over what the attenuation K of that way leaves of it.
+    returned: ArrayLike = 1.0, sent_back: bool = False, waters: int = 1,
+) -> list[beams.Beam]:  # fmt: skip
+    """A lobe with what scattering on a way makes of it in each of some waters, over what K of that way leaves of it.
 
         I_w = e^(t_L) I + sum over l of (2 l + 1) / (4 pi) I_l (g_l - g_L) P_l(cos theta)
         g_l = e^(t_l) + (G - 1) e^(t_0) kappa_l,   kappa_l = integral from 0 to 1 of 3 mu^2 P_l(mu) d mu
@@ -92,11 +92,12 @@ def widened(
     returned : G, all light there over that which never turned back, one, or of each way (k,); see
         `multiple.returned_gain`
     sent_back : of backscatter, widened on both its legs; else of light on a floor
+    waters : how many share these phase functions; the k ways of one come after those of the other, (waters k,)
 
     Returns
     -------
-    Beam, its flux that of the lobe times g_0 but for what would go behind the front plane, which counts as lost, and
-    for ripples below 0, which are cut
+    Beam of each water, its flux that of the lobe times g_0 but for what would go behind the front plane, which counts
+    as lost, and for ripples below 0, which are cut
 
     Notes
     -----
@@ -113,7 +114,8 @@ def widened(
     gain = gain + (np.atleast_1d(returned)[:, None] - 1.0) * gain[:, :1] * _from_all_about()
     order = np.arange(ORDERS + 1)
     series = (2 * order + 1) / (4.0 * np.pi) * lobe_series(lobe) * (gain - gain[:, -1:])
-    return beams.widened_by(lobe, Widening.of(gain[:, -1], product(series, _at_knots()), reach_m))
+    each = zip(np.split(gain[:, -1], waters), np.split(product(series, _at_knots()), waters), strict=True)
+    return [beams.widened_by(lobe, Widening.of(share, halo, reach_m)) for share, halo in each]
 
 
 def bounding(lobes: Sequence[beams.Beam], weights: Sequence[float], *, most: bool) -> beams.Beam:

@@ -18,7 +18,7 @@ light, and of several scenes with a motorised lens another may serve.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import product
 from typing import Any
@@ -31,7 +31,7 @@ from uwopt.catalog.records import Camera, Lens, Light, exact
 from uwopt.forward.part_columns import FAVOURED
 from uwopt.forward.parts import Parts
 from uwopt.forward.problem import Problem
-from uwopt.forward.scene import SceneOptics
+from uwopt.forward.scene import SceneOptics, widened_lobes
 from uwopt.model.beam import Beam, half_power_angle_rad
 from uwopt.model.scattering import PhaseTable
 from uwopt.model.sent_back import least_of
@@ -172,9 +172,19 @@ class EasiestScene(SceneOptics):
 
     states: tuple[SceneOptics, ...] = ()
 
+    def once(self, what: Any, make: Callable[[], Array]) -> Array:
+        """A spectrum of all states, worked out when first asked for."""
+        key = ("of all states", what)
+        if key not in self.cache:
+            self.cache[key] = make()
+        return np.asarray(self.cache[key])
+
     def lamp_leg_per_m(self, half_power_angle_rad: float) -> Array:
         """The least of all states."""
-        return least([one.lamp_leg_per_m(half_power_angle_rad) for one in self.states])
+        return self.once(
+            ("lamp leg", half_power_angle_rad),
+            lambda: least([one.lamp_leg_per_m(half_power_angle_rad) for one in self.states]),
+        )
 
     def widened_lobe(self, lobe: Beam, relative_spectrum: Array, *, way_m: float, back: bool = False) -> Beam:
         """At every angle the most of all states on the floor, and the least of what the water sends back.
@@ -182,11 +192,12 @@ class EasiestScene(SceneOptics):
         A lobe stands beside its own K. On a level floor, to which no way is shorter, what K of a state takes beyond the
         least of all in every colour is taken from its lobe.
         """
-        each = [one.widened_lobe(lobe, relative_spectrum, way_m=way_m, back=back) for one in self.states]
+        each = widened_lobes(self.states, lobe, relative_spectrum, way_m=way_m, back=back)
         left = [1.0] * len(each)
         if not back and not self.slope:
             half_power = half_power_angle_rad(lobe)
-            beyond = [one.lamp_leg_per_m(half_power) - self.lamp_leg_per_m(half_power) for one in self.states]
+            least_of_all = self.lamp_leg_per_m(half_power)
+            beyond = [one.lamp_leg_per_m(half_power) - least_of_all for one in self.states]
             left = [float(np.exp(-one.min() * way_m)) for one in beyond]
         return bounding(each, left, most=not back)
 
@@ -197,7 +208,9 @@ class EasiestScene(SceneOptics):
 
     def near_leg_per_m(self) -> Array:
         """What leaves the least veil beside the image."""
-        return self.attenuation_per_m - least([one.attenuation_per_m - one.near_leg_per_m() for one in self.states])
+        return self.once("near leg", lambda: self.attenuation_per_m - least(
+            [one.attenuation_per_m - one.near_leg_per_m() for one in self.states]
+        ))  # fmt: skip
 
     def veil_leg_per_m(self, way_m: float) -> Array:
         """No veil from elsewhere."""
@@ -221,12 +234,16 @@ class EasiestScene(SceneOptics):
 
     def back_leg_per_m(self, half_power_angle_rad: float) -> Array:
         """What leaves the least backscatter beside the image, by either leg."""
-        back = [one.back_leg_per_m(half_power_angle_rad) for one in self.states]
-        camera = least([one.attenuation_per_m - k for one, k in zip(self.states, back, strict=True)])
-        lamp = least([
-            one.lamp_leg_per_m(half_power_angle_rad) - k for one, k in zip(self.states, back, strict=True)
-        ])
-        return np.maximum(self.attenuation_per_m - camera, self.lamp_leg_per_m(half_power_angle_rad) - lamp)
+
+        def made() -> Array:
+            back = [one.back_leg_per_m(half_power_angle_rad) for one in self.states]
+            camera = least([one.attenuation_per_m - k for one, k in zip(self.states, back, strict=True)])
+            lamp = least([
+                one.lamp_leg_per_m(half_power_angle_rad) - k for one, k in zip(self.states, back, strict=True)
+            ])
+            return np.maximum(self.attenuation_per_m - camera, self.lamp_leg_per_m(half_power_angle_rad) - lamp)
+
+        return self.once(("back leg", half_power_angle_rad), made)
 
 
 def least(columns: Sequence[Array]) -> Array:
