@@ -100,6 +100,13 @@ DEFECTS = (
         test=f"{STATES}::test_settings_are_pinned_as_they_are_set",
     ),
     Defect(
+        name="an address unpacks to any size",
+        file="uwopt/explore/state.py",
+        old="MOST_ADDRESS + 4]), MOST_FILE_BYTES)",
+        new="MOST_ADDRESS + 4]))",
+        test=f"{STATES}::test_an_address_that_would_fill_the_memory_is_refused",
+    ),
+    Defect(
         name="lamps return to where they once were moved",
         file="uwopt/explore/state.py",
         old='if not moved or moved.get("move") == state.get("move"):',

@@ -55,7 +55,7 @@ DEFECTS: tuple[Defect, ...] = (
         file="uwopt/results/basis.py",
         old='of all."""\n\n',
         new='of all."""\n\nfrom __future__ import annotations\n\n',
-        test="tests/test_structure.py::test_the_types_of_checked_records_are_no_texts[results.basis]",
+        test="tests/test_structure.py::test_the_types_of_checked_records_are_no_texts",
     ),
     Defect(
         name="evaluation has no end of time",
