@@ -23,6 +23,7 @@ from uwopt.errors import MissionError
 mp.mp.dps = 40
 EXAMPLES = 100 if THOROUGH else 6
 PHYSICS = ("full", "auto", "paper") if THOROUGH else ("full", "paper")
+LEAST_NOISE_E = 1e-12  # less, but for none at all, is taken for a wrong unit
 GREEN = ["wavelength_nm,relative_power", "380,0", "549.99,0", "550,1", "550.01,0", "780,0"]
 
 
@@ -266,8 +267,8 @@ def test_a_lamp_that_the_water_swallows_leaves_a_dark_floor(tmp_path: Path) -> N
 
 @settings(max_examples=EXAMPLES, deadline=None, derandomize=not THOROUGH)
 @given(
-    flux=st.floats(1.0, 1e6), factor=st.floats(1.0, 10.0), noise=st.floats(0.0, 100.0), attenuation=st.floats(0.0, 5.0),
-    physics=st.sampled_from(["full", "paper"]),
+    flux=st.floats(1.0, 1e6), factor=st.floats(1.0, 10.0), noise=st.just(0.0) | st.floats(LEAST_NOISE_E, 100.0),
+    attenuation=st.floats(0.0, 5.0), physics=st.sampled_from(["full", "paper"]),
 )  # fmt: skip
 def test_more_light_never_lowers_snr(
     flux: float,
@@ -290,6 +291,12 @@ def test_more_light_never_lowers_snr(
         for lm in (flux, flux * factor)
     )
     assert bright >= dim * (1 - 1e-12)
+
+
+def test_a_noise_that_no_camera_has_is_refused() -> None:
+    for noise in (LEAST_NOISE_E / 2, 2.2e-309):
+        with pytest.raises(MissionError, match=r"camera.read_noise_e = .* is below 1e-12, as none is made"):
+            evaluated("paper", parts={"camera": {"read_noise_e": noise}})
 
 
 @settings(max_examples=EXAMPLES, deadline=None, derandomize=not THOROUGH)
