@@ -592,6 +592,27 @@ DEFECTS: tuple[Defect, ...] = (
         ),
     ),
     Defect(
+        name="integrals of bounds are rougher than what is allowed for them",
+        file="uwopt/solvers/front/ceilings.py",
+        old="ROUGHLY, RULE_SLACK, WIDE_SLACK, NARROW_PX = 0.5,",
+        new="ROUGHLY, RULE_SLACK, WIDE_SLACK, NARROW_PX = 0.25,",
+        test="tests/solvers/test_ceilings.py::test_wide_colour_counted_as_less_hides_no_information",
+    ),
+    Defect(
+        name="a try is left out for another that draws more power",
+        file="uwopt/solvers/front/trade_curves.py",
+        old="worth &= ~((mine_w <= power_w * ABOVE) & (mine > quality * (1.0 + GLANCE_REL)))",
+        new="worth &= ~(mine > quality * (1.0 + GLANCE_REL))",
+        test="tests/solvers/test_trade_curves.py::test_of_tries_those_are_kept_that_no_other_of_the_same_design_beats",
+    ),
+    Defect(
+        name="of a place in the settings one side alone is tried",
+        file="uwopt/solvers/settings/cell_points.py",
+        old="fits[1:] &= ~np.logical_or.accumulate(fits)[:-1]",
+        new="fits[1:] = False",
+        test="tests/solvers/test_cells.py::test_of_both_sides_of_a_place_the_first_that_fits_stands_for_both",
+    ),
+    Defect(
         name="a piece of the f-numbers is as far out of focus as at its wide end",
         file="uwopt/solvers/front/ceilings.py",
         old="np.sqrt(np.expm1(known)), f_number=small_end,",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from uwopt.forward.setting_rows import SceneRows
 from uwopt.model.sharpness import jinc_and_slope, pupil_and_slope, sinc_and_slope
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.settings.best import best_settings
-from uwopt.solvers.settings.cells import CellResult, best_by_cells
+from uwopt.solvers.settings.cells import CellResult, CellSearch, best_by_cells
 
 Array = NDArray[Any]
 GAP = 1e-4
@@ -209,6 +210,19 @@ def test_contrast_under_sun_wants_the_lamps_at_full_level() -> None:
 def test_contrast_that_no_lamp_reaches_is_proven_infeasible() -> None:
     found = solved([lit(sun=(100.0, 40000.0), veil=200.0, min_contrast=0.5)], "power")
     assert not found.feasible[0] and found.lower_bound[0] == np.inf
+
+
+def test_of_both_sides_of_a_place_the_first_that_fits_stands_for_both(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first of two places fits on its second side alone, the other on both."""
+    seen: list[list[bool]] = []
+    fits = np.array([False, True, True, True])
+    monkeypatch.setattr(CellSearch, "_box", lambda *_: None)
+    monkeypatch.setattr(CellSearch, "_points_in", lambda *_: SimpleNamespace(fits=fits))
+    monkeypatch.setattr(CellSearch, "_keep", lambda _self, _design, points: seen.append(points[0].fits.tolist()))
+    cells = CellSearch.__new__(CellSearch)
+    cells.range = np.zeros((2, 2)), np.ones((2, 2))
+    cells._try_places(np.arange(2), np.full((2, 2), 0.5))
+    assert seen == [[False, True, True, False]]
 
 
 def test_designs_beyond_the_cutoff_are_dropped() -> None:

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from uwopt.objectives.axes import Axes
 from uwopt.objectives.objective import Objective
+from uwopt.solvers.front import trade_curves
 from uwopt.solvers.front.curves import Curves
 from uwopt.solvers.front.hopeful import Hopeful
 from uwopt.solvers.front.search import FrontSearch
@@ -161,6 +162,23 @@ def test_settings_guessed_between_two_limits_cost_less_and_change_no_answer(monk
         assert answers.quality == pytest.approx(plain.quality, rel=CURVE_GAP, nan_ok=True)
         assert (answers.bound >= plain.quality * (1.0 - 1e-9))[answers.found].all()
         assert (answers.bound <= answers.quality * (1.0 + CURVE_GAP))[answers.found].all()
+
+
+@pytest.mark.parametrize("key", ["dims", "steps", "pulses", "flash"])
+def test_of_tries_those_are_kept_that_no_other_of_the_same_design_beats(key, monkeypatch):
+    """A glance at all of them leaves fewer to be worked out, and hides none of the best."""
+    search, designs = designs_of(key, "information")
+    some = Hopeful.joined(designs)
+    (kept,) = search.trade.tried(some, np.arange(len(some)))
+    monkeypatch.setattr(trade_curves, "_best_by_power", lambda power_w, quality: np.isfinite(power_w))
+    (every,) = search.trade.tried(some, np.arange(len(some)))
+    assert len(kept.design) < 0.7 * len(every.design)
+    as_good = (
+        (kept.design == every.design[:, None])
+        & (kept.power_w <= every.power_w[:, None] * (1.0 + 1e-6))
+        & (kept.quality >= every.quality[:, None] * (1.0 - 1e-9))
+    )
+    assert as_good.any(axis=1).all()
 
 
 @pytest.mark.parametrize("key", ["dims", "steps", "pulses", "flash", "level"])

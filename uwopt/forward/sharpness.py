@@ -271,11 +271,12 @@ class SharpRows(Columns):
 
     def most_bit_per_px(
         self, gain: Array, *, f_number: Array, working_f_number: Array, blur_s: Array, widest_px: float,
-        wanted: Array | None = None,
+        wanted: Array | None = None, fineness: float = 1.0,
     ) -> Array:  # fmt: skip
         """Information at some contrasts over the noise (k,), (n, k), at least: wide lateral colour may count as less.
 
         wanted : (n, k) which are worked out, the others nan; None: all
+        fineness : factor on the nodes of the integrals, beside that of the rows
 
         What more than `widest_px` [px rms] of it leaves is taken to be as little as that width would, for a
         narrow ridge is dear to sum; a transfer that comes back after a null is taken never to have fallen.
@@ -291,8 +292,9 @@ class SharpRows(Columns):
                 spread = spread if (share == 1.0).all() else lateral.never_rising(spread)
                 at = replace(at, lateral_k_along=share * along, lateral_k_across=share * across, spread=spread)
             out[rows] = information.information_of_gains(
-                gain, sharpness=at, fineness=self.fineness, wanted=None if wanted is None else wanted[rows]
-            )
+                gain, sharpness=at, fineness=self.fineness * fineness,
+                wanted=None if wanted is None else wanted[rows],
+            )  # fmt: skip
         return out
 
 

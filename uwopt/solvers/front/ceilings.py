@@ -30,7 +30,9 @@ MOST_ROWS = 100_000  # whose SNR is worked out at a time
 #: ln(1 + g^2), g = C_t SNR, that tables know. A transfer m <= 1 tells (1/2) log2(1 + g^2 m^2), convex in it: between
 #: two levels information is below their chord.
 LEVELS = np.concatenate([[0.0, 0.03, 0.08, 0.16, 0.3, 0.5], np.arange(0.75, 20.1, 0.25)])
-RULE_SLACK, WIDE_SLACK, NARROW_PX = 1e-4, 1e-3, 0.7  # of quadratures; with more than so much lateral colour
+#: Factor on the nodes of integrals: bounds need not be as close as figures. What that costs, relative, at most, and
+#: with more than so much lateral colour: twice what tests saw, 1e-3 and 4e-3.
+ROUGHLY, RULE_SLACK, WIDE_SLACK, NARROW_PX = 0.5, 2e-3, 8e-3, 0.7
 #: How closely bounds are drawn in, one after the other: into how many parts each piece is cut, the colour [px rms] of
 #: which more counts as so much, and every which level is known.
 DRAWN: tuple[tuple[int, float, int], ...] = ((4, NARROW_PX, 4), (4, 2.0, 2), (4, 2.0, 1))
@@ -179,7 +181,7 @@ def _seen(rows: SceneRows, snr: Array, pieces: Pieces, span: Span, widest_px: fl
     wanted[place, below] = wanted[place, below + 1] = True
     table = sharp.take(mine).most_bit_per_px(
         np.sqrt(np.expm1(known)), f_number=small_end, working_f_number=wide_end * rows.working_factor[mine],
-        blur_s=least_s[mine], widest_px=widest_px, wanted=wanted,
+        blur_s=least_s[mine], widest_px=widest_px, wanted=wanted, fineness=ROUGHLY,
     )  # fmt: skip
     wide = rms_px(sharp.rms_k_along, sharp.rms_k_across, max((t.index_rms for t in sharp.spreads), default=0.0))
     room = np.where(wide > NARROW_PX, 1.0 + WIDE_SLACK, 1.0 + RULE_SLACK) / sharp.pixel_area_m2

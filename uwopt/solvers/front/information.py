@@ -24,8 +24,13 @@ def least_blur_s(rows: SceneRows) -> Array:
     return np.where(rows.kind == PULSED, least_s, np.minimum(rows.time_min_s, least_s))
 
 
-def information_of(rows: list[SceneRows], chosen: list[Chosen], which: Array) -> Array:
-    """Information [bit/m2] of settings, worst scene; nan where there are none."""
+def information_of(
+    rows: list[SceneRows], chosen: list[Chosen], which: Array, *, orders: tuple[int, int] | None = None
+) -> Array:
+    """Information [bit/m2] of settings, worst scene; nan where there are none.
+
+    orders : nodes in radius and angle, as of `model.information`; None: as many as figures have
+    """
     out = np.full(len(which), np.nan)
     index = np.nonzero(which)[0]
     if len(index) == 0:
@@ -45,8 +50,8 @@ def information_of(rows: list[SceneRows], chosen: list[Chosen], which: Array) ->
         else:
             snr = closed_form.nominal_snr(some, c.light_x[index])
         assert some.sharp is not None
-        values.append(
-            some.sharp.information_bit_per_m2(snr, f_number=f_number, working_f_number=working, blur_s=blur)
-        )
+        values.append(some.sharp.information_bit_per_m2(
+            snr, f_number=f_number, working_f_number=working, blur_s=blur, orders=orders
+        ))  # fmt: skip
     out[index] = np.min(values, axis=0)
     return out

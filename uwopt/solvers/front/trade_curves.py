@@ -38,6 +38,8 @@ CURVE_GAP = 5e-4  # relative, of qualities without a closed form
 DIMMEST = 1e-4  # of the power at the far end: where a curve that begins without light is first asked
 LIMITS = 7  # power limits that a curve is first known at
 TRIED_F_NUMBERS, TRIED_LIGHT, TRIED_TIMES = (0.0, 0.35, 0.7), (0.0, 0.4, 0.7, 1.0), (1.0, 0.4)
+#: Nodes of integrals in radius and angle that tell which tries are worth more, and how closely, relative.
+GLANCE, GLANCE_REL = (5, 3), 0.02
 
 
 @dataclass(frozen=True)
@@ -185,7 +187,15 @@ class Trade:
             self._one_try(some, low * (np.maximum(high, low) / low) ** aperture, light, time)
             for aperture, light, time in product(TRIED_F_NUMBERS, TRIED_LIGHT, TRIED_TIMES)
         ]
-        return [replace(one, design=design[one.design]) for one in tries]
+        glance = [information_of(some.rows, chosen, np.isfinite(power), orders=GLANCE) for chosen, power in tries]
+        worth = _best_by_power(np.array([power for _, power in tries]), np.array(glance))
+        which, mine = np.nonzero(worth)
+        place = which * len(some) + mine
+        power = np.concatenate([power for _, power in tries])[place]
+        chosen = [Chosen.joined(scene).take(place) for scene in zip(*(chosen for chosen, _ in tries), strict=True)]
+        every = np.ones(len(place), bool)
+        quality = information_of(some.take(mine).rows, chosen, every)
+        return [Answers(design[mine], power, power, quality, quality, every, chosen)]
 
     def _tried_sunlit(self, some: Hopeful, design: Array) -> list[Answers]:
         """Points of least power, and of best quality within all of it."""
@@ -200,8 +210,10 @@ class Trade:
             tried.append(self._answers(some, design, best, found.chosen, quality, None, None))
         return tried
 
-    def _one_try(self, some: Hopeful, f_number: Array, light_share: float, time_share: float) -> Answers:
-        """The same place in every design's range of light, at one f-number."""
+    def _one_try(
+        self, some: Hopeful, f_number: Array, light_share: float, time_share: float
+    ) -> tuple[list[Chosen], Array]:
+        """The same place in every design's range of light, at one f-number: settings and their power, nan: none."""
         chosen, ok = [], np.ones(len(some), bool)
         for r in some.rows:
             rows = replace(r, time_max_s=np.maximum(r.time_max_s * time_share, r.time_min_s))
@@ -222,10 +234,7 @@ class Trade:
         ok &= power <= some.power_limit_w * ABOVE
         if some.mean_limit is not None:
             ok &= some.mean_limit.met_by(chosen, some.camera_power_w)
-        quality = information_of(some.rows, chosen, ok)
-        power = np.where(ok, power, np.nan)
-        every = np.arange(len(some))
-        return Answers(every, power, power, quality, quality, np.ones(len(some), bool), chosen)
+        return chosen, np.where(ok, power, np.nan)
 
     # ------------------------------------------------------------ bounds
 
@@ -341,6 +350,14 @@ class Trade:
         bound = bounds.bound.copy()
         bound[asked] = np.fmin(bound[asked], most[row, column])
         return replace(bounds, bound=bound).drawn_in()
+
+
+def _best_by_power(power_w: Array, quality: Array) -> Array:
+    """Which of k settings of n designs (k, n) none of the same design beats for no more power; quality is rough."""
+    worth = np.isfinite(power_w) & np.isfinite(quality)
+    for mine_w, mine in zip(power_w, quality, strict=True):
+        worth &= ~((mine_w <= power_w * ABOVE) & (mine > quality * (1.0 + GLANCE_REL)))
+    return worth
 
 
 def first_limits_w(some: Hopeful, least_w: Array) -> Array:

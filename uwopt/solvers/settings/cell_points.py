@@ -115,19 +115,25 @@ class TriedCells(BoundedCells):
         """Whether f-number and time of one scene are all that settings need for information."""
         return bool(self.information) and self.n_dims == 2 and not any(self.sunlit)
 
-    def _at_places(self, design: Array, place: Array) -> Array:
-        """Values of designs at f-numbers and times, (m,), by their logarithms (m, 2)."""
+    def _at_places(self, design: Array, place: Array, sides: int = 1) -> Array:
+        """Values of designs at f-numbers and times, (m,), by their logarithms (m, 2).
+
+        `sides` : how many parts of the list are sides of one place, of which the first that fits stands for all
+        """
         low, high = (side[design] for side in self.range)
         place = np.clip(place, low, high)
         pool = Pool(design, place, place, np.zeros(len(design)))
         point = self._points_in(pool, 0, self._box(pool, 0), np.exp(place[:, 0]), np.zeros(len(design)), np.ones(1))
+        if sides > 1:
+            fits = point.fits.reshape(sides, -1)
+            fits[1:] &= ~np.logical_or.accumulate(fits)[:-1]
         return self._keep(design, [point])
 
     def _try_places(self, design: Array, place: Array) -> None:
         """Where the tangents of cells say that most could be: at a corner of what is allowed it is the best itself."""
         if len(design):
             sides = [place + np.array([side, 0.0]) for side in (-INSIDE, INSIDE)]
-            self._at_places(np.tile(design, 2), np.concatenate(sides))
+            self._at_places(np.tile(design, 2), np.concatenate(sides), sides=2)
 
     # ------------------------------------------------------------ what is kept
 
