@@ -15,6 +15,30 @@ ROUNDS = "tests/solvers/test_in_rounds.py"
 
 DEFECTS = (
     Defect(
+        name="a single change found with others is told as several",
+        file="uwopt/solvers/explain/infeasible.py",
+        old="    if fit is None or len(fit.changes) != 1:\n",
+        new="    if fit is None or fit.changes:\n",
+        test="tests/solvers/test_least_change.py"
+        "::test_changes_found_together_among_a_few_imagers_are_enough_and_one_alone_helps",
+    ),
+    Defect(
+        name="what a design keeps as it is asked is told as a change",
+        file="uwopt/solvers/explain/together.py",
+        old="        changed = [name for name, value in asked.items() if kept[name] != value]\n",
+        new="        changed = [*asked][:0]\n",
+        test="tests/solvers/test_least_change.py"
+        "::test_changes_found_together_among_a_few_imagers_are_enough_and_one_alone_helps",
+    ),
+    Defect(
+        name="limits from above give less than those from below",
+        file="uwopt/solvers/explain/together.py",
+        old="            up = share / (1.0 - share) if self.by_factor else share\n",
+        new="            up = share\n",
+        test="tests/solvers/test_least_change.py"
+        "::test_a_limit_from_above_gives_by_as_large_a_factor_as_one_from_below",
+    ),
+    Defect(
         name="two requirements are said to have to give where one may do",
         file="uwopt/report/text/nothing_fits.py",
         old="    if why is not None and why.not_known:\n",

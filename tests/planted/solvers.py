@@ -876,8 +876,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="nobody tells what must give together",
         file="uwopt/solvers/explain/infeasible.py",
-        old="    if not made and not moved:\n",
-        new="    if False:\n",
+        old="([], None) if moved else least_set(trials, known)",
+        new="([], None)",
         test=f"{LEAST}::test_changes_told_together_are_enough_and_all_of_them_are_needed",
     ),
     Defect(

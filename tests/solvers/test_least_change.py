@@ -20,14 +20,15 @@ from uwopt.results.basis import WhyNothing
 from uwopt.results.result import Result
 from uwopt.solvers.exact.certificate import certificate
 from uwopt.solvers.explain import infeasible, least_change, singles
-from uwopt.solvers.explain.infeasible import why_nothing
+from uwopt.solvers.explain.infeasible import together_soon, why_nothing
 from uwopt.solvers.explain.least_change import Change, Narrowing, in_rounds, rounded_away
+from uwopt.solvers.explain.moves import Mover
 from uwopt.solvers.explain.relaxed import Relaxer
 from uwopt.solvers.explain.singles import Singles
 from uwopt.solvers.explain.together import CommonShare, few_that_give, least_set
 from uwopt.solvers.explain.trials import Trials
 from uwopt.solvers.explain.weakened import is_filled_in
-from uwopt.solvers.recommend import seek
+from uwopt.solvers.recommend import Sought, seek
 
 POWER = Objective.of("power")
 FILES = {
@@ -336,7 +337,7 @@ def test_limits_speed_and_height_told_together_are_enough(parts, catalog):
     both.moved = both.vehicle
     known = both._halved(0.0, 0.9, None)
     assert known is not None
-    possible = {one.name: one.needed for one in both._drawn_back(*known)[0]}
+    possible = {one.name: one.needed for one in both._drawn_back(*known).changes}
     assert {"speed_m_s", "altitude_m"} & possible.keys()
     limits = {"max_blur_px": possible.get("max_blur_px", 0.1), "min_snr_db": possible.get("min_snr", 30.0)}
     moved = mission(parts, **limits).to_dict()["vehicle"] | {
@@ -461,6 +462,54 @@ def test_requirements_that_give_together_are_found_among_a_few_imagers(parts, ca
     one = Singles(trials)
     one.give_together(1.0)
     assert [helps.name for helps in one.helpful] == (["min_swath_m"] if len(given) == 1 else [])
+
+
+@pytest.mark.parametrize(
+    ("asked", "given"),
+    [({"min_swath_m": 9.0, "min_snr_db": 60.0}, {"min_swath_m", "min_snr"}), ({"min_swath_m": 9.0}, {"min_swath_m"})],
+)
+def test_changes_found_together_among_a_few_imagers_are_enough_and_one_alone_helps(
+    parts, catalog, monkeypatch, asked, given
+):
+    """The lens sees 1.42 of 9 m, which is less than a share of 0.75 leaves; nothing is told that need not give."""
+    shares: list[float] = []
+
+    def of_all(self: CommonShare, wanted: Mission, turn: Deadline) -> Sought | None:
+        if self.moved:
+            return None
+        shares.append(round(1.0 - wanted.requirements.min_swath_m / 9.0, 2))
+        return self.trials.relaxer.seek(wanted, POWER, set(self.limits), deadline=turn, enough=True)
+
+    monkeypatch.setattr(CommonShare, "_among_few", of_all)
+    wanted = mission(parts, max_airy_px=9.0, max_blur_px=2.0, **asked)
+    trials = Trials(wanted, catalog, POWER, "never", like=seek(wanted, catalog, POWER, generic="never", top=1))
+    singles, mover = Singles(trials), Mover(trials.relaxer, NEVER)
+    fit = together_soon(trials, singles, mover)
+    assert set(shares) == {0.75, 0.85}
+    assert [helps.name for helps in singles.helpful] == ([] if len(given) > 1 else ["min_swath_m"])
+    assert (fit is None) == (len(given) == 1) and not mover.far
+    if fit is not None:
+        possible = {one.name: one.needed for one in fit.changes}
+        assert set(possible) == given and fits(trials.with_limits(wanted, possible), catalog)
+        assert not any(fits(trials.with_limits(wanted, {name: possible[name]}), catalog) for name in given)
+
+
+def test_a_limit_from_above_gives_by_as_large_a_factor_as_one_from_below(parts, catalog):
+    wanted = mission(parts, max_blur_px=2.0, min_swath_m=1.0)
+    both = CommonShare(Trials(wanted, catalog, POWER, "never"), NEVER, by_factor=True)
+    weaker = both.weaker_by(0.75)
+    assert (weaker["max_blur_px"], weaker["min_swath_m"]) == (8.0, 0.25)
+
+
+def test_a_speed_that_is_found_to_do_is_drawn_back(parts, catalog):
+    wanted = mission(parts, max_blur_px=0.1, min_snr_db=30.0)
+    slow = wanted.with_changes(vehicle=wanted.to_dict()["vehicle"] | {"speed_m_s": 0.01})
+    found = seek(slow, catalog, POWER, generic="never", top=1)
+    mover = Mover(Trials(wanted, catalog, POWER, "never").relaxer, NEVER)
+    mover.take_for_far("speed_m_s", 0.01, found)
+    (move,) = mover.changes()
+    in_rounds([move.drawn], NEVER)
+    assert 0.01 < move.told().needed < 0.5
 
 
 def test_what_a_person_wrote_is_known_from_what_good_practice_fills_in():

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from uwopt.mission.reserves import REFUSED
 from uwopt.report.text import formats, vocabulary, words
 from uwopt.report.text.helps import (
+    KEYS,
     contradiction_lines,
     depth_lines,
     is_far,
@@ -31,7 +32,7 @@ AT_CENTRAL_PRICES = (
 )
 HELPFUL = "Each of these changes alone would let a system through:"
 SMALLER = "Or these together, each a smaller share of what is asked than any of those:"
-TOGETHER = "All of these together would let a system through:"
+TOGETHER = "All of these together would let a system through; less of some may do:"
 FAR = "Out of reach, though alone it would let a system through:"
 LESS, NO_LESS = "less may do", "no less will do"
 
@@ -207,7 +208,7 @@ def relaxation_texts(result: Result | FrontResult, item: Relaxed) -> tuple[str, 
     unit = {"cost": currency, "min_snr": "dB"}.get(item.name, split_unit(item.name)[1])
     asked, possible = formats.quantities_apart(item.limit, item.needed, unit=unit, digits=4)
     return (
-        f"{words.requirement_name(item.name)} ({formats.one_line(item.name)})",
+        f"{KEYS.get(item.name) or words.requirement_name(item.name)} ({formats.one_line(item.name)})",
         asked,
         "left out" if item.needed is None else possible,
     )

@@ -45,7 +45,8 @@ LARGEST_COSTLY = 256  # where each node takes light at pixels: the next batch th
 LARGEST_UNBEATEN = 16384  # the same as long as nothing is found: where nothing fits all nodes are evaluated
 DEAR_REFINED, CHEAP_REFINED = 256, 2048  # at least, where bounds weigh quality: each call sorts all nodes anew
 REFINED_AHEAD = 8  # batches of nodes whose bounds are made better before the first of them is taken
-FIRST_DEAR = 4  # of a first batch where one may be enough, or where information counts: dear to bound while nothing is
+FIRST_ENOUGH = 1  # of a first batch where one is enough: often the first does, and the light of each is dear
+FIRST_DEAR = 4  # of a first batch where information counts: dear to bound while nothing is
 # found that others must beat
 FIRST_CHUNK = 400_000  # imagers times lightings that are bounded first: cheaper than to evaluate the wrong ones
 LARGEST_CHUNK = 65536  # imagers that are bounded together
@@ -339,7 +340,9 @@ class Search(Evaluation):
         """Nodes that are evaluated together at first."""
         if self._sifts and self.ranking.best:
             return NEXT_BATCH
-        return FIRST_DEAR if self.enough or self.objective.weight("information") else FIRST_BATCH
+        if self.enough:
+            return FIRST_ENOUGH
+        return FIRST_DEAR if self.objective.weight("information") else FIRST_BATCH
 
     def _least_look(self) -> int:
         """Nodes at least whose bounds are made better together."""

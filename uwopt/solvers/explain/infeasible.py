@@ -19,7 +19,7 @@ from uwopt.solvers.explain.none_left import none_left
 from uwopt.solvers.explain.reached import judged_by
 from uwopt.solvers.explain.relaxed import ANY, MAY_PASS
 from uwopt.solvers.explain.singles import Singles
-from uwopt.solvers.explain.together import CommonShare, Giving, least_set
+from uwopt.solvers.explain.together import CommonFit, CommonShare, Giving, least_set
 from uwopt.solvers.explain.trials import Trials
 from uwopt.solvers.explain.weakened import RELAXABLE, without
 
@@ -27,6 +27,7 @@ BOUNDED = ("light", "max_white_balance", "bound", "power_w", "energy_wh", "cost"
 LEAST_SHARE = 0.9  # of the time left, for the least of each change that helps
 KEPT_SHARE = 0.35  # of the time left, for changes together where none is known to help alone
 ONLY_SHARE = 0.75  # of what is left then, for these
+SOON_SHARE = 0.5  # of the time left, for a design that fits with changes together, where none is known to help alone
 GIVE_SHARE = 0.6  # of the time left, for requirements that give together, where none is known to help alone
 TOGETHER_SHARE = 0.6  # of the time left, for changes together; the rest is for what contradicts each other
 
@@ -42,7 +43,12 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
     mover.interrupted |= trials.interrupted
     mover.try_few()
     trials.interrupted |= mover.interrupted
+    soon = None
     if not singles.helpful and not mover.far and not trials.over:
+        soon = together_soon(trials, singles, mover)
+    if not mover.far:
+        singles.try_more()
+    if soon is None and not singles.helpful and not mover.far and not trials.over:
         singles.give_together(GIVE_SHARE)
     whole = trials.deadline
     if not singles.helpful and not mover.far:  # it may be that no single change helps
@@ -60,7 +66,7 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
     singles.tell_open()
     every, moves = least_changes(trials, singles, mover)
     relaxations = [one for one in every if one.is_of_use]
-    together, nearest = changes_together(trials, relaxations, bool(moves), singles.together)
+    together, nearest = changes_together(trials, relaxations, bool(moves), singles.together, soon)
     if not relaxations and not moves and not together:  # a limit that is out of reach by far: better told than nothing
         relaxations = every
         nearest = design_of(trials, every)
@@ -81,6 +87,20 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
         no_help=[NoHelp(name, [*rules]) for name, rules in (singles.useless | mover.useless).items()],
         not_known=[*singles.left, *mover.not_known],
     )
+
+
+def together_soon(trials: Trials, singles: Singles, mover: Mover) -> CommonFit | None:
+    """Changes that help together, found among a few imagers; of one alone a single that helps is made."""
+    trials.say(0.0, "changes that help together")
+    fit = CommonShare(trials, trials.deadline.at_most(SOON_SHARE * trials.deadline.left_s), few=True).of_all()
+    if fit is None or len(fit.changes) != 1:
+        return fit
+    (one,) = fit.changes
+    if one.name in trials.limits:
+        singles.take_for_helpful(one.name, fit.found)
+    else:
+        mover.take_for_far(one.name, one.needed, fit.found)
+    return None
 
 
 def least_changes(trials: Trials, singles: Singles, mover: Mover) -> tuple[list[Relaxation], list[Moved]]:
@@ -125,10 +145,16 @@ def fits_without_light(trials: Trials, names: list[str]) -> bool:
 
 
 def changes_together(
-    trials: Trials, relaxations: list[Relaxation], moved: bool, known: Giving | None
+    trials: Trials, relaxations: list[Relaxation], moved: bool, known: Giving | None, soon: CommonFit | None
 ) -> tuple[list[Relaxed], Design | None]:
-    """Changes that help together, and the design that comes nearest; `known`: requirements that give together."""
+    """Changes that help together, and the design that comes nearest.
+
+    known : requirements that give together
+    soon : changes that help together, where none is known to help alone
+    """
     nearest = design_of(trials, relaxations)
+    if soon is not None and not relaxations and not moved:
+        return soon.changes, judged_by(trials.mission, soon.found, trials.objective)
     if trials.over:
         return [], nearest
     trials.say(0.9, "smaller changes together")
@@ -136,7 +162,8 @@ def changes_together(
     together = CommonShare(trials, trials.deadline.at_most(share * trials.deadline.left_s))
     if relaxations:
         return together.smaller_than(relaxations[0].miss_rel), nearest
-    made, design = together.of_all()
-    if not made and not moved:
-        made, design = least_set(trials, known)
+    fit = together.of_all()
+    if fit is not None and fit.changes:
+        return fit.changes, judged_by(trials.mission, fit.found, trials.objective)
+    made, design = ([], None) if moved else least_set(trials, known)
     return made, design

@@ -22,6 +22,7 @@ from uwopt.solvers.explain.weakened import RELAXABLE, with_limit
 from uwopt.solvers.recommend import Sought
 
 MOST_TIMES = 30.0  # what is asked of an image: beyond, it is another image that would be of no use
+FIGURE_S = 2.0  # in less the best figure of all hardware is seldom known, and a limit half-way often is
 SOON = 0.7  # of the time for the best figure: for the best of a few imagers
 
 
@@ -64,6 +65,7 @@ class LeastLimit:
     one: Without
     narrowing: Narrowing | None = None  # once the figure of the design at hand is known
     is_least: bool = False
+    by_figure: bool = False  # whether the best figure was asked for
     found: Sought = field(init=False)
 
     def __post_init__(self) -> None:
@@ -99,24 +101,27 @@ class LeastLimit:
         """Draw the limit in once."""
         self.trials.say(0.5, f"the least change of {self.name}")
         if self.narrowing is not None:
-            self.narrowing.step(turn)
+            if not (turn.left_s >= FIGURE_S and not self.by_figure and self._by_figure(turn)):
+                self.narrowing.step(turn)
         elif RELAXABLE[self.name][1] == "depth_rating_m":
             trials = self.trials
             self.found = deepest(
                 self.found, self.one.mission, trials.catalog, ANY, generic=trials.generic, deadline=turn
             )
             self.is_least = not turn.passed()
-        elif not self._by_figure(turn):
+        elif not (turn.left_s >= FIGURE_S and self._by_figure(turn)):
             self._narrow(turn)
 
     def _by_figure(self, turn: Deadline) -> bool:
         """Whether one search tells the least: it seeks the design with the best figure."""
-        best = RELAXABLE[self.name][2]
+        self.by_figure, best = True, RELAXABLE[self.name][2]
         if best is None or not self._is_what_counts():
             return False
         sought = self._best_without(Objective.of(best), turn)
         self.is_least = sought.outcome.complete
         self.found = sought if sought.outcome.best else self.found
+        if self.is_least:
+            self.narrowing = None
         if sought.outcome.interrupted:
             raise KeyboardInterrupt
         return self.is_least

@@ -157,6 +157,10 @@ class Mover:
                     self.far.append(Far(one, value, found))
                     break
 
+    def take_for_far(self, name: str, value: Value | None, found: Sought) -> None:
+        """Something is known to fit with a key at this value, all else as asked."""
+        self.far += [Far(one, value, found) for one in self.tries() if one.key.name == name and value is not None]
+
     def _among_few(self, key: Varied, value: Value, turn: Deadline) -> Sought | None:
         """A design among a few imagers with a key at another value; None where there is none, or no such mission."""
         try:

@@ -7,7 +7,7 @@ broken rules are found once; a search without a requirement takes those that bre
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -42,6 +42,7 @@ from uwopt.solvers.warm.tables import asking, imagers_of, of_block
 Array = NDArray[Any]
 FEW_PAIRS = 5000  # of camera and lens behind ports, likewise, of which most break some rule
 FEW_IMAGERS = 250  # that are tried before all: where something fits at all, it is mostly among them
+FEW_PLACES = 12  # behind which these are: ports of like optics, by orientation
 OTHER_WATER = "other water"  # of which no rule of an imager knows
 NO_REASONS = frozenset({"better_housing", "bound", "mount", "image_circle", "complete"})  # whatever is asked
 LATE_RULES = frozenset({*NODE_RULES, "cost", "mass_kg", "power_w", "energy_wh"}) - NO_REASONS  # that know of lamps
@@ -196,10 +197,12 @@ class Relaxer:
             imagers = known.take(np.arange(0, len(known), share))
         else:
             freed_pairs = self._freed_pairs(freed)
-            share = sum(map(len, freed_pairs.values())) // (number or FEW_IMAGERS)
-            if share < 2:
+            most = number or FEW_IMAGERS
+            if sum(map(len, freed_pairs.values())) < 2 * most:
                 return None
-            few = {place: rows[::share] for place, rows in freed_pairs.items()}
+            some = few_places(place for place, rows in freed_pairs.items() if len(rows))
+            share = max(1, sum(len(freed_pairs[place]) for place in some) // most)
+            few = {place: freed_pairs[place][start % share :: share] for start, place in enumerate(some)}
             imagers = self._imagers_of(problem, few, one_housing=True)
         return found_among(self.selection, problem, goal, imagers, deadline, enough=enough, ceiling=ceiling)
 
@@ -238,14 +241,17 @@ class Relaxer:
         search = Search(problem, ANY, top=1, deadline=deadline, enough=True, imagers=imagers)
         return Sought(selection, problem, search, search.run())
 
-    def few_designs(self, mission: Mission, deadline: Deadline, moved: str = "") -> Sought | None:
+    def few_designs(
+        self, mission: Mission, deadline: Deadline, moved: str = "", number: int | None = None,
+        goal: Objective = ANY,
+    ) -> Sought | None:  # fmt: skip
         """As `any_design`, of a few imagers from all over the catalogue; None where that is of no use."""
         if self._is_known_of(moved):
             return self._of_known(mission, deadline, moved, few=True)
         selection = selected(mission, self.catalog, generic=self.generic)
         problem = build_problem(mission, selection, scenes=same_scenes(self.problem, mission))
         pairs = fitting_pairs(problem)
-        return None if are_too_many(problem, pairs) else self._soon(selection, problem, pairs, deadline)
+        return None if are_too_many(problem, pairs) else self._soon(selection, problem, pairs, deadline, number, goal)
 
     def _is_known_of(self, moved: str) -> bool:
         """Whether the imagers that a moved key leaves are among those of which it is known what they break."""
@@ -268,19 +274,22 @@ class Relaxer:
         return found_among(self.selection, build_problem(mission, self.selection), ANY, imagers, deadline)
 
     def _soon(
-        self, selection: Selection, problem: Problem, pairs: FittingPairs, deadline: Deadline
-    ) -> Sought | None:
+        self, selection: Selection, problem: Problem, pairs: FittingPairs, deadline: Deadline,
+        number: int | None = None, goal: Objective = ANY,
+    ) -> Sought | None:  # fmt: skip
         """A search of a few pairs of camera and lens behind all ports."""
-        places = [(int(ports[0]), landscape) for ports in problem.port_groups for landscape in landscapes(problem)]
-        share = len(pairs.camera) * len(places) // FEW_PAIRS
-        if share < 2 or deadline.passed():
+        every = [(int(ports[0]), landscape) for ports in problem.port_groups for landscape in landscapes(problem)]
+        most = number or FEW_PAIRS
+        if len(pairs.camera) * len(every) < 2 * most or deadline.passed():
             return None
+        places = few_places(every)
+        share = max(1, len(pairs.camera) * len(places) // most)
         some = {
             place: (pairs.camera[start % share :: share], pairs.lens[start % share :: share])
             for start, place in enumerate(places)
         }
         imagers = imagers_of(problem, some, lambda block: in_best_housing(problem, block))
-        return found_among(selection, problem, ANY, imagers, deadline)
+        return found_among(selection, problem, goal, imagers, deadline)
 
     def asking(self, mission: Mission) -> Problem:
         """The tables for a mission that asks for less of the same parts in the same scenes."""
@@ -353,6 +362,12 @@ def found_among(
         problem, goal, top=1, deadline=deadline, enough=enough, imagers=imagers, ceiling=ceiling
     )
     return Sought(selection, problem, search, search.run())
+
+
+def few_places(places: Iterable[tuple[int, bool]]) -> list[tuple[int, bool]]:
+    """Some ports with their orientations, evenly spread: what is seen behind each takes its time, however few pairs."""
+    every = list(places)
+    return every[:: max(1, len(every) // FEW_PLACES)]
 
 
 def fitting(found: Sought | None) -> Sought | None:

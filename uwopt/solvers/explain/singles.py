@@ -44,28 +44,30 @@ class Singles:
     useless: dict[str, tuple[str, ...]] = field(default_factory=dict)  # known not to help: `relaxed.in_the_way`
     together: tuple[list[str], Sought] | None = None  # that give together, and a design without them
 
-    def try_few(self) -> None:
-        """Drop each and look among a few imagers, and where no rule lets any through among more.
+    def try_few(self, number: int = FEW_IMAGERS) -> None:
+        """Drop each and look among a few imagers.
 
         What the mission states itself comes before good practice, and the SNR last, as the brightest are looked for
         then, which takes longest.
         """
         trials = self.trials
         _ = trials.relaxer.broken  # takes longer than a turn, and all share it
-        for number in (FEW_IMAGERS, MORE * FEW_IMAGERS):
-            phase = trials.deadline.at_most(FEW_SHARE * trials.deadline.left_s)
-            names = sorted(
-                self._hopeful_of_light(number, phase),
-                key=lambda name: (not trials.is_own(name), name not in OF_LIGHT, name == "min_snr"),
-            )
-            for place, name in enumerate(names):
-                if trials.interrupted or phase.passed():
-                    break
-                trials.say(0.0, f"why nothing fits: without {name}")
-                fair_s = phase.left_s / (len(names) - place)
-                self._try_among(name, number, phase.at_most(max(FEW_TURN * fair_s, LONGEST_FEW * phase.left_s)))
-            if self.helpful or any(self.hopes.values()):
+        phase = trials.deadline.at_most(FEW_SHARE * trials.deadline.left_s)
+        names = sorted(
+            self._hopeful_of_light(number, phase),
+            key=lambda name: (not trials.is_own(name), name not in OF_LIGHT, name == "min_snr"),
+        )
+        for place, name in enumerate(names):
+            if trials.interrupted or phase.passed():
                 break
+            trials.say(0.0, f"why nothing fits: without {name}")
+            fair_s = phase.left_s / (len(names) - place)
+            self._try_among(name, number, phase.at_most(max(FEW_TURN * fair_s, LONGEST_FEW * phase.left_s)))
+
+    def try_more(self) -> None:
+        """The same among more, where no rule lets any of the few through."""
+        if not self.helpful and not any(self.hopes.values()):
+            self.try_few(MORE * FEW_IMAGERS)
 
     def _hopeful_of_light(self, number: int, phase: Deadline) -> list[str]:
         """Without those that no imager's rule knows, where none of a few imagers fits without all of these."""
@@ -92,9 +94,13 @@ class Singles:
         if self.together is None or len(self.together[0]) != 1:
             return
         (name,), found = self.together
-        relaxed = without(trials.mission, *RELAXABLE[name][:2])
+        self.take_for_helpful(name, found)
+
+    def take_for_helpful(self, name: str, found: Sought) -> None:
+        """A design that misses this alone is known: the requirement helps."""
+        relaxed = without(self.trials.mission, *RELAXABLE[name][:2])
         if relaxed is not None:
-            self.helpful.append(Without(name, trials.limits[name], relaxed, found))
+            self.helpful.append(Without(name, self.trials.limits[name], relaxed, found))
 
     def drop_hopeful(self) -> None:
         """Drop those without which rules let some of the few imagers through, those that let most through first."""
@@ -179,9 +185,7 @@ class Singles:
         if len(missed) != 1 or not self._open(dict.fromkeys(missed, 0.0)):
             return
         (name,) = missed
-        relaxed = without(self.trials.mission, *RELAXABLE[name][:2])
-        if relaxed is not None:
-            self.helpful.append(Without(name, self.trials.limits[name], relaxed, found))
+        self.take_for_helpful(name, found)
 
     def _drop_each(self, phase: Deadline, turn: float | None = None) -> None:
         """Drop what is left one by one; `turn`: the share of the time left that each may take, if not the usual."""

@@ -2,9 +2,10 @@
 
     limit_i (1 +- s), and where that is not enough speed (1 - s) and altitude (1 - s)
 
-with the least common share s at which something fits: s is halved between what fits and what does not; of the hardware
-that is left each key is drawn back towards what was asked as far as it can be, one after another. Whatever is told has
-been solved with all the others as they are told.
+or, where nothing is known to help alone, limits from above by as large a factor, limit_i / (1 - s); with the least
+common share s at which something fits: s is halved between what fits and what does not; of the hardware that is left
+each key is drawn back towards what was asked as far as it can be, one after another. Whatever is told has been solved
+with all the others as they are told.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from uwopt.results.design import Design
 from uwopt.solvers.explain.least_change import Change, rounded_away, same_hardware, with_its_hardware
 from uwopt.solvers.explain.reached import UNKNOWN, judged_by, miss, missed_by, reached_value
 from uwopt.solvers.explain.relaxed import ANY, MAY_PASS
-from uwopt.solvers.explain.trials import Trials
+from uwopt.solvers.explain.trials import BRIGHT, Trials
 from uwopt.solvers.explain.weakened import RELAXABLE, is_from_above
 from uwopt.solvers.recommend import Sought
 
@@ -35,22 +36,36 @@ VERY_FEW = 100  # imagers: most fit where nothing is asked
 FIRST_TURN = 0.7  # of the time for a few imagers, for the first of them that fits
 SHARES = 4  # by which all together are tried to give
 FARTHEST = (0.4, 0.75)  # shares that are tried where nothing is known to help alone
+FARTHEST_SOON = (0.75, 0.85)  # among a few imagers, of which a share that is small finds none
+SOON_TURN = 0.7  # of the time left, for one search of these
+DRAW_SHARE = 0.5  # of all the time left, for what their hardware needs no more
+SOON_PAIRS = 1500  # of camera and lens behind ports, where speed and height give too
 NO_MORE = 0.95  # of a limit from below: all of it would ask for nothing
+
+
+@dataclass(frozen=True)
+class CommonFit:
+    """Changes that help together, each needed by the hardware that was found, and that."""
+
+    changes: list[Relaxed]
+    found: Sought
 
 
 @dataclass
 class CommonShare:
-    """One mission's limits, speed and height, which give all at once."""
+    """One mission's limits, speed and height, which give all at once; `few`: looked for among a few imagers alone."""
 
     trials: Trials
     phase: Deadline
+    few: bool = False
     vehicle: dict[str, float] = field(default_factory=dict)  # speed and height, as asked
     moved: dict[str, float] = field(default_factory=dict)  # those of them that give too
+    by_factor: bool = False  # limits from above, not by a share
 
     def __post_init__(self) -> None:
         self.limits = {
             name: limit
-            for name, limit in self.trials.limits.items()
+            for name, limit in sorted(self.trials.limits.items(), key=lambda one: not self.trials.is_own(one[0]))
             if name in MAY_PASS and limit and name not in KEPT
         }
         views = [view.vehicle for view in self.trials.mission.views]
@@ -62,7 +77,7 @@ class CommonShare:
 
     @property
     def asked(self) -> dict[str, float]:
-        """What gives: keys of the vehicle, then limits."""
+        """What gives: keys of the vehicle, then limits, those last that good practice fills in: they give most."""
         return {**self.moved, **self.limits}
 
     def smaller_than(self, alone: float) -> list[Relaxed]:
@@ -72,26 +87,26 @@ class CommonShare:
         for moved in ({}, self.vehicle):
             self.moved = moved
             known = None if len(self.asked) < 2 else self._halved(0.0, min(alone, NO_MORE), None)
-            made = [] if known is None else self._drawn_back(*known)[0]
+            made = [] if known is None else self._drawn_back(*known).changes
             if len(made) > 1 and max(one.miss_rel for one in made) < alone:
                 return made
         return []
 
-    def of_all(self) -> tuple[list[Relaxed], Design | None]:
-        """Changes that help together where none is known to alone, and the design that they let through."""
-        low = 0.0
-        for share in FARTHEST:
+    def of_all(self) -> CommonFit | None:
+        """Changes that help together where none is known to alone, and what fits with them."""
+        low, self.by_factor = 0.0, True
+        for share in FARTHEST_SOON if self.few else FARTHEST:
             for moved in ({}, self.vehicle):
                 self.moved = moved
                 found = self._search(share) if len(self.asked) > 1 else None
                 if found is not None and found.outcome.best:
-                    known = self._halved(low, share, found)
-                    return ([], None) if known is None else self._drawn_back(*known)
-                if found is None and len(self.asked) > 1:
+                    known = (share, found) if self.few else self._halved(low, share, found)
+                    return None if known is None else self._drawn_back(*known)
+                if found is None and len(self.asked) > 1 and not self.few:
                     self.trials.deadline.left_out.append("whether changes together would do")
-                    return [], None
+                    return None
             low = share
-        return [], None
+        return None
 
     def _halved(self, low: float, high: float, found: Sought | None) -> tuple[float, Sought] | None:
         """The least share that is known to do, at most `high`, and a design; None where none smaller is."""
@@ -111,7 +126,8 @@ class CommonShare:
         made = {}
         for name, value in self.asked.items():
             more = name in self.limits and is_from_above(name)
-            made[name] = rounded_away(value + share * abs(value) * (1.0 if more else -1.0), value)
+            up = share / (1.0 - share) if self.by_factor else share
+            made[name] = rounded_away(value + abs(value) * (up if more else -share), value)
         return made
 
     def mission(self, values: Mapping[str, float | None]) -> Mission:
@@ -133,10 +149,12 @@ class CommonShare:
         trials = self.trials
         if trials.over or self.phase.passed():
             return None
-        turn = self.phase.at_most(TURN * self.phase.left_s)
+        turn = self.phase.at_most((SOON_TURN if self.few else TURN) * self.phase.left_s)
         try:
             mission = self.mission(self.weaker_by(share))
-            if self.moved:
+            if self.few:
+                found = self._among_few(mission, turn)
+            elif self.moved:
                 found = trials.relaxer.any_design(mission, turn)
             else:
                 found = trials.relaxer.seek(mission, ANY, set(self.limits), deadline=turn, enough=True)
@@ -145,38 +163,55 @@ class CommonShare:
         if found is None:
             return None
         trials.interrupted |= found.outcome.interrupted
-        return found if found.outcome.best or found.outcome.complete else None
+        return found if found.outcome.best or found.outcome.complete or self.few else None
+
+    def _among_few(self, mission: Mission, turn: Deadline) -> Sought | None:
+        """A search of a few imagers, the brightest first: what needs little power is seldom bright enough."""
+        if self.moved:
+            return self.trials.relaxer.few_designs(mission, turn, number=SOON_PAIRS, goal=BRIGHT)
+        return self.trials.relaxer.among_few(mission, BRIGHT, set(self.limits), turn)
 
     # ------------------------------------------------------------ back towards what was asked
 
-    def _drawn_back(self, share: float, found: Sought) -> tuple[list[Relaxed], Design]:
+    def _drawn_back(self, share: float, found: Sought) -> CommonFit:
         """What a design's hardware needs where all give by a share: of each in turn as little as will do."""
         asked, weaker = self.asked, self.weaker_by(share)
-        kept: dict[str, float | None] = {**weaker}
-        for name, value in asked.items():
-            kept[name], found = nearest(
-                value, Change(weaker[name], found), self._with_one(kept, name), self.trials
-            )
+        deadline = self.trials.deadline
+        phase = deadline.at_most(DRAW_SHARE * deadline.left_s) if self.few else self.phase
+        kept, found = self._without_what_is_kept({**weaker}, found)
+        changed = [name for name, value in asked.items() if kept[name] != value]
+        for name in changed:
+            if not phase.passed() and (less := self._fits(found, {**kept, name: asked[name]})) is not None:
+                kept[name], found = asked[name], less
+        for name in changed:
+            if kept[name] != asked[name]:
+                change = Change(weaker[name], found)
+                least = with_its_hardware(asked[name], change, self._with_one(kept, name), phase)
+                kept[name], found = least.limit, least.found
         told = [
             Relaxed(name, asked[name], kept[name], miss(asked[name], kept[name]))
             for name in asked if kept[name] != asked[name]
         ]  # fmt: skip
-        return told, judged_by(self.trials.mission, found, self.trials.objective)
+        return CommonFit(told, found)
+
+    def _without_what_is_kept(
+        self, kept: dict[str, float | None], found: Sought
+    ) -> tuple[dict[str, float | None], Sought]:
+        """The same with all that the design keeps as it is asked."""
+        as_asked = self.mission({**kept, **self.limits})
+        missed = missed_by(judged_by(as_asked, found, self.trials.objective), list(self.limits))
+        fewer = kept | {name: value for name, value in self.limits.items() if name not in missed}
+        less = self._fits(found, fewer)
+        return (kept, found) if less is None else (fewer, less)
+
+    def _fits(self, found: Sought, values: Mapping[str, float | None]) -> Sought | None:
+        """A design's hardware in the mission with other values, if it fits."""
+        less = same_hardware(found, self.mission(values))
+        return less if less.outcome.best else None
 
     def _with_one(self, kept: Mapping[str, float | None], name: str) -> Callable[[float], Mission]:
         """The mission with one key at another value."""
         return lambda value: self.mission({**kept, name: value})
-
-
-def nearest(
-    asked: float, change: Change, wanted: Callable[[float], Mission], trials: Trials
-) -> tuple[float, Sought]:
-    """As little of a change as its hardware needs: none, where it fits as asked."""
-    as_asked = same_hardware(change.found, wanted(asked))
-    if as_asked.outcome.best:
-        return asked, as_asked
-    least = with_its_hardware(asked, change, wanted, trials.deadline)
-    return least.limit, least.found
 
 
 # ---------------------------------------------------------------- all that give
