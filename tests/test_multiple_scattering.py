@@ -125,7 +125,7 @@ def test_held_out_corners_are_those_of_all_orders(orders: Any) -> None:
     corners = [row for row in forms.rows_of("held out") if "corner" in row.place]
     off = [forms.errors(row, forms.effective) for row in corners]
     assert len(off) >= 60
-    for name, share in (("signal", 0.98), ("veil", 0.95), ("backscatter", 0.95), ("contrast", 0.93)):
+    for name, share in (("signal", 0.98), ("veil", 0.98), ("backscatter", 0.95), ("contrast", 0.96)):
         errors = np.abs([one[name] for one in off])
         assert np.mean(errors <= 0.15) >= share, name
         if name in ("signal", "veil"):

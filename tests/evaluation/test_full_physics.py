@@ -235,12 +235,12 @@ def legs(case: Case) -> Legs:
     lamp = lost(*beyond(20.2 + 0.86 * case.half_angle))
     a_way = lost(0.0, 0.0) * case.altitude
     floor = c - b[0] * arriving(particles_beyond, a_way) - b[1] * arriving(molecules_beyond, a_way)
-    return Legs(c, lamp, lost(*beyond(16.9)), floor, (back, back))
+    return Legs(c, lamp, lost(*beyond(13.3)), floor, (back, back))
 
 
 def arriving(beyond: Callable[[float], float], absorbed: Array) -> Array:
-    """What is scattered by less than 76.9 deg and bears the longer way: the way and angles by Gauss and fine bins."""
-    edges = np.geomspace(1e-6, math.radians(76.9), 800)
+    """What is scattered by less than 81.3 deg and bears the longer way: the way and angles by Gauss and fine bins."""
+    edges = np.geomspace(1e-6, math.radians(81.3), 800)
     middle, mass = np.sqrt(edges[1:] * edges[:-1]), -np.diff([beyond(edge) for edge in edges])
     total = (1.0 - beyond(edges[0])) * np.ones_like(absorbed)
     for s, weight in zip(*gauss(0.0, 1.0, 20), strict=True):
@@ -658,7 +658,7 @@ def forward_at(case: Case, u: Array, v: Array) -> Array:
 
 
 def elsewhere_at(case: Case, u: Array, v: Array, rings: int = 40, azimuths: int = 48) -> Array:
-    """Light of the floor that water turns into pixels from all about: 9 / (2 pi) cos^8 of the angle to the pixel's ray.
+    """Light of the floor that water turns into pixels from all about, by the number of its turns.
 
     By directions from the camera, ring by ring about straight down.
     """
@@ -679,7 +679,20 @@ def elsewhere_at(case: Case, u: Array, v: Array, rings: int = 40, azimuths: int 
         amount += lux * ((left * np.exp(-k * lamp_m[:, None])) @ spectral_weight(case, 1e-3)) * solid
     toward = np.stack(np.broadcast_arrays(*rays.floor(u, v)[:2], case.altitude), axis=-1) - rays.start(u, v)
     cosine = toward / np.linalg.norm(toward, axis=-1, keepdims=True) @ ways.T
-    return np.asarray(9 / (2 * math.pi) * np.maximum(cosine, 0.0) ** 8 @ amount * rays.off_axis(u, v))
+    once, twice, often = turns(case)
+    parts = {16: 0.85 * once, 2: 0.15 * once, 8: twice, 4: often}
+    kernel = sum((n + 1) / (2 * math.pi) * part * np.maximum(cosine, 0.0) ** n for n, part in parts.items())
+    return np.asarray(kernel @ amount * rays.off_axis(u, v))
+
+
+def turns(case: Case) -> tuple[float, float, float]:
+    """Shares of what comes from elsewhere that turned once, twice and more: of each colour by its own light."""
+    (_, k, near, every, _), d = legs(case), case.altitude
+    sent = spectral_weight(case, 1e-3) * np.exp(-k * d) * (np.exp(-every * d) - np.exp(-near * d))
+    x = (near - every) * d
+    once = float(sent @ (x / np.expm1(x)) / sent.sum())
+    twice = float(sent @ (x**2 / 2.0 / np.expm1(x)) / sent.sum())
+    return once, twice, 1.0 - once - twice
 
 
 def floor_veil_at(case: Case, u: Array, v: Array) -> Array:

@@ -35,9 +35,68 @@ DEFECTS = (
     Defect(
         name="pixels see no veil from elsewhere on the floor",
         file="uwopt/forward/lamp_light.py",
-        old="veil = veil + wide_gain(along, across, **seen)",
-        new="veil = veil + 0.0 * wide_gain(along, across, **seen)",
+        old="veil = veil + wide_gain(along, across, spots",
+        new="veil = veil + 0.0 * wide_gain(along, across, spots",
         test=f"{FULL}::test_darkest_pixel[all orders, dome]",
+    ),
+    Defect(
+        name="light that turned once comes from nearby alone",
+        file="uwopt/model/veil/wide.py",
+        old="ONCE = {16: 0.85, 2: 0.15}",
+        new="ONCE = {16: 1.0, 2: 0.0}",
+        test=f"{FULL}::test_mean_veils_under_smooth_lobes[all orders, dome]",
+    ),
+    Defect(
+        name="half as much light from elsewhere turned twice",
+        file="uwopt/model/veil/wide.py",
+        old="twice = 0.5 * x * once",
+        new="twice = 0.25 * x * once",
+        test="tests/model/test_wide.py::test_light_turns_once_where_little_turns_and_ever_more_often",
+    ),
+    Defect(
+        name="all colours turn alike often on their way from elsewhere",
+        file=SPECTRA,
+        old="self.scene.cache[key] = sent @ kernel_shares(turns)",
+        new="self.scene.cache[key] = sent @ kernel_shares(turns.max() + 0.0 * turns)",
+        test=f"{FULL}::test_mean_veils_under_smooth_lobes[all orders, dome]",
+    ),
+    Defect(
+        name="the bound of the veil from elsewhere takes the image's corner for its middle",
+        file="uwopt/model/veil/wide.py",
+        old="= sums.min(axis=1)",
+        new="= sums.max(axis=1)",
+        test="tests/model/test_wide.py::test_an_images_own_floor_sends_least_to_its_corner_or_near_it",
+    ),
+    Defect(
+        name="the image's own floor sends half as much again into it",
+        file="uwopt/solvers/exact/least_veil.py",
+        old="near + within @ wide for",
+        new="near + 1.5 * within @ wide for",
+        test="tests/solvers/test_least_veil.py::"
+        "test_what_comes_from_elsewhere_counts_in_the_bound_of_means_alone",
+    ),
+    Defect(
+        name="the bound of the veil from elsewhere counts all light that comes to the camera",
+        file=SPECTRA,
+        old="veil = np.stack([every[0], every[1] - every[0]])",
+        new="veil = np.stack([every[0], np.exp(excess[1] * camera_m) * 2.0])",
+        test="tests/solvers/test_least_veil.py::test_no_image_has_less_veil_than_its_bound",
+    ),
+    Defect(
+        name="pixels have the veil from elsewhere that the image's mean has",
+        file="uwopt/solvers/exact/least_veil.py",
+        old=".multiple and scene.pixels is None and not",
+        new=".multiple and not",
+        test="tests/solvers/test_least_veil.py::"
+        "test_what_comes_from_elsewhere_counts_in_the_bound_of_means_alone",
+    ),
+    Defect(
+        name="lamps that graze the floor count as lamps over it",
+        file="uwopt/solvers/exact/least_veil.py",
+        old="np.where(far_m < self._lit_m(nearest_m), most, np.inf)",
+        new="most",
+        test="tests/solvers/test_least_veil.py::"
+        "test_lamps_that_graze_the_floor_have_no_bound_of_what_comes_from_elsewhere",
     ),
     Defect(
         name="a spot of the floor counts alike from wherever it is seen",

@@ -206,12 +206,19 @@ class LampField:
             [
                 mean_wide_gain(
                     view.tan_along, view.tan_across, spots=self.spots(range_m, one_side(self.lamps)), shape=self.shape,
-                    table=self.loss_table("wide", range_m), fineness=self.fineness.image,
+                    fineness=self.fineness.image, **self.wide(range_m),
                 )
                 for range_m in map(float, self.scene.range_m)
             ],
             axis=1,
         )  # fmt: skip
+
+    def wide(self, range_m: float) -> dict[str, Any]:
+        """Loss of the veil from elsewhere, and the shares of its kernels."""
+        curve = self.spectrum, self.efficiency, self.channel
+        return dict(
+            table=self.loss_table("wide", range_m), shares=self.contraction.wide_shares(*curve, range_m=range_m)
+        )
 
     def spots(self, range_m: float, lamps: Lamps) -> Spots:
         """The lit floor as cameras behind this port see it."""
@@ -222,9 +229,8 @@ class LampField:
         tables = self.loss_table(), self.loss_table("near")
         image, veil = local_gains(along, across, tables=tables, lamps=self.lamps, **self.common(range_m))
         if self.contraction.multiple:
-            table = self.loss_table("wide", range_m)
-            seen = dict(spots=self.spots(range_m, self.lamps), shape=self.shape, table=table)
-            veil = veil + wide_gain(along, across, **seen)
+            spots = self.spots(range_m, self.lamps)
+            veil = veil + wide_gain(along, across, spots=spots, shape=self.shape, **self.wide(range_m))
         return image, veil
 
     def scatterers(self, range_m: float) -> Any:

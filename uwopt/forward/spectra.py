@@ -23,6 +23,7 @@ from uwopt.model.scattering import PhaseTable, look_up
 from uwopt.model.spectrum import resample, resample_power
 from uwopt.model.veil.geometry import OPTICAL_REACH, Scatterer
 from uwopt.model.veil.wide import REACH as WIDE_REACH
+from uwopt.model.veil.wide import kernel_shares
 
 Array = NDArray[Any]
 SpectrumKind = tuple[tuple[str, Curve | None], float | None]  # light's spectrum; its lobe, where K depends on it
@@ -34,6 +35,7 @@ MOST_ORDER, TABLE_ERROR_LOG = 16, 1e-6  # of tables of water's loss
 TINY = 1e-300  # in place of a sum of weights that is zero: a black floor, a blind sensor
 LARGEST_EXPONENT = 600.0  # of a veil over what it veils: exp(709) is the last that a float holds
 CONTRAST_MARGIN = 0.98  # of the forward veil, for what lies between the paths tried
+WIDE_MARGIN = 0.93  # of what comes from elsewhere, for that and for nodes of its integrals and of `least_within`
 
 
 def efficiency_curve(curves: dict[str, Curve], wavelength_nm: Array, *, channel: str | None = None) -> Array:
@@ -211,33 +213,45 @@ class Contraction:
         least = float(optical.min())
         return float((weight * np.exp(-(optical - least))).sum() / max(weight.sum(), TINY) * np.exp(-least))
 
-    def most_contrast(self, spectrum: int, efficiency: int, altitude: int, nearest_m: float) -> float:
-        """Upper bound of the image-forming share at one altitude: the forward veil on the shortest rays, `nearest_m`.
+    def least_veil(self, spectrum: int, efficiency: int, altitude: int, nearest_m: float) -> tuple[float, Array]:
+        """Lower bounds of the forward veil over the light that forms the image at one altitude.
 
-        The veil grows with both paths but for the spectrum's shift along them, so several are tried. What comes from
-        elsewhere on the floor is left out.
+        Returns
+        -------
+        What comes near its straight way, at any pixel, on the shortest rays, `nearest_m`; and what comes from elsewhere
+        of the image's own floor, by kernel, for each unit of `veil.wide.least_within` (4,)
+
+        Notes
+        -----
+        The veil grows with both paths but for the spectrum's shift along them, so several are tried.
         """
         scene = self.scene
-        key = ("most contrast", *self.key(spectrum, efficiency, None), altitude, self.reach_m, nearest_m)
+        key = ("least veil", *self.key(spectrum, efficiency, None), altitude, self.reach_m, nearest_m)
         if key not in scene.cache:
-            scene.cache[key] = self._most_contrast(spectrum, efficiency, nearest_m)
-        return float(scene.cache[key])
+            near, wide = self._least_excess(spectrum, efficiency, nearest_m, float(scene.range_m[altitude]))
+            shares = self.wide_shares(spectrum, efficiency, range_m=float(scene.range_m[altitude]))
+            scene.cache[key] = CONTRAST_MARGIN * near, WIDE_MARGIN * wide * shares
+        found: tuple[float, Array] = scene.cache[key]
+        return found
 
-    def _most_contrast(self, spectrum: int, efficiency: int, near: float) -> float:
+    def _least_excess(self, spectrum: int, efficiency: int, near: float, range_m: float) -> tuple[float, float]:
+        """Least exp((c - K_near) r) - 1 and exp((c - K_all) r) - exp((c - K_near) r) over the detected spectrum."""
         scene = self.scene
         weight = self.weight(spectrum, efficiency)
-        excess, lamp_leg = scene.attenuation_per_m - self.near_leg_per_m(), self.lamp_leg_per_m(spectrum)
         lit = weight > 0
         if not lit.any():  # a black floor or a blind sensor
-            return 1.0
-        least = np.inf
+            return 0.0, 0.0
+        weight, c, lamp_leg = weight[lit], scene.attenuation_per_m[lit], self.lamp_leg_per_m(spectrum)[lit]
+        excess = np.stack([c - leg[lit] for leg in (self.near_leg_per_m(), self.veil_leg_per_m(range_m))])
+        least = np.full(2, np.inf)
         for camera_m in np.linspace(near, max(self.reach_m[1], near), 4):
+            every = np.expm1(np.minimum(excess * camera_m, LARGEST_EXPONENT))
+            veil = np.stack([every[0], every[1] - every[0]])
             for lamp_m in np.linspace(0.5 * near, max(self.reach_m[0], near), 4):
-                optical = lamp_leg[lit] * lamp_m + scene.attenuation_per_m[lit] * camera_m
-                seen = weight[lit] * np.exp(-(optical - optical.min()))
-                veil = np.expm1(np.minimum(excess[lit] * camera_m, LARGEST_EXPONENT))
-                least = min(least, float((seen * veil).sum() / seen.sum()))
-        return 1.0 / (1.0 + CONTRAST_MARGIN * least)
+                optical = lamp_leg * lamp_m + c * camera_m
+                seen = weight * np.exp(-(optical - optical.min()))
+                least = np.minimum(least, veil @ seen / seen.sum())
+        return float(least[0]), float(least[1])
 
     def reaching(self, lamp_reach_m: float, camera_reach_m: float) -> Contraction:
         """The same with tables that cover paths so long, rounded up so that like problems share their tables."""
@@ -279,6 +293,24 @@ class Contraction:
             )
         table: PathTable = scene.cache[key]
         return table
+
+    def wide_shares(
+        self, spectrum: int, efficiency: int, channel: str | None = None, *, range_m: float
+    ) -> Array:
+        """How much of the veil from elsewhere each of its kernels sends, of a floor so far off (4,); see `veil.wide`.
+
+        One set for all colours: by what each of them sends straight down and up.
+        """
+        key = ("wide shares", *self.key(spectrum, efficiency, channel), range_m)
+        if key not in self.scene.cache:
+            near, every = self.near_leg_per_m(), self.veil_leg_per_m(range_m)
+            turns, optical = (near - every) * range_m, (self.lamp_leg_per_m(spectrum) + every) * range_m
+            sent = self.weight(spectrum, efficiency, channel) * -np.expm1(-turns)
+            seen = sent > 0.0
+            least = float(optical[seen].min()) if seen.any() else 0.0
+            sent = np.where(seen, sent, 0.0) * np.exp(-np.maximum(optical - least, 0.0))
+            self.scene.cache[key] = sent @ kernel_shares(turns) / max(float(sent.sum()), TINY)
+        return np.asarray(self.scene.cache[key])
 
     def _lesser_leg_per_m(self, part: LightPart, range_m: float) -> Array:
         """The lesser attenuation of a part of the forward veil."""

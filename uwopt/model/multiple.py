@@ -10,8 +10,8 @@ with s from the phase function, for each purpose its own; S(psi) is the share sc
 lobe's half angle at half power in water. Only c counts for what forms the image.
 
     lamp to floor                  s = S(20.2 deg + 0.86 beta)
-    floor to camera, near its way  s = S(16.9 deg)
-    floor to camera, all           1 - s what turns by less than 76.9 deg and bears its longer way
+    floor to camera, near its way  s = S(13.3 deg)
+    floor to camera, all           1 - s what turns by less than 81.3 deg and bears its longer way
     backscatter, both legs         s = (3.19 - 3.28 beta / rad) S(90 deg), at most 1
     daylight, floor to camera      s = S(59.4 deg)
 
@@ -33,7 +33,7 @@ from numpy.typing import ArrayLike
 from uwopt.model.spectrum import FloatArray
 
 LAMP_DEG, LAMP_BY_LOBE = 20.2, 0.86
-NEAR_DEG, VEIL_DEG = 16.9, 76.9
+NEAR_DEG, VEIL_DEG = 13.3, 81.3
 BACK, BACK_BY_LOBE = 3.19, 3.28
 BACK_WAY = 2.88  # of `sent_back`: times what small angles alone widen the phase function by
 LEAST_OF_ABSORPTION = 0.5  # K of backscatter over a, no less: wide lobes get some back that was lost beside them

@@ -18,7 +18,7 @@ from uwopt.model.path_table import PathTable, build_path_table
 from uwopt.model.veil.geometry import Scatterer
 from uwopt.model.veil.mean import mean_backscatter
 from uwopt.model.veil.ray import backscatter_gain
-from uwopt.model.veil.wide import floor_spots, mean_wide_gain, wide_gain
+from uwopt.model.veil.wide import floor_spots, kernel_shares, mean_wide_gain, wide_gain
 from uwopt.model.water import illumination_attenuation_per_m
 
 from .cases import PLACES, TALLIES, Case
@@ -102,7 +102,8 @@ def uwopt_light(case: Case, place: str, legs: Legs) -> dict[str, float]:
     signal = table(legs.lamp, case.c_per_m, near)
     forward = table(legs.lamp, case.c_per_m, near, min(legs.near, case.c_per_m))
     elsewhere = table(legs.lamp, legs.near, near, min(legs.veil, legs.near))
-    wide: dict[str, Any] = dict(table=elsewhere, spots=floor_spots(**common), shape=PINHOLE)
+    shares = kernel_shares(max(legs.near - legs.veil, 0.0) * case.altitude_m)
+    wide: dict[str, Any] = dict(table=elsewhere, spots=floor_spots(**common), shape=PINHOLE, shares=shares)
     back_table = table(legs.back_lamp, legs.back_camera, (1e-3, 0.0))
     scatterers = (Scatterer(lambda cos: scattering.look_up(cos, phase), back_table),)
     half = np.array([case.tangent])

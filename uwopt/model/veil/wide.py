@@ -5,9 +5,11 @@ other way round, a pixel looks not only along its ray but, weakly, about it:
 
     V(u) = cos^4 * integral over directions u' of k(u . u') E(u') (exp(-K_all r') - exp(-K_near r')) d Omega'
 
-with E the floor's illuminance where u' meets it, r' the way from there, and a kernel of integral 1,
+with E the floor's illuminance where u' meets it, r' the way from there, and a kernel of integral 1 that is the wider
+the more often light has turned on its way; of what comes from elsewhere the share q_i has turned i times,
 
-    k = (n + 1) / (2 pi) cos^n,   n = 8
+    k = q_1 (0.85 k_16 + 0.15 k_2) + q_2 k_8 + (1 - q_1 - q_2) k_4,   k_n = (n + 1) / (2 pi) cos^n
+    q_i = x^i / (i! (e^x - 1)),   x = (K_near - K_all) d
 
 The floor under a lamp is taken as spots of equal flux, light by light of its lobe, so that no integral over the floor
 has to follow the lobe's flank: E d Omega' = Phi cos(theta_c) / r_c^2 for a spot that gets the flux Phi. The spots are
@@ -16,11 +18,11 @@ the same for all images of one port, and the kernel so wide that a few nodes ove
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from uwopt.model import beam as beams
 from uwopt.model import port
@@ -31,15 +33,21 @@ from uwopt.model.path_table import PathTable, log_transmissions_anywhere
 
 Array = NDArray[np.float64]
 
-KERNEL_DOUBLINGS = 3
-KERNEL_POWER = 2**KERNEL_DOUBLINGS  # n, fitted with the attenuations of `multiple`
-RINGS, AZIMUTHS = 8, 12  # of a lobe: shares of its flux, and azimuths
-IMAGE_NODES = 6  # a side
+POWERS = (2, 4, 8, 16)  # n of the kernels: each the square of the one before
+ONCE = {16: 0.85, 2: 0.15}  # of light that turned once: most from nearby, and a long tail
+TWICE, OFTEN = 8, 4
+FEW = 1e-9  # turns, below which all of it turned once
+RINGS, AZIMUTHS = 10, 16  # of a lobe: shares of its flux, and azimuths
+IMAGE_NODES, LARGE_NODES = 6, 8  # a side
+LARGE_TANGENT = 0.6  # of the half of a side, from which an image is large
 CROWDING = 2  # power by which rings crowd
 CDF_ANGLES = 4001
 LEAST_DESCENT = 0.1  # cosine from the floor's normal of rays that count as never meeting it
 REACH = 12.0  # altitudes to which tables of water's loss should go for these spots
 AT_ONCE = 2_000_000  # pairs of pixel and spot
+LEAST_HALF, MOST_HALF, N_HALVES = 0.03, 2.5, 24  # tangents in water of half images in the table of `least_within`
+WITHIN_NODES, WITHIN_PLACES = 16, 3  # a side of the image, and of its quarter
+WITHIN_POWER, MOST_ASIDE = 3, 0.3  # of a bound for places that a window shows aside of where it looks
 
 
 class Spots(NamedTuple):
@@ -83,16 +91,42 @@ def floor_spots(
     return Spots(*(np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True)))
 
 
+def kernel_shares(turns: ArrayLike) -> Array:
+    """How much of what comes from elsewhere comes by each of the kernels k_2, k_4, k_8 and k_16, 1 in all.
+
+        q_1 (0.85 k_16 + 0.15 k_2) + q_2 k_8 + (1 - q_1 - q_2) k_4,   q_i = x^i / (i! (e^x - 1))
+
+    Parameters
+    ----------
+    turns : (...,) [1], x = (K_near - K_all) d, 0 or more: Poisson's mean number of turns, of which at least one is
+
+    Returns
+    -------
+    (..., 4) [1], the powers as in `POWERS`
+    """
+    x = np.maximum(np.asarray(turns, dtype=float), FEW)
+    with np.errstate(over="ignore"):
+        once = x / np.expm1(x)
+    twice = 0.5 * x * once
+    shares = np.zeros((*x.shape, len(POWERS)))
+    for power, part in ONCE.items():
+        shares[..., POWERS.index(power)] = part * once
+    shares[..., POWERS.index(TWICE)] = twice
+    shares[..., POWERS.index(OFTEN)] = 1.0 - once - twice
+    return shares
+
+
 def wide_gain(
-    tan_along: Array, tan_across: Array, *, spots: Spots, shape: PortShape, table: PathTable
+    tan_along: Array, tan_across: Array, *, spots: Spots, shape: PortShape, table: PathTable, shares: Array
 ) -> Array:  # fmt: skip
     """The veil from elsewhere at field points [1/m^2], in the unit of `imaging.local_gain`.
 
     tan_along, tan_across : (...,) tangents in air; table : loss over lamp and camera leg, K_all less K_near on the
-    latter. Valid for what is seen within 90 deg of its own way: nothing comes round a corner.
+    latter; shares : of the kernels, see `kernel_shares`. Valid for what is seen within 90 deg of its own way: nothing
+    comes round a corner.
     """
     loss = log_transmissions_anywhere((table,), spots.lamp_m, spots.camera_m)[0]
-    amount = (KERNEL_POWER + 1) / (2.0 * np.pi) * spots.share * np.exp(loss)
+    amount = spots.share * np.exp(loss)
     along, across = np.broadcast_arrays(np.asarray(tan_along, float), np.asarray(tan_across, float))
     bend = 1.0
     if not shape.is_dome:
@@ -103,24 +137,95 @@ def wide_gain(
     found = np.empty(along.size)
     step = max(1, AT_ONCE // max(amount.size, 1))
     for start in range(0, along.size, step):
-        kernel = np.maximum(pixel[start : start + step] @ spots.direction, 0.0)
-        for _ in range(KERNEL_DOUBLINGS):
+        kernel, total = np.maximum(pixel[start : start + step] @ spots.direction, 0.0), 0.0
+        for share, power in zip(shares, POWERS, strict=True):
             kernel *= kernel
-        found[start : start + step] = kernel @ amount
+            total = total + (kernel @ amount) * (share * (power + 1) / (2.0 * np.pi))
+        found[start : start + step] = total
     return np.asarray(found.reshape(along.shape) * field_loss(along, across, shape=shape))
 
 
 def mean_wide_gain(
-    tan_along: Array, tan_across: Array, *, spots: Spots, shape: PortShape, table: PathTable, fineness: float = 1.0
+    tan_along: Array, tan_across: Array, *, spots: Spots, shape: PortShape, table: PathTable, shares: Array,
+    fineness: float = 1.0,
 ) -> Array:  # fmt: skip
     """Mean of `wide_gain` over the rectangles of images of these half widths in air, (n,) [1/m^2]."""
-    nodes, weights = gauss(scaled(IMAGE_NODES, fineness))
-    u, v = np.meshgrid(nodes, nodes, indexing="ij")
-    gain = wide_gain(
-        np.multiply.outer(tan_along, u.ravel()), np.multiply.outer(tan_across, v.ravel()), spots=spots, shape=shape,
-        table=table,
-    )  # fmt: skip
-    return np.asarray(gain @ np.outer(weights, weights).ravel())
+    along, across = np.asarray(tan_along, dtype=float), np.asarray(tan_across, dtype=float)
+    large = np.maximum(along, across) > LARGE_TANGENT
+    found = np.empty(len(along))
+    for mine, count in ((~large, IMAGE_NODES), (large, LARGE_NODES)):
+        if mine.any():
+            nodes, weights = gauss(scaled(count, fineness))
+            u, v = np.meshgrid(nodes, nodes, indexing="ij")
+            gain = wide_gain(
+                np.multiply.outer(along[mine], u.ravel()), np.multiply.outer(across[mine], v.ravel()), spots=spots,
+                shape=shape, table=table, shares=shares,
+            )  # fmt: skip
+            found[mine] = gain @ np.outer(weights, weights).ravel()
+    return found
+
+
+def least_within(half_along: ArrayLike, half_across: ArrayLike, *, aside: ArrayLike = 0.0) -> Array:
+    """What an image gets back at least of its own floor's light as veil from elsewhere, by kernel and loss (n, 4) [1].
+
+        mean V / mean S >= h g(r) / exp(-c r)
+        h = least over u' of integral over u of k(u . u') cos u / cos u' d Omega
+
+    with V of a kernel of `POWERS` alone, S what forms the image, g the loss of the wide veil, both losses straight down
+    over the shortest ray. u and u' are directions in water within the image; the sums over both may be taken in either
+    order, and the light on the floor, however uneven, is the same in V and S. What comes from beside the image is left
+    out.
+
+    Parameters
+    ----------
+    half_along, half_across : (n,) tangents in water of half the image's sides
+    aside : broadcasting [1], by how much farther from the axis, at most, places on the floor lie than a ray from the
+        port's middle would have them; the bound is 0 beyond 0.3
+
+    Notes
+    -----
+    Level floors, half images of 0.03 to 2.5; of others 0. By a table, linear in logarithms, at most 1 % more than h. An
+    image that a window bends to a barrel holds the rectangle of its corners.
+    """
+    spread = np.log(MOST_HALF / LEAST_HALF) / (N_HALVES - 1)
+    halves = np.broadcast_arrays(np.asarray(half_along, float), np.asarray(half_across, float))
+    place = [np.log(np.clip(half, LEAST_HALF, MOST_HALF) / LEAST_HALF) / spread for half in halves]
+    at = [np.minimum(one.astype(int), N_HALVES - 2) for one in place]
+    (i, j), (p, q) = at, (one - low for one, low in zip(place, at, strict=True))
+    p, q, table = p[..., None], q[..., None], _within_table()
+    low, high = ((1.0 - q) * table[k, j] + q * table[k, j + 1] for k in (i, i + 1))
+    beside = np.asarray(aside, dtype=float)
+    lost = np.where(beside <= MOST_ASIDE, (1.0 + np.maximum(beside, 0.0)) ** -WITHIN_POWER, 0.0)
+    known = (np.minimum(*halves) >= LEAST_HALF) & (np.maximum(*halves) <= MOST_HALF)
+    return np.asarray(np.exp((1.0 - p) * low + p * high) * (lost * known)[..., None])
+
+
+@cache
+def _within_table() -> Array:
+    """Logarithms of h, (N_HALVES, N_HALVES, 4) by half along and across."""
+    halves = np.geomspace(LEAST_HALF, MOST_HALF, N_HALVES)
+    nodes, weights = gauss(WITHIN_NODES)
+    steps = np.linspace(0.0, 1.0, WITHIN_PLACES)
+    found = np.empty((N_HALVES, N_HALVES, len(POWERS)))
+    for i, along in enumerate(halves):
+        across = halves[: i + 1]
+        from_, weight = _directions(along * nodes, np.multiply.outer(across, nodes))
+        weight = weight**4 * np.outer(weights, weights).ravel() * (4.0 * along * across)[:, None]
+        to, cosine = _directions(along * steps, np.multiply.outer(across, steps))
+        kernel = np.maximum(np.einsum("acn,acm->anm", to, from_), 0.0)
+        for k, power in enumerate(POWERS):
+            kernel *= kernel
+            sums = (kernel @ weight[:, :, None])[:, :, 0] * (power + 1) / (2.0 * np.pi) / cosine
+            found[i, : i + 1, k] = found[: i + 1, i, k] = sums.min(axis=1)
+    return np.asarray(np.log(found))
+
+
+def _directions(along: Array, across: Array) -> tuple[Array, Array]:
+    """Unit vectors (a, 3, n) of tangents along (u,) by across (a, v), and their cosines from the axis (a, n)."""
+    u, v = np.broadcast_arrays(along[None, :, None], across[:, None, :])
+    u, v = u.reshape(len(across), -1), v.reshape(len(across), -1)
+    cosine = 1.0 / np.sqrt(1.0 + u * u + v * v)
+    return np.stack([u * cosine, v * cosine, cosine], axis=1), cosine
 
 
 @lru_cache(maxsize=256)

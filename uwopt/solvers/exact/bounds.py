@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward import switching
-from uwopt.forward.columns import distinct
 from uwopt.forward.detail import most_scattering_per_m, shows_detail, texture_gain
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.forward.views import CORNER_FIELD, RMS_FIELD
@@ -24,6 +23,7 @@ from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.exact import off_balance
 from uwopt.solvers.exact.imager_rules import limit
 from uwopt.solvers.exact.imagers import Imagers
+from uwopt.solvers.exact.least_veil import LeastVeil
 from uwopt.solvers.exact.light_tables import FieldTables
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.node_bounds import (
@@ -55,6 +55,7 @@ class Bounds:
         self.problem, self.objective, self.imagers, self.tables = tables.problem, objective, imagers, tables
         self.searched = np.ones(len(self.problem.parts.lights), bool) if lights is None else lights
         self.limits = self.problem.mission.limits
+        self.veils = LeastVeil(self.problem, imagers, tables.lightings)
         self.light_tables: list[LampChoices] = (
             [LampChoices.of(self.problem, lighting, self.searched) for lighting in tables.lightings]
             if like is None
@@ -257,15 +258,8 @@ class Bounds:
         """Most contrast in one scene under the clearest of some lightings, at the nominal altitude unless given."""
         if not self.problem.effects.forward_veil or self.is_sunlit(scene_index):
             return np.ones(len(rows))
-        contraction = self.problem.contractions[scene_index]
         at = self.problem.scenes[scene_index].nominal if altitude is None else altitude
-        curves, back = distinct(self.problem.cameras.qe_index[self.imagers.camera[rows]])
-        spectra = {int(contraction.spectrum_of[lighting.optics]) for lighting in lightings}
-        nearest_m = self.problem.nearest_m(scene_index, at)
-        most = [
-            max((contraction.most_contrast(s, int(c), at, nearest_m) for s in spectra), default=1.0) for c in curves
-        ]
-        return np.array(most)[back]
+        return 1.0 / (1.0 + self.veils.least(scene_index, lightings, rows, at))
 
     def _least_veil(self, scene_index: int, rows: Array) -> Array:
         """Least veil over signal under any lighting, at the farthest altitude and the nominal one, (n, 2)."""

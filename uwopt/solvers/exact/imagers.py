@@ -66,6 +66,11 @@ class SceneImagers(Columns):
         """No footprint that these rows stand for is larger, (n, 3)."""
         return self.view.area_m2
 
+    @property
+    def ends(self) -> tuple[Views, ...]:
+        """The smallest and the largest images that these rows stand for."""
+        return (self.view,)
+
 
 @dataclass(frozen=True)
 class Imagers:

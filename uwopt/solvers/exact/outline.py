@@ -75,6 +75,11 @@ class OutlineScene(SceneImagers):
         """As `SceneImagers`."""
         return self.most.area_m2
 
+    @property
+    def ends(self) -> tuple[Views, ...]:
+        """As `SceneImagers`."""
+        return self.view, self.most
+
 
 @dataclass(frozen=True)
 class OutlineRows(Columns):

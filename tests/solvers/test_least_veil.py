@@ -1,0 +1,96 @@
+"""The least forward veil of an image, against the veil of images that lamps of many kinds light from many places."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from one_of_each import one, with_parts
+
+from uwopt.forward.lamp_light import image_light
+from uwopt.forward.lamps import Mount
+from uwopt.mission.sections.vehicle import LightMount
+from uwopt.model.veil.wide import least_within
+from uwopt.solvers.exact.least_veil import LeastVeil
+from uwopt.solvers.exact.search import Search
+
+Array = NDArray[Any]
+LOBES_DEG = (12.0, 50.0, 110.0)
+MOUNTS = (  # where lamps stand and aim: level, outward, across from far aside, towards a corner
+    {"x_m": 0.0, "y_m": 0.1, "z_m": 0.0}, {"x_m": 0.2, "y_m": 0.5, "z_m": 0.0, "tilt_y_deg": 12.0},
+    {"x_m": 0.0, "y_m": 1.5, "z_m": 0.0, "tilt_y_deg": -40.0},
+    {"x_m": 0.0, "y_m": 0.4, "z_m": -0.1, "tilt_x_deg": 20.0, "tilt_y_deg": 30.0},
+)  # fmt: skip
+LENSES = ({"focal_length_mm": 3.5}, {"focal_length_mm": 25.0})
+
+
+@cache
+def searched(flat: bool, mount: int, water: str, altitude_m: float, pixels: bool = False) -> Search:
+    """Three lenses, fields of 22 to 107 deg in air, and three lobes, at one mount."""
+    wanted = {"min_snr_db": 3.0, "snr_at": "worst"} if pixels else {"min_snr_db": 3.0}
+    vehicle = {"altitude_m": altitude_m, "light_mounts": [MOUNTS[mount]], "altitude_tolerance_m": 0.2 * altitude_m}
+    made = one(flat=flat, wanted=wanted, scenes=({"water": water},), vehicle=vehicle, lens={"image_circle_mm": 12.0})
+    lamps = [{"beam_angle_deg": lobe} for lobe in LOBES_DEG]
+    return with_parts(made, lenses=LENSES, lights=lamps).searcher()
+
+
+def found(search: Search) -> tuple[Array, Array]:
+    """Veil over signal of every image under every lighting (n_lightings, n, 2), farthest and nominal, and its bound."""
+    imagers, problem = search.prepare(), search.tables.problem
+    rows, nominal = np.arange(len(imagers)), problem.scenes[0].nominal
+    veils, bounds = [], []
+    for lighting in search.tables.lightings:
+        light = image_light(
+            problem, 0, imagers.scenes[0].view, imagers.camera, port_index=0, optics=lighting.optics,
+            mount=lighting.mount, count=1, veils="forward",
+        )  # fmt: skip
+        assert light.forward_e is not None
+        with np.errstate(divide="ignore", invalid="ignore"):  # no light at all where a lamp looks away
+            ratio = np.where(light.signal_e > 0.0, light.forward_e / light.signal_e, np.inf)
+        veils.append(ratio[:, [-1, nominal]])
+        bounds.append(np.stack(
+            [search.bounds.veils.least(0, [lighting], rows, at) for at in (-1, nominal)], axis=1
+        ))  # fmt: skip
+    return np.array(veils), np.array(bounds)
+
+
+@pytest.mark.parametrize(("water", "altitude_m"), [("7C", 0.4), ("7C", 2.0), ("3C", 2.0)])
+@pytest.mark.parametrize("mount", range(len(MOUNTS)))
+@pytest.mark.parametrize("flat", [False, True])
+def test_no_image_has_less_veil_than_its_bound(flat: bool, mount: int, water: str, altitude_m: float) -> None:
+    """And where lamps light an image evenly it has not much more, or the bound would be empty."""
+    veil, bound = found(searched(flat, mount, water, altitude_m))
+    assert bound.shape[1] >= (2 if flat else 3) and np.isfinite(veil).any()
+    assert (bound <= veil).all()
+    assert mount > 0 or (veil <= 2.5 * bound).all()
+
+
+def test_what_comes_from_elsewhere_counts_in_the_bound_of_means_alone() -> None:
+    """A pixel that must reach an SNR may have less: there the bound is that of the straight way.
+
+    Of means it is what the image's own floor sends, no more: lamps send as much from beside the image, and more, so
+    that designs alone would not find a bound that is too high by half.
+    """
+    mean, pixels = (searched(False, 0, "7C", 2.0, pixels=there) for there in (False, True))
+    (_, whole), (_, near) = found(mean), found(pixels)
+    assert (whole > 1.05 * near).all()
+    contraction = pixels.problem.contractions[0]
+    least, wide = pixels.tables.problem.contractions[0].least_veil(0, 0, -1, pixels.problem.nearest_m(0, -1))
+    assert near[0, :, 0] == pytest.approx(least) and wide.sum() > 0.0 and contraction.multiple
+    # 8 by 6 mm behind 8 mm and a dome: tangents 0.5 and 0.375, in water too
+    assert (whole - near)[0, 0, 0] == pytest.approx(float(least_within(0.375, 0.5) @ wide), rel=0.02)  # of focus
+
+
+def test_lamps_that_graze_the_floor_have_no_bound_of_what_comes_from_elsewhere() -> None:
+    """Far aside and low, some of their light in the image counts as missing the floor."""
+    search = searched(False, 0, "7C", 0.4)
+    imagers = search.prepare()
+    assert (LeastVeil(search.problem, imagers, search.tables.lightings).within(0) > 0.0).all()
+    aside = replace(
+        search.tables.lightings[0], mount=Mount(explicit=(LightMount(y_m=4.0, tilt_y_deg=-80.0),))
+    )
+    assert not LeastVeil(search.problem, imagers, [aside]).within(0).any()
