@@ -15,6 +15,14 @@ ROUNDS = "tests/solvers/test_in_rounds.py"
 
 DEFECTS = (
     Defect(
+        name="the share that was searched with is told where a design reaches more",
+        file="uwopt/solvers/explain/together.py",
+        old="        for values in (reached, fewer):\n",
+        new="        for values in (fewer,):\n",
+        test="tests/solvers/test_least_change.py"
+        "::test_what_a_design_reaches_is_told_where_no_time_is_left_to_draw_it_in",
+    ),
+    Defect(
         name="a single change found with others is told as several",
         file="uwopt/solvers/explain/infeasible.py",
         old="    if fit is None or len(fit.changes) != 1:\n",

@@ -494,6 +494,16 @@ def test_changes_found_together_among_a_few_imagers_are_enough_and_one_alone_hel
         assert not any(fits(trials.with_limits(wanted, {name: possible[name]}), catalog) for name in given)
 
 
+def test_what_a_design_reaches_is_told_where_no_time_is_left_to_draw_it_in(parts, catalog):
+    """The lens sees 1.42 m; a share of 0.9 asks for 0.9 m."""
+    wanted = mission(parts, min_swath_m=9.0, max_airy_px=9.0)
+    trials = Trials(wanted, catalog, POWER, "never", Deadline(0.0, lambda: 1.0))
+    both = CommonShare(trials, trials.deadline, few=True, by_factor=True)
+    found = seek(both.mission(both.weaker_by(0.9)), catalog, POWER, generic="never", top=1)
+    possible = {one.name: one.needed for one in both._drawn_back(0.9, found).changes}
+    assert possible["min_swath_m"] == pytest.approx(1936 * 5.86e-3 / (12.0 * 1.33) * 2.0, rel=0.01)
+
+
 def test_a_limit_from_above_gives_by_as_large_a_factor_as_one_from_below(parts, catalog):
     wanted = mission(parts, max_blur_px=2.0, min_swath_m=1.0)
     both = CommonShare(Trials(wanted, catalog, POWER, "never"), NEVER, by_factor=True)

@@ -64,7 +64,7 @@ def no_help_lines(result: Result | FrontResult) -> list[Line]:
     why = result.infeasible
     groups: dict[tuple[str, ...], list[str]] = {}
     for item in why.no_help if why is not None else []:
-        groups.setdefault(tuple(item.still), []).append(formats.one_line(item.name, 40))
+        groups.setdefault(tuple(sorted(item.still)), []).append(formats.one_line(item.name, 40))
     if not groups:
         return []
     told = [

@@ -175,17 +175,18 @@ class CommonShare:
 
     def _drawn_back(self, share: float, found: Sought) -> CommonFit:
         """What a design's hardware needs where all give by a share: of each in turn as little as will do."""
-        asked, weaker = self.asked, self.weaker_by(share)
+        asked = self.asked
         deadline = self.trials.deadline
         phase = deadline.at_most(DRAW_SHARE * deadline.left_s) if self.few else self.phase
-        kept, found = self._without_what_is_kept({**weaker}, found)
+        kept, found = self._without_what_is_kept({**self.weaker_by(share)}, found)
         changed = [name for name, value in asked.items() if kept[name] != value]
         for name in changed:
             if not phase.passed() and (less := self._fits(found, {**kept, name: asked[name]})) is not None:
                 kept[name], found = asked[name], less
         for name in changed:
-            if kept[name] != asked[name]:
-                change = Change(weaker[name], found)
+            limit = kept[name]
+            if limit is not None and limit != asked[name]:
+                change = Change(limit, found)
                 least = with_its_hardware(asked[name], change, self._with_one(kept, name), phase)
                 kept[name], found = least.limit, least.found
         told = [
@@ -197,12 +198,24 @@ class CommonShare:
     def _without_what_is_kept(
         self, kept: dict[str, float | None], found: Sought
     ) -> tuple[dict[str, float | None], Sought]:
-        """The same with all that the design keeps as it is asked."""
-        as_asked = self.mission({**kept, **self.limits})
-        missed = missed_by(judged_by(as_asked, found, self.trials.objective), list(self.limits))
+        """The same with all that the design keeps as it is asked, and the others no weaker than what it reaches."""
+        design = judged_by(self.mission({**kept, **self.limits}), found, self.trials.objective)
+        missed = missed_by(design, list(self.limits))
         fewer = kept | {name: value for name, value in self.limits.items() if name not in missed}
-        less = self._fits(found, fewer)
-        return (kept, found) if less is None else (fewer, less)
+        reached = fewer | {name: self._no_weaker(design, name, kept[name]) for name in missed}
+        for values in (reached, fewer):
+            if (less := self._fits(found, values)) is not None:
+                return values, less
+        return kept, found
+
+    def _no_weaker(self, design: Design, name: str, weaker: float | None) -> float | None:
+        """The limit that a design reaches, as it would be typed; that which was searched with where it is no nearer."""
+        limit, key = self.limits[name], RELAXABLE[name][1]
+        value = reached_value(design, key)
+        if value is None or weaker is None:
+            return weaker
+        reached = rounded_away(asked_when_held(self.trials.mission.reserve, key, value), limit)
+        return reached if abs(reached - limit) < abs(weaker - limit) else weaker
 
     def _fits(self, found: Sought, values: Mapping[str, float | None]) -> Sought | None:
         """A design's hardware in the mission with other values, if it fits."""
