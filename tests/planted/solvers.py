@@ -613,6 +613,26 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/solvers/test_cells.py::test_of_both_sides_of_a_place_the_first_that_fits_stands_for_both",
     ),
     Defect(
+        name="designs of a front that differ in price alone are asked one by one",
+        file="uwopt/solvers/front/search.py",
+        old="if not any((other <= some.fixed[place]).all() for other in like):",
+        new="if not any((other < some.fixed[place]).all() for other in like):",
+        test=(
+            "tests/solvers/test_front.py"
+            "::test_lamps_alike_but_for_their_price_are_asked_once_and_the_cheapest_stands_for_all"
+        ),
+    ),
+    Defect(
+        name="designs of a front with another light count as alike",
+        file="uwopt/solvers/front/hopeful.py",
+        old="            r.with_arrays(gathered)\n",
+        new="            _ = r\n",
+        test=(
+            "tests/solvers/test_front.py"
+            "::test_lamps_alike_but_for_their_price_are_asked_once_and_the_cheapest_stands_for_all"
+        ),
+    ),
+    Defect(
         name="a piece of the f-numbers is as far out of focus as at its wide end",
         file="uwopt/solvers/front/ceilings.py",
         old="np.sqrt(np.expm1(known)), f_number=small_end,",

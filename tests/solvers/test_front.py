@@ -17,6 +17,7 @@ import random_cases as rc
 import small_catalogues as small
 from thorough import drawn
 
+from uwopt.catalog.records import exact
 from uwopt.forward.parts import Parts
 from uwopt.objectives.axes import Axes, Frame
 from uwopt.objectives.dominance import hypervolume, nondominated
@@ -120,6 +121,20 @@ def test_front_of_information_is_not_beaten_and_holds(key, names):
     search, front = front_of_information(key, names)
     not_beaten(front, fc.tried_of(key, names), POINT_GAP if rc.THOROUGH else 5e-2)
     holds(search, front)
+    adds_up(search, front)
+
+
+def test_lamps_alike_but_for_their_price_are_asked_once_and_the_cheapest_stands_for_all():
+    """Whichever comes first in the list; a dearer lamp that gives a little more has a curve of its own."""
+    given = dict(kind="continuous", flux_lm=20_000.0, power_w=200.0, min_dim_frac=0.0)
+    plain, dear, cheap = (rc.lamp(f"at {p:g}", **given, price=exact(p)) for p in (500.0, 900.0, 300.0))
+    brighter = rc.lamp("brighter", **{**given, "flux_lm": 20_400.0}, price=exact(600.0))
+    names = ("power", "cost", "snr_db")
+    few = fc.searched(rc.planted("power", (cheap, brighter), fc.WANTED), names)[1]
+    search, front = fc.searched(rc.planted("power", (plain, dear, cheap, brighter), fc.WANTED), names)
+    assert front.account["evaluated"] == few.account["evaluated"] == 2
+    assert front.hypervolume == pytest.approx(few.hypervolume, rel=1e-9)
+    assert np.unique(front.values[:, 1]) == pytest.approx(np.unique(few.values[:, 1]))
     adds_up(search, front)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from hashlib import blake2b
 from typing import Any
 
 import numpy as np
@@ -38,6 +39,24 @@ class Hopeful(Columns):
     def of_scene(self, index: int) -> Hopeful:
         """The same in one scene alone, which may have more than all scenes together."""
         return self if len(self.rows) == 1 else replace(self, rows=[self.rows[index]], mean_limit=None)
+
+    def what_decides(self) -> list[bytes]:
+        """A digest of all that decides each design's curve of quality against power: like ones have like curves."""
+        columns: list[Array] = []
+
+        def gathered(column: Array) -> Array:
+            columns.append(column.reshape(len(self), -1).astype(float))
+            return column
+
+        for column in (self.camera_power_w, self.motorised):
+            gathered(column)
+        for r in self.rows:
+            if r.sharp is not None:  # tables of colour by what they are, not by their place in a list
+                marks = [hash((t.magnitude.tobytes(), t.step, t.index_rms)) for t in r.sharp.spreads] or [0]
+                place = np.minimum(r.sharp.spread_index, len(marks) - 1)
+                r = replace(r, sharp=replace(r.sharp, spread_index=np.array(marks, float)[place]))
+            r.with_arrays(gathered)
+        return [blake2b(row, digest_size=16).digest() for row in np.ascontiguousarray(np.concatenate(columns, axis=1))]
 
     @property
     def sunlit(self) -> bool:

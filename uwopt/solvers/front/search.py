@@ -91,6 +91,7 @@ class FrontSearch:
         self.progress = progress or (lambda share, what: None)
         self.search = Search(problem, axes.objective, top=1)
         self.stop_trying = False
+        self.solved: dict[bytes, list[Array]] = {}  # by what decides a curve: axes that no setting changes
         self.curves: list[Curves] = []
         self.kept: list[Imagers] = []  # of a large catalogue, those that the curves are about
         self.account: dict[str, int] = dict.fromkeys(FRONT_RULES, 0) | {"evaluated": 0}
@@ -330,6 +331,11 @@ class FrontSearch:
 
     def _solve(self, some: Hopeful) -> bool:
         """Ends of the curves, then segments that may still matter, coarsely; False: out of time."""
+        apart = self._without_twins(some)
+        self.account["dominated"] += len(some) - len(apart)
+        some = some.take(apart)
+        if len(some) == 0:
+            return True
         self.account["evaluated"] += len(some)
         curves = Curves.bounded(self.trade, some)
         if curves is not None:
@@ -352,6 +358,19 @@ class FrontSearch:
             in_time = self._ask(curves, ROUGH_SEGMENT, ROUNDS)
             self._forget()
         return in_time
+
+    def _without_twins(self, some: Hopeful) -> Array:
+        """Places of the designs that no other with the same curve, no dearer or heavier, stands for already.
+
+        Lamps that are alike but for their price, or so many that their power is not allowed, have the same curve.
+        """
+        decides, kept = some.what_decides(), []
+        for place in np.lexsort(some.fixed.T[::-1]).tolist():  # what is as good in everything comes first
+            like = self.solved.setdefault(decides[place], [])
+            if not any((other <= some.fixed[place]).all() for other in like):
+                like.append(some.fixed[place])
+                kept.append(place)
+        return np.sort(np.array(kept, int))
 
     def _drawn_in(self, curves: Curves) -> tuple[Curves | None, Array]:
         """Curves of the designs that may still matter once their bounds are drawn in, and which these are."""
