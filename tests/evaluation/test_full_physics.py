@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from kept_values import HINT, Kept
 from numpy.typing import NDArray
 from scipy.integrate import quad
 from scipy.interpolate import CubicSpline, PchipInterpolator, RectBivariateSpline
@@ -34,6 +35,12 @@ WAVES_NM = np.arange(380.0, 780.25, 0.5)  # finer than uwopt's own grid
 STEPS_NM = np.r_[0.25, np.full(WAVES_NM.size - 2, 0.5), 0.25]
 PLANCK_J_S, LIGHT_M_S, LUMENS_PER_W = 6.62607015e-34, 299_792_458.0, 683.002
 RAYS_NM = 550.0  # rays are traced for green light
+#: Slow means, of this very file and the tables that it reads; `python tests/kept_values.py` remakes them.
+TABLES = ("beam_profiles", "bottom_reflectance", "jerlov_iop", "photopic_v", "pure_water", "qe_curves")
+KEPT = Kept(
+    REFERENCE / "full_physics.json", Path(__file__), REFERENCE / "jerlov_iop_measured.csv",
+    *(DATA / f"{name}.csv" for name in TABLES),
+)  # fmt: skip
 SMOOTH = 1e-4  # what a mean over the image is good for where beams have no edge
 SHARP = 1e-3  # the same where beams end sharply
 BACK_SHARE = 0.0183  # b_b/b of the particles, unless the mission says otherwise
@@ -149,6 +156,7 @@ def figures(case: Case) -> dict[str, Any]:
 @cache
 def rows_of(file: str) -> tuple[dict[str, str], ...]:
     folder = REFERENCE if (REFERENCE / file).exists() else DATA
+    assert folder / file in KEPT.made_of, file
     with (folder / file).open(encoding="utf-8", newline="") as lines:
         return tuple(csv.DictReader(line for line in lines if not line.startswith("#")))
 
@@ -755,7 +763,13 @@ def smooth_mean(
     return float(weights @ values @ weights) / 4.0
 
 
-@cache
+@KEPT.values
+def smooth_electrons(case: Case) -> float:
+    """Mean electrons of the signal under lobes without kinks."""
+    return smooth_mean(case)
+
+
+@KEPT.values
 def veil_means(case: Case) -> tuple[float, float]:
     """Mean forward veil and mean backscatter; the latter on 12 x 12 points (24 x 24 change it by 1e-7 or less)."""
     forward = smooth_mean(case, values_at=forward_at)
@@ -804,7 +818,21 @@ def corners(case: Case, lamp: Lamp) -> list[float]:
     return [*found, 1.0]
 
 
-def sharp_mean(case: Case, values_at: Callable[..., Array] = electrons_at, order: int = 16) -> float:
+@KEPT.values
+def sharp_electrons(case: Case) -> float:
+    """Mean electrons of the signal under beams that end sharply."""
+    return sharp_mean(case, electrons_at)
+
+
+@KEPT.values
+def sharp_lux(case: Case) -> float:
+    """Mean illuminance of the floor that is seen, under such beams."""
+    nodes, weights = gauss(-1.0, 1.0, 32)
+    whole = weights @ floor_area(case, nodes[:, None], nodes[None, :]) @ weights / 4.0
+    return float(sharp_mean(case, lambda *at, **only: lux_at(*at, **only) * floor_area(*at)) / whole)
+
+
+def sharp_mean(case: Case, values_at: Callable[..., Array], order: int = 16) -> float:
     """Mean over the image of what lamps give one by one, each line cut where the beam ends.
 
     v = middle + half sin(pi s / 2) smooths the square roots at the ends of each stretch of lines.
@@ -871,7 +899,7 @@ SMOOTH_CASES = {
 @pytest.mark.parametrize("name", SMOOTH_CASES)
 def test_mean_electrons_under_smooth_lobes(name: str) -> None:
     case = SMOOTH_CASES[name]
-    assert figures(case)["electrons_signal"] == pytest.approx(smooth_mean(case), rel=SMOOTH)
+    assert figures(case)["electrons_signal"] == pytest.approx(smooth_electrons(case), rel=SMOOTH)
 
 
 @pytest.mark.parametrize("focal_mm", [4.0, 8.0])
@@ -898,14 +926,14 @@ SHARP_CASES = {
 @pytest.mark.parametrize("name", SHARP_CASES)
 def test_mean_electrons_under_beams_that_end_sharply(name: str) -> None:
     case = SHARP_CASES[name]
-    assert figures(case)["electrons_signal"] == pytest.approx(sharp_mean(case), rel=SHARP)
+    assert figures(case)["electrons_signal"] == pytest.approx(sharp_electrons(case), rel=SHARP)
 
 
 @pytest.mark.parametrize(("half_angle", "reached"), [(10.0, 2e-3), (5.0, 1e-2)])
 def test_narrow_spots_are_met_less_well(half_angle: float, reached: float) -> None:
     # the spot's radius is 17 and 9 of the cells into which the image is cut; the error falls with their square
     case = Case(beam="cone", half_angle=half_angle, lamps=(Lamp(y=0.1),))
-    assert figures(case)["electrons_signal"] == pytest.approx(sharp_mean(case), rel=reached)
+    assert figures(case)["electrons_signal"] == pytest.approx(sharp_electrons(case), rel=reached)
 
 
 @pytest.mark.parametrize("name", SMOOTH_CASES)
@@ -913,7 +941,7 @@ def test_mean_veils_under_smooth_lobes(name: str) -> None:
     case = SMOOTH_CASES[name]
     got, (forward, back) = figures(case), veil_means(case)
     # clear water: a difference of two nearly equal means, each good to 1e-5
-    assert got["electrons_forward"] == pytest.approx(forward, rel=SMOOTH, abs=1e-5 * smooth_mean(case))
+    assert got["electrons_forward"] == pytest.approx(forward, rel=SMOOTH, abs=1e-5 * smooth_electrons(case))
     # here 1 nm of wavelength and the formula of the phase function, there a table of it
     assert got["electrons_backscatter"] == pytest.approx(back, rel=2 * SMOOTH)
 
@@ -921,19 +949,24 @@ def test_mean_veils_under_smooth_lobes(name: str) -> None:
 @pytest.mark.parametrize("name", SMOOTH_CASES)
 def test_snr_contrast_and_veil_ratio_of_the_means(name: str) -> None:
     case = SMOOTH_CASES[name]
-    got, signal, veil = figures(case), smooth_mean(case), sum(veil_means(case))
+    got, signal, veil = figures(case), smooth_electrons(case), sum(veil_means(case))
     assert got["snr"] == pytest.approx(snr_by_hand(signal, veil=veil), rel=SMOOTH)
     assert got["contrast"] == pytest.approx(signal / (signal + veil), rel=SMOOTH)
     assert got["veil_ratio"] == pytest.approx(veil / signal, rel=2 * SMOOTH)
 
 
-@pytest.mark.parametrize("name", SMOOTH_CASES)
-def test_darkest_pixel(name: str) -> None:
-    case = SMOOTH_CASES[name]
+@KEPT.values
+def least_snr(case: Case) -> float:
+    """Of 41 pixels a side, the darkest."""
     border = np.linspace(-1.0, 1.0, 41)
     at = (case, border[:, None], border[None, :])
     signal, veil = electrons_at(*at), floor_veil_at(*at) + backscatter_at(*at)
-    least = float((signal / np.sqrt(noise_variance(signal + veil))).min())
+    return float((signal / np.sqrt(noise_variance(signal + veil))).min())
+
+
+@pytest.mark.parametrize("name", SMOOTH_CASES)
+def test_darkest_pixel(name: str) -> None:
+    case, least = SMOOTH_CASES[name], least_snr(SMOOTH_CASES[name])
     assert figures(case)["snr_db_min"] == pytest.approx(20 * math.log10(least), abs=0.002)
 
 
@@ -942,14 +975,20 @@ OVER_FRAME_DB = {  # reached: light falls to a corner by up to 20 dB, and shares
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", OVER_FRAME_DB)
-def test_snr_that_95_percent_of_the_image_reach(name: str) -> None:
-    case, cells = SMOOTH_CASES[name], (np.arange(65) + 0.5) * 2.0 / 65 - 1.0
+@KEPT.values
+def snr_of_twentieth(case: Case) -> float:
+    """What 95 % of 65 x 65 pixels reach."""
+    cells = (np.arange(65) + 0.5) * 2.0 / 65 - 1.0
     at = (case, cells[:, None], cells[None, :])
     signal, veil = electrons_at(*at), floor_veil_at(*at) + backscatter_at(*at)
     counted = np.sort((signal / np.sqrt(noise_variance(signal + veil))).ravel())
-    twentieth = 20 * math.log10(float(counted[int(0.05 * counted.size)]))
-    assert figures(case)["snr_db_p05"] == pytest.approx(twentieth, abs=OVER_FRAME_DB[name])
+    return float(counted[int(0.05 * counted.size)])
+
+
+@pytest.mark.parametrize("name", OVER_FRAME_DB)
+def test_snr_that_95_percent_of_the_image_reach(name: str) -> None:
+    twentieth = 20 * math.log10(snr_of_twentieth(SMOOTH_CASES[name]))
+    assert figures(SMOOTH_CASES[name])["snr_db_p05"] == pytest.approx(twentieth, abs=OVER_FRAME_DB[name])
 
 
 @pytest.mark.parametrize(("half_angle", "lamps"), [(8.0, (Lamp(y=0.3),)), (12.0, pair(0.5))])
@@ -991,10 +1030,7 @@ def test_floor_illuminance_over_the_traced_footprint(name: str) -> None:
 @pytest.mark.parametrize("name", ["two small discs", "two cones, flat port", "wide tilted discs, turbid"])
 def test_mean_floor_illuminance_under_beams_that_end_sharply(name: str) -> None:
     case = SHARP_CASES[name]
-    nodes, weights = gauss(-1.0, 1.0, 32)
-    whole = weights @ floor_area(case, nodes[:, None], nodes[None, :]) @ weights / 4.0
-    mean_lx = sharp_mean(case, lambda *at, **only: lux_at(*at, **only) * floor_area(*at)) / whole
-    assert figures(case)["floor_illuminance_mean_lx"] == pytest.approx(mean_lx, rel=SHARP)
+    assert figures(case)["floor_illuminance_mean_lx"] == pytest.approx(sharp_lux(case), rel=SHARP)
 
 
 def floor_area(case: Case, u: Array, v: Array) -> Array:
@@ -1027,7 +1063,7 @@ def lux_at(case: Case, u: Array, v: Array, only: int | None = None) -> Array:
 def test_the_exposure_offset_adds_to_the_exposure() -> None:
     # 13.73 us on 1 ms
     case = replace(Case(), camera=(("exposure_offset_us", 13.73),))
-    assert figures(case)["electrons_signal"] == pytest.approx(smooth_mean(Case()) * 1.01373, rel=SMOOTH)
+    assert figures(case)["electrons_signal"] == pytest.approx(smooth_electrons(Case()) * 1.01373, rel=SMOOTH)
 
 
 def test_a_pulse_shorter_than_the_exposure_counts_alone() -> None:
@@ -1037,7 +1073,7 @@ def test_a_pulse_shorter_than_the_exposure_counts_alone() -> None:
         light=(("kind", "pulsed_led"),),
         settings=(("pulse_ms", 0.5),),
     )
-    assert figures(case)["electrons_signal"] == pytest.approx(smooth_mean(Case()) * 0.5, rel=SMOOTH)
+    assert figures(case)["electrons_signal"] == pytest.approx(smooth_electrons(Case()) * 0.5, rel=SMOOTH)
 
 
 @pytest.mark.parametrize(
@@ -1062,7 +1098,7 @@ def test_a_flash_gives_its_lumen_seconds_or_what_comes_while_the_shutter_is_open
     design = uwopt.evaluate(Case().mission(), system).design
     assert design is not None
     got = design.scenes[0].figures["electrons_signal"]
-    assert got == pytest.approx(smooth_mean(Case()) * lumen_seconds / 4.0, rel=SMOOTH)
+    assert got == pytest.approx(smooth_electrons(Case()) * lumen_seconds / 4.0, rel=SMOOTH)
 
 
 def noise_variance(light: Any, dark: float = 0.0, prnu: float = 0.0) -> Any:
@@ -1080,7 +1116,7 @@ def test_snr_and_level_with_dark_current_offset_quantisation_and_prnu() -> None:
     bright = Case(water="I", altitude=1.0, lamps=pair(0.3))
     got, electrons, veil = (
         figures(replace(bright, camera=camera)),
-        smooth_mean(bright),
+        smooth_electrons(bright),
         sum(veil_means(bright)),
     )
     assert electrons > 100.0  # so that every term counts
@@ -1097,7 +1133,7 @@ def test_snr_over_a_band_of_altitudes_is_that_of_its_far_end_with_the_focus_held
     margin = next(row for row in scene(case).margins if row.requirement == "min_snr_db")
     assert margin.at_altitude_m == 2.5
     # dB: an error of 1e-4 in electrons is 0.001 dB
-    expected = 20 * math.log10(snr_by_hand(smooth_mean(far), veil=sum(veil_means(far))))
+    expected = 20 * math.log10(snr_by_hand(smooth_electrons(far), veil=sum(veil_means(far))))
     assert margin.value == pytest.approx(expected, abs=0.002)
 
 
@@ -1174,3 +1210,13 @@ def test_near_the_axis_a_flat_port_sees_what_a_dome_sees_divided_by_the_index() 
     dome = replace(Case(), radius=0.1, focal_mm=200.0)
     scale = figures(dome)["gsd_mm"] / figures(flat)["gsd_mm"]
     assert scale == pytest.approx(n_w * (2.0 + 0.1) / 2.0, rel=1e-3)  # tan and sin differ by 1e-4 at 1.2 deg
+
+
+def test_the_means_that_are_kept_are_of_this_file_and_these_tables() -> None:
+    assert KEPT.is_current, HINT
+
+
+def test_a_kept_mean_is_what_is_worked_out() -> None:
+    case = SHARP_CASES["two small discs"]
+    rounding = 1e-9  # of another machine
+    assert sharp_electrons(case) == pytest.approx(sharp_mean(case, electrons_at), rel=rounding)
