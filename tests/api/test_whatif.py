@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import json
-import math
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -14,7 +13,7 @@ import yaml
 from typer.testing import CliRunner
 
 import uwopt
-from uwopt.api import certain_points, certainty
+from uwopt.api import certain_points
 from uwopt.api import varied as api_varied
 from uwopt.api.solving import searched
 from uwopt.cli.app import app
@@ -281,9 +280,8 @@ def test_with_certainty_an_interruption_keeps_what_is_known(monkeypatch):
     assert table.status == "interrupted" and [point.values for point in table.points] == [[0.3]]
 
 
-def test_with_certainty_the_points_are_what_solve_recommends(monkeypatch):
+def test_with_certainty_the_points_are_what_solve_recommends():
     """The second has the light and the hardware of the first; `solve` starts anew."""
-    monkeypatch.setattr(certainty, "CERTAINTY_S", math.inf)
     base = VariedMission(reef(doubt={"scenarios": 64, "other_water_table": 0.0}), {})
     table = uwopt.whatif(base.base, {"speed_m_s": [0.3, 0.5]}, confidence=0.7)
     point = table.points[1]

@@ -175,6 +175,20 @@ DEFECTS = (
         test=f"{TESTS}::test_a_number_is_worth_what_choosing_by_it_saves",
     ),
     Defect(
+        name="how long certainty may take is told by a clock that goes with the machine",
+        file="uwopt/api/certainty.py",
+        old="else Deadline.after(CERTAINTY_S, effort_s)",
+        new='else Deadline.after(CERTAINTY_S, __import__("time").process_time)',
+        test="tests/api/test_confidence.py::test_what_is_recommended_holds_and_can_be_set",
+    ),
+    Defect(
+        name="loss tables count for no work",
+        file="uwopt/deadline.py",
+        old="_SPENT.spent_s += COSTS_S[work] * count",
+        new="_SPENT.spent_s += 0.0",
+        test="tests/test_effort.py::test_the_same_work_counts_the_same_whatever_the_machine_does_beside",
+    ),
+    Defect(
         name="a choice is solved again when time is over",
         file="uwopt/api/certainty.py",
         old="found = certain.central if one is certain.best else at_its_stop(",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import islice
@@ -13,7 +12,7 @@ import numpy as np
 from uwopt.api.common import Progress
 from uwopt.api.searching import leaves_out_generic, of_all_parts
 from uwopt.api.timing import STAGES, timed
-from uwopt.deadline import NEVER, Deadline, OutOfTimeError
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError, effort_s
 from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
 from uwopt.forward.problem import Problem
@@ -46,10 +45,10 @@ from uwopt.solvers.recommend import Sought, best_settable, design_of, same_scene
 MADE_IS_SURER = "made_is_surer"  # code of the warning that parts to be made hold as often as asked, sold ones not
 ALL_PARTS = "parts to be made that may hold more often"  # where there is no time for them
 NOT_CERTAIN = "not_certain"  # code of the warning that nothing holds as often as asked
-CERTAINTY_S = 15.0  # of the processor, where no time is given
+CERTAINTY_S = 18.0  # of work, where no time is given
 SOLD_SHARE = 0.4  # of it, until parts to be made are looked at where those that are sold do not hold
 MADE_SHARE = 0.6  # of what is left then, for these: the rest is for the most certain of what is sold
-EASED_S = 2.0  # of the processor, likewise, for what asked less would make certain enough
+EASED_S = 2.0  # of work, likewise, for what asked less would make certain enough
 MOST_SET = 6  # stops of a ring, of one hardware or the next, that are tried to be set
 OF_A_SYSTEM = 10_000  # scenarios in which a given system is counted
 AS_CENTRAL = "certainty_left_out"  # that there was no time for it
@@ -80,7 +79,7 @@ def with_confidence(
     before : what is recommended for a mission that differs in a few keys: its waters and its hardware are known
     """
     asked, report, proven = sought.problem.mission.confidence, progress or unheard, sought.outcome
-    patience = deadline if math.isfinite(deadline.end_s) else Deadline.after(CERTAINTY_S, time.process_time)
+    patience = deadline if math.isfinite(deadline.end_s) else Deadline.after(CERTAINTY_S, effort_s)
     sold, certain, surer = sought, None, None
     like = None if before is None else waters_of(before, sought.problem)
     with timed(timing, "certainty", progress):
@@ -279,7 +278,7 @@ def eased(problem: Problem, goal: Objective, known: Confidence, choice: Certain,
     if known.enough or known.asked == ENDS:
         return known
     timed = math.isfinite(deadline.end_s)
-    deadline = deadline.at_most(EASED_S) if timed else Deadline.after(EASED_S, time.process_time)
+    deadline = deadline.at_most(EASED_S) if timed else Deadline.after(EASED_S, effort_s)
     told = would_hold(problem, goal, choice.best, choice.scenarios, choice.asked, deadline)
     return replace(known, would_hold=told)
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.catalog.records import Curve
+from uwopt.deadline import spend
 from uwopt.forward.lamps import LAMP_FRONT_M, LightOptics, relative_spectrum
 from uwopt.forward.scene import COLOURS, SceneOptics
 from uwopt.model import sensor
@@ -281,6 +282,7 @@ class Contraction:
         reach_m = self.reach_m if part != "wide" else (WIDE_REACH * float(scene.range_m[-1]),) * 2
         key = ("table", *self.key(spectrum, efficiency, channel), reach_m, lowest, nearest_m, part, range_m)
         if key not in scene.cache:
+            spend("loss tables")
             scene.cache[key] = build_path_table(
                 self.weight(spectrum, efficiency, channel),
                 wavelength_nm=None,  # the weight holds the trapezoid's steps
@@ -352,6 +354,7 @@ class Contraction:
         scene = self.scene
         key = ("scatter", *self.key(spectrum, efficiency, channel), self.reach_m)
         if key not in scene.cache:
+            spend("loss tables", len(scene.scattering))
             legs = self.back_legs_per_m(spectrum)
             lamp_end, camera_end = (
                 min(reach, LAMP_FRONT_M + OPTICAL_REACH / max(float(least.min()), TINY))

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.deadline import spend
 from uwopt.forward import switching
 from uwopt.forward.detail import most_scattering_per_m, shows_detail, texture_gain
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
@@ -152,6 +153,7 @@ class Bounds:
         lighting, table, limits = self.tables.lightings[k], self.light_tables[k], self.limits
         imagers = self.imagers
         n = len(rows)
+        spend("bounds", n)
         power, mean_power, capacity_needed, rate_hz = (np.zeros(n) for _ in range(4))
         snr_db, information = np.full(n, np.inf), np.full(n, np.inf)
         order = np.argsort(table.effective[own])

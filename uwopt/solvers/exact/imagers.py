@@ -20,7 +20,7 @@ from uwopt.catalog.compatibility import (
     mount_compatible,
     rated_pitch_um,
 )
-from uwopt.deadline import NEVER, Deadline
+from uwopt.deadline import NEVER, Deadline, spend
 from uwopt.forward.breathing import at_focus
 from uwopt.forward.columns import Columns
 from uwopt.forward.focus import Focused, common_dioptre, depth_f_number, working_factor
@@ -246,6 +246,7 @@ def sharp_behind(problem: Problem, camera: Array, lens: Array, ports: Array, tal
     """The pairs that pass the rules that ports of the same optics share; each that does not counts behind them all."""
     if len(camera) == 0:
         return SharpPairs(camera, lens, np.empty(0), [])
+    spend("views")
     port, landscape = int(ports[0]), tally.landscape
     seen, dioptre, spacers_m = seen_behind(problem, camera, lens, port, landscape)
     left = tally.passing(view_rules(problem, port, seen, spacers_m), camera, lens, ports)
