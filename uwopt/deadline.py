@@ -20,8 +20,8 @@ from typing import Literal, TypeVar
 Made = TypeVar("Made")
 Work = Literal["loss tables", "light", "views", "bounds", "settings"]
 
-#: Seconds apiece of a fast core, from least squares over `solve --confidence 0.9` of ten missions in `problems/` and from
-#: profiles of two; told by them, those missions take what they do within a factor of 1.5.
+#: Seconds apiece of a fast core, from least squares over `solve --confidence 0.9` of ten missions in `problems/` and
+#: from profiles of two; told by them, those missions take what they do within a factor of 1.5.
 COSTS_S: dict[Work, float] = {
     "loss tables": 0.007,  # one
     "light": 0.004,  # of some images, one kind of light
