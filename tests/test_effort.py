@@ -1,4 +1,4 @@
-"""Work as a clock, and that it tells about how long things take."""
+"""Work as a clock: the same work counts the same, in each thread its own."""
 
 from __future__ import annotations
 

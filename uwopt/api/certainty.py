@@ -45,7 +45,7 @@ from uwopt.solvers.recommend import Sought, best_settable, design_of, same_scene
 MADE_IS_SURER = "made_is_surer"  # code of the warning that parts to be made hold as often as asked, sold ones not
 ALL_PARTS = "parts to be made that may hold more often"  # where there is no time for them
 NOT_CERTAIN = "not_certain"  # code of the warning that nothing holds as often as asked
-CERTAINTY_S = 12.0  # of work, where no time is given
+CERTAINTY_S = 15.0  # of work, where no time is given
 SOLD_SHARE = 0.4  # of it, until parts to be made are looked at where those that are sold do not hold
 MADE_SHARE = 0.6  # of what is left then, for these: the rest is for the most certain of what is sold
 EASED_S = 2.0  # of work, likewise, for what asked less would make certain enough

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.deadline import spend
 from uwopt.forward.columns import array_in_places, rows_alike
 from uwopt.forward.lamp_light import LampField, SunLight
 from uwopt.forward.lamps import one_side
@@ -36,7 +35,6 @@ def once_an_image(known: dict[ImageKey, Any], view: Views, make: Callable[[Views
     new = [place for place, key in enumerate(keys) if key not in known]
     rows = {key: known[key] for key in keys if key in known}
     if new:
-        spend("light")
         made = make(view.take(first[new]))
         rows.update((keys[place], row) for place, row in zip(new, made, strict=True))
         if (len(known) + len(new)) * made[0].size > MOST_NUMBERS:

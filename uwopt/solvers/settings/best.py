@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.deadline import spend
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
@@ -69,7 +68,6 @@ def best_settings(
 
     `closed_alone`: for a bound, no cells where the closed form is one.
     """
-    spend("settings", len(rows[0].n_low))
     weighs = bool(objective.weight("snr_db") and objective.weight("power"))
     if weighs and rows[0].optimistic and is_bounded(rows, objective):  # as good as closed forms, and far cheaper
         return best_joint(
