@@ -3,8 +3,8 @@
 Steps that a result can do without run `within` the deadline: what has no time is left out and remembered, so
 that the result can say so. Long work asks `check` now and then; what it has found by then is kept by its caller.
 
-A limit that nobody set is counted in work: how much a thread has worked out, in seconds of a common machine
-(`effort_s`), so that an answer depends neither on how fast a machine is nor on what else it does. What costs most is
+What is recommended must not depend on how fast a machine is or on what else it does. Where nobody set a limit, that is
+limited in work: how much a thread has worked out, in seconds of a common machine (`effort_s`). What costs most is
 counted where it is done, and stands for all that is done beside it.
 """
 
@@ -18,14 +18,16 @@ from dataclasses import dataclass, field, replace
 from typing import Literal, TypeVar
 
 Made = TypeVar("Made")
-Work = Literal["loss tables", "views", "bounds"]
+Work = Literal["loss tables", "pixels", "views", "bounds", "cells"]
 
 #: Seconds apiece of a fast core, from `solve --confidence 0.9` of eight missions in `problems/`, told by them within a
 #: factor of 1.7; 1.8 times as long on the slower core that they were fitted on.
 COSTS_S: dict[Work, float] = {
     "loss tables": 0.0167,  # of the water's loss on both legs, with the integrals that one serves
+    "pixels": 0.03,  # of some images, that may decide
     "views": 0.0045,  # of cameras and lenses behind one port
     "bounds": 2e-7,  # one image under one kind of lamps
+    "cells": 2e-4,  # of settings, one that is bounded
 }
 
 

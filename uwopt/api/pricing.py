@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from dataclasses import replace
 
 from uwopt.api.common import Progress, Source
@@ -10,7 +11,7 @@ from uwopt.api.floats import own_float_rules
 from uwopt.api.searching import leaves_out_generic
 from uwopt.api.timing import STAGES
 from uwopt.api.varied import SHARP, Switches, Systems, VariedGrid
-from uwopt.deadline import NEVER, Deadline, OutOfTimeError, effort_s
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.errors import MissionError
 from uwopt.forward.assembly import Generic
 from uwopt.mission.mission import Mission
@@ -29,7 +30,7 @@ from uwopt.units import split_unit
 STEPS = 4  # beyond what is asked
 WITHOUT_SHARE = 0.5  # of the time left, for what would be best without each requirement
 AS_GOOD = 1e-3  # of the objective: the optimum is that of the recommended system
-PRICES_S = 10.0  # of work, where no time is given
+PRICES_S = 10.0  # of the processor, where no time is given
 
 
 @own_float_rules
@@ -48,7 +49,7 @@ def range_prices(
         return []
     base = VariedMission(mission, {})
     if math.isinf(deadline.end_s):
-        deadline = Deadline.after(PRICES_S, effort_s)
+        deadline = Deadline.after(PRICES_S, time.process_time)
     systems, warm = Systems(goal_of(base.base)), Warm(deadline)
     if sought is not None:
         warm.take(sought)

@@ -38,7 +38,7 @@ from uwopt.api.search_notes import (
 from uwopt.api.searching import searched
 from uwopt.api.timing import STAGES, timed
 from uwopt.catalog.catalogue import Catalog
-from uwopt.deadline import Deadline, effort_s
+from uwopt.deadline import Deadline
 from uwopt.errors import MissionError
 from uwopt.evaluation.breathing import breathing_notes
 from uwopt.evaluation.influences import influences_of
@@ -71,7 +71,7 @@ if TYPE_CHECKING:
 EXPLAIN_S = 9.0  # of the processor, for a mission that nothing meets and what would help, where no time is given
 EXPLAIN_SHARE = 0.4  # of the time that the search took, where that is more
 LEAST_EXPLAIN_S = 5.0  # for what would help, however long the search took: in less hardly any is found
-DOUBTS_S = 6.0  # of work, for how firm a proven answer is, likewise
+DOUBTS_S = 6.0  # of the processor, for how firm a proven answer is, likewise
 SEARCH_SHARE = 0.9  # of the time that is given: the rest is for settings that can be set
 SOLVERS = ("exact", "casadi", "nlopt", "bonmin")
 First = Callable[[Result], None]  # takes a result whose recommendation is proven and not yet doubted
@@ -337,7 +337,7 @@ def doubted(
 
     winner, cut = made.recommendation, False
     assert winner is not None
-    patience = deadline if math.isfinite(deadline.end_s) else Deadline.after(DOUBTS_S, effort_s)
+    patience = deadline if math.isfinite(deadline.end_s) else Deadline.after(DOUBTS_S, time.process_time)
     doubt: dict[str, Any] | None = None
     opinions: list[dict[str, Any]] = []
     bought: Knee | None = None

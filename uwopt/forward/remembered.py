@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.deadline import spend
 from uwopt.forward.columns import array_in_places, rows_alike
 from uwopt.forward.lamp_light import LampField, SunLight
 from uwopt.forward.lamps import one_side
@@ -121,6 +122,7 @@ class RememberedField(LampField):
             return make(view, pixels, veils=veils, ranges_m=ranges_m)
 
         def per_area(new: Views) -> Array:
+            spend("pixels")
             signal, veil_there = make(new, pixels, veils=veils, ranges_m=ranges_m)
             both = signal[:, :, None] if veil_there is None else np.stack([signal, veil_there], axis=2)
             return both / new.collecting_m2[:, None, None, None]

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.deadline import spend
 from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
 from uwopt.forward.setting_rows import SceneRows
@@ -251,6 +252,7 @@ class BoundedCells:
 
     def _bounded(self, pool: Pool) -> tuple[Pool, list[tuple[Box, Reach]]]:
         """Cells that are alive, with a lower bound each."""
+        spend("cells", len(pool.design))
         pool, seen = self._reached(pool)
         d = pool.design
         if len(d) == 0:
