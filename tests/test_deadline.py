@@ -1,8 +1,9 @@
-"""Time limits, on clocks that the tests turn by hand."""
+"""Time limits, on clocks that the tests turn by hand, and work as a clock."""
 
 from __future__ import annotations
 
 import math
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,7 @@ from uwopt.api.evaluating import evaluate
 from uwopt.api.timing import STAGES
 from uwopt.cli.app import app
 from uwopt.cli.status import result_status
-from uwopt.deadline import Deadline, OutOfTimeError, UntilFound
+from uwopt.deadline import COSTS_S, Deadline, OutOfTimeError, UntilFound, effort_s, spend
 from uwopt.results.result import Result
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain import robustness
@@ -27,6 +28,7 @@ from uwopt.solvers.explain.trials import Trials
 
 ROOT = Path(__file__).parents[1]
 TANK = ROOT / "problems" / "paper-tank.yaml"
+TOOL = ROOT / "problems" / "paper-tool-window.yaml"
 FEW_PARTS = {"cameras": ["flir"], "lenses": ["kowa"]}
 
 
@@ -271,3 +273,34 @@ def test_explanation_of_an_empty_front_has_the_time_that_is_left(ends_with_searc
     front = api_pareto.pareto(wanted, objectives=["power", "cost"], solver="exact", seconds=1.0)
     assert front.status == "infeasible"
     assert "whether it could be met without power_w" in time_warning(front)
+
+
+# ---------------------------------------------------------------- work as a clock
+
+
+def spent_on_a_solve() -> float:
+    """What one cold solve counts."""
+    before = effort_s()
+    api.solve(TOOL, quick=True)
+    return effort_s() - before
+
+
+def test_the_same_work_counts_the_same_whatever_the_machine_does_beside() -> None:
+    first = spent_on_a_solve()
+    assert first > 0.0
+    assert spent_on_a_solve() == pytest.approx(first, rel=1e-9)
+
+
+def test_threads_count_their_own_work() -> None:
+    other: list[float] = []
+
+    def work() -> None:
+        spend("bounds", 1000)
+        other.append(effort_s())
+
+    before = effort_s()
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    assert other == [pytest.approx(1000 * COSTS_S["bounds"])]
+    assert effort_s() == before

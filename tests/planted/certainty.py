@@ -186,7 +186,7 @@ DEFECTS = (
         file="uwopt/deadline.py",
         old="_SPENT.spent_s += COSTS_S[work] * count",
         new="_SPENT.spent_s += 0.0",
-        test="tests/test_effort.py::test_the_same_work_counts_the_same_whatever_the_machine_does_beside",
+        test="tests/test_deadline.py::test_the_same_work_counts_the_same_whatever_the_machine_does_beside",
     ),
     Defect(
         name="a choice is solved again when time is over",

@@ -374,11 +374,4 @@ DEFECTS = (
         new="if key in self.moved and value is None",
         test="tests/solvers/test_least_change.py::test_limits_speed_and_height_told_together_are_enough",
     ),
-    Defect(
-        name="the brightest settings are looked for under the sun",
-        file="uwopt/solvers/explain/infeasible.py",
-        old="if any(scene.sunlit for scene in trials.relaxer.problem.scenes):",
-        new="if False:",
-        test="tests/solvers/test_least_change.py::test_no_brightest_settings_are_looked_for_under_the_sun",
-    ),
 )

@@ -1084,4 +1084,18 @@ DEFECTS: tuple[Defect, ...] = (
         new="{name: np.sort(np.take_along_axis(c, few, axis=2), axis=2) for",
         test=f"{FRAME}test_darkest_pixels_alone_bound_the_light_under_the_sun[0]",
     ),
+    Defect(
+        name="cells are halved whatever the time",
+        file="uwopt/solvers/settings/cells.py",
+        old="            self.deadline.check()\n",
+        new="",
+        test="tests/solvers/test_cells.py::test_cells_are_halved_no_longer_than_there_is_time",
+    ),
+    Defect(
+        name="a search hands its deadline to no cells",
+        file="uwopt/solvers/settings/best.py",
+        old="top=top, mean_limit=mean_limit, deadline=deadline,\n        ))",
+        new="top=top, mean_limit=mean_limit,\n        ))",
+        test="tests/solvers/test_cells.py::test_cells_are_halved_no_longer_than_there_is_time",
+    ),
 )

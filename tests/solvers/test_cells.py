@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from settings_attack import COLOURED, attacked, figures, lit, opened_s, sharp, weighed
 from thorough import drawn
 
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.forward.part_columns import CONTINUOUS, PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.model.sharpness import jinc_and_slope, pupil_and_slope, sinc_and_slope
@@ -273,3 +274,13 @@ def test_colours_under_the_sun_hold_and_are_not_beaten(name: str) -> None:
     asked = ("colours", "min_snr_red", "max_white_balance")
     free = solved([lit(**{key: value for key, value in given.items() if key not in asked})], wanted)
     assert found.feasible[0] and found.lower_bound[0] > free.lower_bound[0] + 1e-3 * abs(free.lower_bound[0])
+
+
+@pytest.mark.parametrize("search", [best_by_cells, best_settings])
+def test_cells_are_halved_no_longer_than_there_is_time(search: Any) -> None:
+    """A diver's mission under the sun once waited 220 s in them for what would help."""
+    rows = lit(veil=100.0, sun=(3e5, 2e5), well_e=9000.0)
+    args = [rows], np.array([False]), Objective.of({"snr_db": 1.0, "power": 0.1}), CAMERA_W, np.inf
+    assert search(*args, deadline=NEVER).feasible[0]
+    with pytest.raises(OutOfTimeError):
+        search(*args, deadline=Deadline.after(0.0))

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from itertools import product
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 import pytest
 
@@ -545,10 +544,3 @@ def test_what_may_help_is_asked_of_a_few_imagers_where_all_would_take_too_long(p
     assert [helps.name for helps in one.helpful] == ["min_swath_m"]
     one.drop_rest()
     assert "min_swath_m" not in one.left and "overlap" in one.left
-
-
-def test_no_brightest_settings_are_looked_for_under_the_sun() -> None:
-    """Cells of many designs at once end by no deadline: a diver waited 220 s for what would help."""
-    sunlit = SimpleNamespace(problem=SimpleNamespace(scenes=[SimpleNamespace(sunlit=True)]))
-    trials: Any = SimpleNamespace(say=lambda share, what: None, relaxer=sunlit)  # without a time to search in
-    assert together_soon(trials, cast(Any, None), cast(Any, None)) is None

@@ -353,7 +353,7 @@ class Evaluation:
             rows, motorised, self.objective, camera_power, self.problem.scene_power_limit_w,
             gap_rel=ROUGH_GAP if optimistic else GAP, constant=self.objective.constant(fixed),
             cutoff=self.ranking.threshold(), hardware=hardware, top=None if optimistic else self.top,
-            mean_limit=MeanLimit.of(self.problem), closed_alone=closed_alone,
+            mean_limit=MeanLimit.of(self.problem), closed_alone=closed_alone, deadline=self.deadline,
         )  # fmt: skip
         chosen = best.chosen
         power = camera_power + np.max([c.light_power_w for c in chosen], axis=0)

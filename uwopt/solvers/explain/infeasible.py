@@ -90,12 +90,7 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
 
 
 def together_soon(trials: Trials, singles: Singles, mover: Mover) -> CommonFit | None:
-    """Changes that help together, found among a few imagers; of one alone a single that helps is made.
-
-    Not under the sun: the brightest settings have no closed form there, and no deadline ends those of many designs.
-    """
-    if any(scene.sunlit for scene in trials.relaxer.problem.scenes):
-        return None
+    """Changes that help together, found among a few imagers; of one alone a single that helps is made."""
     trials.say(0.0, "changes that help together")
     fit = CommonShare(trials, trials.deadline.at_most(SOON_SHARE * trials.deadline.left_s), few=True).of_all()
     if fit is None or len(fit.changes) != 1:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
@@ -62,11 +63,12 @@ def best_settings(
     power_limit_w: float | Array, *,
     gap_rel: float = GAP, constant: Array | float = 0.0, cutoff: float | Array = np.inf, hardware: Array | None = None,
     top: int | None = None, mean_limit: MeanLimit | None = None, closed_alone: bool = False,
-    near: Array | None = None,
+    near: Array | None = None, deadline: Deadline = NEVER,
 ) -> Best:  # fmt: skip
     """Settings that are best for an objective; the keywords as in `cells.best_by_cells`, for where it is used.
 
-    `closed_alone`: for a bound, no cells where the closed form is one.
+    `closed_alone`: for a bound, no cells where the closed form is one. Raises OutOfTimeError past the deadline, if
+    cells are halved.
     """
     weighs = bool(objective.weight("snr_db") and objective.weight("power"))
     if weighs and rows[0].optimistic and is_bounded(rows, objective):  # as good as closed forms, and far cheaper
@@ -76,7 +78,7 @@ def best_settings(
     if not needs_cells(rows, objective):
         return best_in_the_dark(
             rows, motorised, objective, camera_power_w, power_limit_w, gap_rel=gap_rel, constant=constant,
-            cutoff=cutoff, hardware=hardware, top=top, mean_limit=mean_limit,
+            cutoff=cutoff, hardware=hardware, top=top, mean_limit=mean_limit, deadline=deadline,
         )  # fmt: skip
     if objective.weight("information") or any(r.sunlit or (weighs and r.switched) for r in rows):
         from uwopt.solvers.settings.cells import (
@@ -86,15 +88,15 @@ def best_settings(
         if is_bounded(rows, objective):
             return best_joint(
                 rows, motorised, objective, camera_power_w, power_limit_w, gap_rel=gap_rel, constant=constant,
-                cutoff=cutoff, hardware=hardware, top=top, mean_limit=mean_limit, near=near,
+                cutoff=cutoff, hardware=hardware, top=top, mean_limit=mean_limit, deadline=deadline, near=near,
             )  # fmt: skip
         return _of_cells(best_by_cells(
             rows, motorised, objective, camera_power_w, power_limit_w, gap_rel=gap_rel, constant=constant,
-            cutoff=cutoff, hardware=hardware, top=top, mean_limit=mean_limit,
+            cutoff=cutoff, hardware=hardware, top=top, mean_limit=mean_limit, deadline=deadline,
         ))  # fmt: skip
     return best_where_sharp(
         rows, motorised, objective, camera_power_w, power_limit_w, gap_rel=gap_rel, constant=constant,
-        cutoff=cutoff, hardware=hardware, top=top, mean_limit=mean_limit, closed_alone=closed_alone,
+        cutoff=cutoff, hardware=hardware, top=top, mean_limit=mean_limit, deadline=deadline, closed_alone=closed_alone,
     )  # fmt: skip
 
 

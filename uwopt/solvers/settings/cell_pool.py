@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.deadline import spend
+from uwopt.deadline import NEVER, Deadline, spend
 from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
 from uwopt.forward.setting_rows import SceneRows
@@ -54,8 +54,9 @@ class BoundedCells:
         self, rows: list[SceneRows], objective: Objective, light_limit_w: Array, *, own_f_number: bool,
         gap_rel: float, constant: Array, cutoff: Array, hardware: Array | None, top: int | None,
         mean_limit: MeanLimit | None = None, camera_power_w: Array | float = 0.0, near: Array | None = None,
+        deadline: Deadline = NEVER,
     ):  # fmt: skip
-        self.near = near
+        self.near, self.deadline = near, deadline
         self.rows, self.constant, self.cutoff = rows, constant, cutoff
         self.hardware = np.arange(len(constant)) if hardware is None else hardware
         self.top, self.mean_limit = top, mean_limit

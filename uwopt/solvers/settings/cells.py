@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.model.information import RULE_ERROR
 from uwopt.objectives.objective import LEAST, Objective
@@ -50,7 +51,7 @@ def best_by_cells(
     power_limit_w: float | Array, *,
     gap_rel: float = 1e-4, constant: Array | float = 0.0, cutoff: float | Array = np.inf, hardware: Array | None = None,
     top: int | None = None, mean_limit: MeanLimit | None = None, halve: bool = True, points: bool = True,
-    near: Array | None = None,
+    near: Array | None = None, deadline: Deadline = NEVER,
 ) -> CellResult:  # fmt: skip
     """Best settings of n designs to a relative gap of the objective, worst scene.
 
@@ -59,6 +60,7 @@ def best_by_cells(
     with `top`, neither are those that `top` others (of other `hardware`,
     an index a design) surely beat. Without `halve` boxes are bounded as a whole, and without `points` none is tried.
     `near` : (n, 2) f-number and time [s] near which the best are thought to be in the one scene there is, nan: unknown.
+    Raises OutOfTimeError past the deadline: nothing is known then of any.
     """
     n = len(motorised)
     groups = [np.arange(n)]
@@ -75,6 +77,7 @@ def best_by_cells(
             own_f_number=len(rows) > 1 and bool(motorised[mine[0]]), gap_rel=gap_rel, constant=fixed[mine],
             cutoff=ceiling[mine], hardware=None if hardware is None else hardware[mine], top=top,
             mean_limit=mean_limit, camera_power_w=camera[mine], near=None if near is None else near[mine],
+            deadline=deadline,
         )  # fmt: skip
         results.append(search.run(halve=halve, points=points))
     return results[0] if len(results) == 1 else merged(groups, results, n)
@@ -127,6 +130,7 @@ class CellSearch(TriedCells):
             spent += len(pool.design)
         budget = max(MOST_CELLS, FEWEST * min(self.n, 50))
         while len(pool.design) and spent < budget:
+            self.deadline.check()
             if len(pool.design) > BATCH:
                 order = np.argsort(pool.bound - np.where(np.isfinite(self.best), self.best, 0.0)[pool.design])
                 active, rest = pool.take(order[:BATCH]), pool.take(order[BATCH:])
