@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from uwopt.forward.columns import Columns, PartColumns, distinct, groups_alike, rows_alike
+from uwopt.forward.columns import Columns, PartColumns, distinct, each_once, groups_alike, rows_alike
 
 
 @dataclass(frozen=True)
@@ -127,3 +127,15 @@ def test_distinct_numbers_are_those_of_unique(numbers):
     unique, into = np.unique(np.array(numbers, int), return_inverse=True)
     assert values.tolist() == unique.tolist()
     assert back.tolist() == into.reshape(-1).tolist()
+
+
+def test_what_stands_in_many_places_is_made_once_and_stands_in_all():
+    one, other, asked = [1.0], [2.0], []
+
+    def doubled(value):
+        asked.append(value)
+        return 2.0 * value[0]
+
+    assert each_once([one, other, one, one], doubled) == [2.0, 4.0, 2.0, 2.0]
+    assert asked == [one, other]
+    assert each_once([], doubled) == []

@@ -140,8 +140,8 @@ DEFECTS = (
     Defect(
         name="the computer costs what it does in another currency",
         file="uwopt/forward/part_columns.py",
-        old='[money(number(p.host_price, 0.0, at, favoured), "USD") for p in parts]',
-        new="[number(p.host_price, 0.0, at, favoured) for p in parts]",
+        old='return np.array(amounts, float) * money(1.0, "USD")',
+        new="return np.array(amounts, float)",
         test=f"{HOST}test_the_computer_of_an_interface_counts_in_power_and_cost",
     ),
 )

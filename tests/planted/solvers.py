@@ -712,8 +712,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="cost breaks ties before power",
         file="uwopt/solvers/exact/ranking.py",
-        old="return (power, cost, mass, self.count,",
-        new="return (cost, power, mass, self.count,",
+        old="np.array([self.power_w, self.cost, self.mass_kg])",
+        new="np.array([self.cost, self.power_w, self.mass_kg])",
         test=f"{CERTIFICATE}test_what_breaks_a_tie_first_decides",
     ),
     Defect(

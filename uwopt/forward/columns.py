@@ -198,3 +198,10 @@ def array_in_places(parts: Sequence[tuple[Array | slice, Array]], count: int) ->
             one = np.pad(one, [(0, 0)] * (one.ndim - 1) + [(0, missing)], mode="edge")
         out[rows] = one
     return out
+
+
+def each_once(values: Sequence[Any], made: Callable[[Any], Any]) -> list[Any]:
+    """What is made of each value; of one object that stands in many places once: of states of parts most do."""
+    one_of = dict(zip(map(id, values), values, strict=True))
+    known = {key: made(value) for key, value in one_of.items()}
+    return list(map(known.__getitem__, map(id, values)))

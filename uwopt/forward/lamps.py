@@ -216,13 +216,18 @@ def distinct_optics(
 ) -> tuple[list[LightOptics], list[int]]:
     """Distinct beams with spectra, and each light's index into them."""
     found: dict[tuple[Any, ...], int] = {}
+    stated: dict[tuple[Any, ...], int] = {}  # many lights, and states of one, say the same of their optics
     optics: list[LightOptics] = []
     index = []
     for part in lights:
-        item = light_optics(part, n_water=n_water, end=end, paper=paper)
-        key = (item.beams, item.spectrum_id, item.spectrum)
-        if key not in found:
-            found[key] = len(optics)
-            optics.append(item)
-        index.append(found[key])
+        angle_deg = number(part.beam_angle_deg, 90.0, end, FAVOURED["beam_angle_deg"])
+        says = (part.beam, part.beam_medium, angle_deg, id(part.beam_profile), part.spectrum_id, id(part.spectrum))
+        if says not in stated:
+            item = light_optics(part, n_water=n_water, end=end, paper=paper)
+            key = (item.beams, item.spectrum_id, item.spectrum)
+            if key not in found:
+                found[key] = len(optics)
+                optics.append(item)
+            stated[says] = found[key]
+        index.append(stated[says])
     return optics, index

@@ -21,7 +21,7 @@ from uwopt.catalog.parts.cell import Field, kept_fields
 from uwopt.catalog.parts.kinds import FAVOURED as FAVOURED
 from uwopt.catalog.records import Camera, Curve, Housing, Lens, Light, Part, Port, Quantity
 from uwopt.forward.adapters import NO_ADAPTER, adapter_of
-from uwopt.forward.columns import Columns, PartColumns
+from uwopt.forward.columns import Columns, PartColumns, each_once
 from uwopt.forward.flash_times import FlashTimes
 from uwopt.model import flash as flash_model
 from uwopt.model.aberration import aberration_at_f1, aberration_exponent
@@ -195,9 +195,7 @@ def column(parts: Sequence[Part], field: Field, end: End = "central") -> Array:
     """One field of all parts as a float column in SI; what is unknown is what its cell says."""
     scale, favoured = in_si(field.name)[1], FAVOURED.get(field.name, 0)
     values = [getattr(part, field.name) for part in parts]
-    if len(parts) > 1 and all(value is values[0] for value in values):  # as of one part many times
-        return np.full(len(parts), number(values[0], field.cell.unknown, end, favoured) * scale)
-    return np.array([number(value, field.cell.unknown, end, favoured) * scale for value in values], float)
+    return np.array(each_once(values, lambda value: number(value, field.cell.unknown, end, favoured) * scale), float)
 
 
 @cache
@@ -242,7 +240,9 @@ def limit_end(end: End, high_basis: bool) -> End:
 
 
 def _prices(parts: Sequence[Part], money: Money, end: End) -> Array:
-    return np.array([money(number(p.price, 0.0, end, FAVOURED["price"]), p.currency) for p in parts], float)
+    amounts = each_once([part.price for part in parts], lambda price: number(price, 0.0, end, FAVOURED["price"]))
+    worth = each_once([part.currency for part in parts], lambda currency: money(1.0, currency))
+    return np.array(amounts, float) * np.array(worth, float)
 
 
 def with_host(
@@ -251,8 +251,8 @@ def with_host(
     """Prices of cameras with the share (n,) of a computer's that each pays, which is stated in USD."""
 
     def host(at: End) -> Array:
-        favoured = FAVOURED["host_price"]
-        return np.array([money(number(p.host_price, 0.0, at, favoured), "USD") for p in parts], float)
+        amounts = each_once([part.host_price for part in parts], lambda p: number(p, 0.0, at, FAVOURED["host_price"]))
+        return np.array(amounts, float) * money(1.0, "USD")
 
     return {
         "price": known["price"] + share * host(end),
@@ -277,13 +277,14 @@ def camera_rows(
     """
     curves: list[dict[str, Curve]] = []
     index_of: dict[tuple[tuple[str, Curve], ...], int] = {}
-    qe_index = []
-    for part in parts:
-        key = tuple(sorted(part.qe_curves.items()))
+
+    def index(own: Mapping[str, Curve]) -> int:
+        key = tuple(sorted(own.items()))
         if key not in index_of:
             index_of[key] = len(curves)
-            curves.append(dict(part.qe_curves))
-        qe_index.append(index_of[key])
+            curves.append(dict(own))
+        return index_of[key]
+
     bits = np.array([PAPER_BITS if paper else part.bit_depth for part in parts], float)
     known = columns_of(Camera, parts, end)
     if paper:
@@ -306,7 +307,7 @@ def camera_rows(
             "on_s": known["wake_up_s"] + np.minimum(known["max_exposure_s"], longest_exposure_s) + 1.0 / rate,
             "readout_s": np.where(rolling & np.isfinite(rate), 1.0 / np.maximum(rate, 1e-9), 0.0),
             "frame_mb": frame_mb,
-            "qe_index": np.array(qe_index, int),
+            "qe_index": np.array(each_once([part.qe_curves for part in parts], index), int),
             "most_body_m": high_ends(Camera, parts, ("body_width_mm", "body_height_mm", "body_length_mm", "plug_mm")),
             "fires_lamps": np.array([part.fires_lamps for part in parts], bool),
         }
@@ -353,11 +354,10 @@ def lens_rows(
 
 def _spacers(parts: Sequence[Lens]) -> Array:
     """Lengths of the rings that may stand behind each lens in rising order, NaN-padded."""
-    lengths = [sorted(part.spacers_mm or ()) for part in parts]
-    made = np.full((len(parts), max(map(len, lengths), default=0)), np.nan)
-    for row, own in enumerate(lengths):
-        made[row, : len(own)] = np.array(own) * 1e-3
-    return made
+    lengths = each_once([part.spacers_mm for part in parts], lambda own: sorted(own or ()))
+    most = max(map(len, lengths), default=0)
+    rows = each_once(lengths, lambda own: own + [np.nan] * (most - len(own)))
+    return np.array(rows, float).reshape(len(parts), most) * 1e-3
 
 
 def port_rows(

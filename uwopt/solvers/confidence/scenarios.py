@@ -6,7 +6,7 @@ work out, have few states, each of which serves as many scenarios.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -121,13 +121,21 @@ class Scenarios:
         """A camera or a lens in each scenario."""
         if not self.doubt.parts:
             return [part] * self.count
+        return self.drawn_once(part, lambda: drawn_parts(part, self.seed, self.count))
+
+    def drawn_once(self, part: Any, drawn: Callable[[], list[Any]]) -> list[Any]:
+        """What is drawn of a part, kept."""
         key = (type(part), part.id)  # pieces of a complete camera share its name
         if key not in self.known:
-            self.known[key] = drawn_parts(part, self.seed, self.count)
+            self.known[key] = drawn()
         return list(self.known[key])
 
     def lights(self, part: Light) -> list[Light]:
         """A light in each scenario; its beam in one of few states."""
+        return self.drawn_once(part, lambda: self.drawn_lights(part))
+
+    def drawn_lights(self, part: Light) -> list[Light]:
+        """The same, drawn anew."""
         columns = drawn_numbers(part, self.seed, self.count) if self.doubt.parts else {}
         for name, known in doubtful(part) if self.doubt.parts else ():
             if name in BEAM_FACTS:

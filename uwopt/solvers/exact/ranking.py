@@ -5,6 +5,7 @@ from __future__ import annotations
 from bisect import bisect_left
 from copy import copy
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
@@ -48,10 +49,14 @@ class Found:
     settings: list[dict[str, float]]  # by scene
     pulse_s: float
 
+    @cached_property
+    def figures(self) -> tuple[float, ...]:
+        """Power, cost and mass as they are told apart; kept, for long lists of ties ask for them often."""
+        return tuple(told_apart(np.array([self.power_w, self.cost, self.mass_kg])).tolist())
+
     def tie_key(self, ids: tuple[str, ...]) -> tuple[Any, ...]:
         """What breaks ties: power, cost, mass, lamps, pulse, ids."""
-        power, cost, mass = (float(told_apart(value)) for value in (self.power_w, self.cost, self.mass_kg))
-        return (power, cost, mass, self.count, self.pulse_s, ids)
+        return (*self.figures, self.count, self.pulse_s, ids)
 
 
 class Ranking:
@@ -94,8 +99,7 @@ class Ranking:
         """Whether a design may come before one that is known, by lower bounds of its objective and of its tie key."""
         least, slack = design.minimised, TIE * abs(design.minimised)
         before, level = np.zeros(len(value), bool), np.ones(len(value), bool)
-        for mine, known in zip(own, (design.power_w, design.cost, design.mass_kg), strict=True):
-            its = float(told_apart(known))
+        for mine, its in zip(own, design.figures, strict=True):
             before |= level & (mine < its)
             level &= mine == its
         tied = value <= least + TIE * np.maximum(np.abs(value), abs(least))
