@@ -55,6 +55,22 @@ def test_a_lander_draws_milliwatts_with_lamps_and_camera_off_between_images() ->
     assert found.light_peak_power_w == pytest.approx(29.4)  # as ever
 
 
+FLASH: dict[str, Any] = {
+    "kind": "flash", "flux_lm": None, "power_w": None, "warm_up_s": None, "standby_w": None, "flash_energy_j": 50.0,
+    "flash_duration_us": 2000.0, "charging_efficiency_frac": 0.7,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("recycle_s", "peak_w"),  # 50 J at 70 % are 71.43 J from the supply of each of two; half of them once an hour
+    [(2.0, 2 * 71.43 / 2.0), (None, 2 * 71.43 * 0.5 / 3600.0)],  # however little is used; over the whole pause
+)
+def test_flashes_draw_most_while_they_recharge(recycle_s: float | None, peak_w: float) -> None:
+    found = totals({}, light=FLASH | {"recycle_s": recycle_s})
+    assert found.light_power_w == pytest.approx(2 * 71.43 * 0.5 / 3600.0, rel=1e-4)
+    assert found.light_peak_power_w == pytest.approx(peak_w, rel=1e-4)
+
+
 def test_lamps_that_stay_on_burn_all_the_time() -> None:
     assert totals({}).power_w == pytest.approx(29.4 + 4.0)
     assert totals({"camera_between_images": "off"}).power_w == pytest.approx(29.4 + CAMERA_W)

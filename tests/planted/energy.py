@@ -75,6 +75,20 @@ DEFECTS = (
         test="tests/mission/test_coverage.py::test_area_in_an_hour_asks_for_a_swath",
     ),
     Defect(
+        name="flashes recharge all through the pause",
+        file="uwopt/model/light.py",
+        old="np.maximum(charging_power_w, energy_j * frame_rate_hz)",
+        new="energy_j * frame_rate_hz + 0.0 * charging_power_w",
+        test=f"{SWITCHED}test_flashes_draw_most_while_they_recharge",
+    ),
+    Defect(
+        name="one flash's charger stands for all",
+        file="uwopt/forward/figures.py",
+        old="charging_power_w=lights.charging_power_w * count,",
+        new="charging_power_w=lights.charging_power_w,",
+        test=f"{SWITCHED}test_flashes_draw_most_while_they_recharge",
+    ),
+    Defect(
         name="lamps that are off between images need no warm-up",
         file="uwopt/forward/switching.py",
         old="lights.warm_up_s + cameras.readout_s, np.inf)",

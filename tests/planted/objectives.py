@@ -589,7 +589,7 @@ DEFECTS = (
     Defect(
         name="the peak of a pulsed lamp is its mean",
         file="uwopt/forward/figures.py",
-        old="peak = np.where(lights.kind == FLASH, flashing, burning)",
+        old="peak = np.where(lights.kind == FLASH, recharging, burning)",
         new="peak = mean",
         test=f"{OUTSIDE}[peak_power_w]",
     ),

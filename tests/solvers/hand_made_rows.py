@@ -17,8 +17,8 @@ def scene(**changed: Any) -> SceneRows:
         black_level_dn=0.0, max_gain=16.0, well_e=10500.0, prnu_frac=0.0, dark_current_e_s=0.0, dark_time_s=5e-3,
         min_exposure_s=2e-5, exposure_offset_s=0.0, readout_s=0.0, flash_duration_s=1e-3, time_min_s=2e-5,
         time_max_s=5e-3, rate_hz=5.0, kind=CONTINUOUS, light_lm=20000.0, full_power_w=200.0, pulse_energy_j=0.0,
-        levels=[np.nan], dims_freely=True, min_level=0.0, max_level=1.0, working_factor=1.02, n_low=1.4,
-        n_high=16.0, min_snr=10.0, mean_level=None, highlight_ratio=1.5,
+        charging_power_w=0.0, levels=[np.nan], dims_freely=True, min_level=0.0, max_level=1.0, working_factor=1.02,
+        n_low=1.4, n_high=16.0, min_snr=10.0, mean_level=None, highlight_ratio=1.5,
     )  # fmt: skip
     values.update(changed)
     plain = ("nominal", "min_snr", "mean_level", "highlight_ratio")

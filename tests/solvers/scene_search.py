@@ -139,14 +139,28 @@ class SceneSearch:
 
         Cameras and extras draw all the time; what is left of the peak is for the lamps.
         """
-        light, mission = self.light, self.model.problem.mission
+        mission = self.model.problem.mission
         peak, always = mission.limits.peak_power_w, sum(item.power_w for item in mission.catalog.extras)
         always += mission.vehicle.camera_count * float(self.cam.power_w[0])
         top = 1.0
+        recharging_w = self.recharging_w()
+        if peak is not None and recharging_w is not None:  # however little of it is used
+            return self._levels_up_to(1.0) if always + recharging_w <= peak else (np.empty(0), False)
         if peak is not None:
             top = min(1.0, (peak - always) / self.full_w) if self.full_w > 0 else float(peak >= always)
             if top < 0.0 or (top == 0.0 and peak < always):
                 return np.empty(0), False
+        return self._levels_up_to(top)
+
+    def recharging_w(self) -> float | None:
+        """What flashes draw while they fill up within their recycle time; None of other lamps, and of no such time."""
+        most_hz = float(self.light.max_rate_hz[0])
+        if self.kind != FLASH or np.isinf(most_hz):
+            return None
+        return float(self.light.pulse_energy_j[0]) * most_hz * self.model.hardware.count
+
+    def _levels_up_to(self, top: float) -> tuple[Array, bool]:
+        light = self.light
         if not light.dims_freely[0]:
             steps = light.levels[0][~np.isnan(light.levels[0])]
             return steps[steps <= top * (1 + 1e-12)], False

@@ -425,7 +425,12 @@ def power_w(
     timed = (lights.kind == PULSED) | np.isfinite(lead_s)
     mean = np.where(timed, pulsed, np.where(lights.kind == FLASH, flashing, burning))
     mean = mean + switching.standby_w(vehicle, lights, count)
-    peak = np.where(lights.kind == FLASH, flashing, burning)
+    recharging = light_model.flash_peak_power_w(
+        lights.pulse_energy_j * settings.level * count,
+        charging_power_w=lights.charging_power_w * count,
+        frame_rate_hz=settings.rate_hz,
+    )
+    peak = np.where(lights.kind == FLASH, recharging, burning)
     return np.asarray(mean), np.asarray(peak)
 
 

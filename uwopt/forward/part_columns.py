@@ -149,6 +149,7 @@ class Lights(PartColumns):
     output_factor: Array
     full_power_w: Array  # continuous, pulsed: while on; flash: 0
     pulse_energy_j: Array  # flash: taken from the supply for one full pulse; others 0
+    charging_power_w: Array  # flash: from the supply while it recharges; 0 of others, and where recycling is not known
     stored_energy_j: Array  # flash: in the tube
     levels: Array  # (n, n_levels) shares of full light, NaN-padded; a column of NaN: continuous
     min_level: Array
@@ -452,8 +453,10 @@ def light_rows(
     kind = np.array([KIND_CODES[part.kind] for part in parts], int)
     flash = kind == FLASH
     stored, rate = known["flash_energy_j"], known["max_rate_hz"]
-    with np.errstate(divide="ignore"):
-        rate = np.where(flash, np.minimum(rate, 1.0 / known["recycle_s"]), rate)
+    drawn_j, recycle_s = np.where(flash, stored / known["charging_efficiency_frac"], 0.0), known["recycle_s"]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rate = np.where(flash, np.minimum(rate, 1.0 / recycle_s), rate)
+        charging_w = np.where(flash & (recycle_s > 0.0), drawn_j / recycle_s, 0.0)
     fading = flash & (not paper)
     faded_to = np.where(fading, known["flash_duration_at_frac"], 1.0)
     flash_lm_s = flash_light_lm_s(stored, efficacy_lm_s_per_j=known["flash_efficacy_lm_s_per_j"])
@@ -465,7 +468,8 @@ def light_rows(
             "full_light": np.where(flash, flash_lm_s, known["flux_lm"]),
             "output_factor": np.ones(len(parts)) if paper else _output(parts, known),
             "full_power_w": np.where(flash, 0.0, known["power_w"]),
-            "pulse_energy_j": np.where(flash, stored / known["charging_efficiency_frac"], 0.0),
+            "pulse_energy_j": drawn_j,
+            "charging_power_w": charging_w,
             "flash_duration_s": flash_model.whole_s(known["flash_duration_s"], at_frac=faded_to),
             "flash_decay_s": flash_model.decay_s(known["flash_duration_s"], at_frac=faded_to),
             "stored_energy_j": np.where(flash, stored, 0.0),

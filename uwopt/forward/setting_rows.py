@@ -69,6 +69,7 @@ class SceneRows(Columns):
     light_lm: Array  # all lamps at full level
     full_power_w: Array  # all lamps burning at full level
     pulse_energy_j: Array  # all flashes at full level, from the supply
+    charging_power_w: Array  # all flashes while they recharge, from the supply
     levels: Array  # (n, n_levels), NaN-padded
     dims_freely: Array
     min_level: Array
@@ -380,9 +381,11 @@ def setting_rows(
     with np.errstate(divide="ignore", invalid="ignore"):
         peak_for_lights = (limits.peak_power_w or np.inf) - problem.camera_power_w(cam)
         max_level = np.minimum(1.0, peak_for_lights / peak_at_full)
+    charging_power = lamp.charging_power_w * count
     max_level = np.where(np.isnan(max_level), 1.0, max_level)
     allowed = (focused.rate_hz <= lamp.max_rate_hz * (1 + 1e-12)) | (lamp.kind == CONTINUOUS)
     allowed &= cam.fires_lamps | (lamp.kind == CONTINUOUS)
+    allowed &= ~flash | (charging_power <= peak_for_lights * (1 + 1e-12))
     allowed &= least_gain <= most_gain * BALANCE_ROUND
     if needs.max_skew_px is not None:
         allowed &= (focused.skew_px <= needs.max_skew_px) | (lamp.kind != CONTINUOUS)
@@ -439,6 +442,7 @@ def setting_rows(
         light_lm=light_lm,
         full_power_w=full_power,
         pulse_energy_j=pulse_energy,
+        charging_power_w=charging_power,
         levels=lamp.levels,
         dims_freely=lamp.dims_freely,
         min_level=lamp.min_level,

@@ -78,6 +78,15 @@ def flash_power_w(
     return energy_j * frame_rate_hz * count / charging_efficiency
 
 
+def flash_peak_power_w(energy_j: Symbolic, *, charging_power_w: Symbolic, frame_rate_hz: Symbolic) -> Symbolic:
+    """Highest electrical power of flashes [W], from the supply: max(W_full / recycle time, W f).
+
+    A charger fills its capacitor as fast as it can, at full energy within the recycle time, however long the pause is;
+    where that is not known it is taken to fill it over the whole pause.
+    """
+    return np.maximum(charging_power_w, energy_j * frame_rate_hz)
+
+
 def flash_light_lm_s(energy_j: Symbolic, *, efficacy_lm_s_per_j: Symbolic) -> Symbolic:
     """Light of one flash from its electrical energy [lm s]; xenon tubes give 30-40 lm s per joule."""
     return energy_j * efficacy_lm_s_per_j

@@ -113,7 +113,7 @@ class Totals(Record):
     cost: Cost = Field(description="of what is not owned")
     power_w: Number | None = Field(description="on average")
     light_power_w: Number | None = Field(description="of it the lamps'")
-    light_peak_power_w: Number | None = Field(description="while the lamps burn")
+    light_peak_power_w: Number | None = Field(description="while the lamps burn, or flashes recharge")
     mass_kg: Number | None = Field(description="of all parts")
     mass_water_kg: Number | None = Field(
         default=None, description="in water, of the cameras in their housings; null without housings"

@@ -245,9 +245,7 @@ class SceneRange:
         level = between(np.maximum(u_low, np.where(dims > 0, DIMMEST * u_high, 0.0)), u_high, dims)
         light_x = level * per_level
         power = closed_form.drawn_power_w(rows, level, time_s)
-        peak = np.where(
-            rows.kind == FLASH, rows.pulse_energy_j * level * rows.rate_hz, rows.full_power_w * level
-        )
+        peak = closed_form.peak_power_w(rows, level)
         gain = closed_form.best_gain(dark_rows, light_x, sun)
         missing = np.where(np.isfinite(light_x) & np.isfinite(gain), missing, np.maximum(missing, FARTHEST))
         return Chosen(f_number, level, time_s, gain, light_x, power, peak, exposure_s), exposure_s, missing

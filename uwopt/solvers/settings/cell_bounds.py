@@ -409,9 +409,7 @@ class SceneCells:
         sun = Sun.at(rows, y) if self.sunlit else None
         gain = closed_form.best_gain(dark_rows, light_x, sun)
         power = closed_form.drawn_power_w(rows, level, time_s)
-        peak = np.where(
-            rows.kind == FLASH, rows.pulse_energy_j * level * rows.rate_hz, rows.full_power_w * level
-        )
+        peak = closed_form.peak_power_w(rows, level)
         snr, contrast, holds = figures_at(dark_rows, light_x, gain, sun)
         blur_s = open_s if self.sunlit else self.blurred_s(d, time_s)
         full_w = np.where(rows.kind == FLASH, rows.pulse_energy_j * rows.rate_hz, rows.full_power_w)

@@ -138,8 +138,11 @@ def drawn_power_w(rows: SceneRows, level: Array, time_s: Array) -> Array:
 
 
 def peak_power_w(rows: SceneRows, level: Array) -> Array:
-    """Peak electrical power of all lights."""
-    return np.where(rows.kind == FLASH, rows.pulse_energy_j * level * rows.rate_hz, rows.full_power_w * level)
+    """Peak electrical power of all lights; of flashes while they recharge."""
+    flashing = light.flash_peak_power_w(
+        rows.pulse_energy_j * level, charging_power_w=rows.charging_power_w, frame_rate_hz=rows.rate_hz
+    )
+    return np.where(rows.kind == FLASH, flashing, rows.full_power_w * level)
 
 
 def best_gain(rows: SceneRows, light_x: Array, sun: Sun | None = None) -> Array:
