@@ -58,6 +58,20 @@ def test_the_computer_is_off_with_the_camera_between_images() -> None:
     assert found.totals.power_w == pytest.approx((4.0 + 5.0) / 20.0 + 0.002)
 
 
+def test_a_camera_waits_for_its_computer_to_start_unless_it_says_how_long_it_takes() -> None:
+    # 18 s for a computer to start (class estimate, from measured starts of 8 to 40 s), else as above; 10 mW of standby.
+    found = design(vehicle={"camera_between_images": "off"}, wake_up_s=None, standby_w=None)
+    assert found.totals.power_w == pytest.approx((4.0 + 5.0) * 18.2 / 100.0 + 0.010)
+    # Without a computer in the count the camera alone wakes up, in 5 s.
+    alone = design(vehicle={"camera_between_images": "off"}, wake_up_s=None, standby_w=None, host="none")
+    assert alone.totals.power_w == pytest.approx(4.0 * 5.2 / 100.0 + 0.010)
+
+
+def test_a_single_camera_of_an_interface_that_leaves_no_housing_has_its_computer_in_it() -> None:
+    (row,) = (row for row in design(interface="CSI-2").bom if row.id == "host-computer")
+    assert (row.count, row.note) == (1, "in the camera's housing, for CSI-2 reaches 0.3 m")
+
+
 def test_what_a_camera_says_of_its_computer_counts_instead() -> None:
     found = design(host_power_w=1.5, host_price=50.0)
     assert (found.totals.power_w, found.totals.cost.value) == pytest.approx((5.5, 800.0 + 40.0))
@@ -75,6 +89,7 @@ def test_an_interface_that_no_class_knows_takes_the_class_of_any() -> None:
         ("USB3", 5.0, 1, 1800.0, 14.0),
         ("USB3", None, 1, 1800.0, 14.0),
         ("GigE", 120.0, 2, 1920.0, 18.0),
+        ("CSI-2", None, 2, 1840.0, 15.0),  # 150 USD = 120 EUR, 3.5 W; 0.3 m of flat cable leave no housing
     ],
 )
 def test_where_the_cable_does_not_reach_each_camera_has_its_computer(interface, cable_m, computers, cost, power_w):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from uwopt.catalog.interfaces import reaches_m
+from uwopt.catalog.interfaces import IN_HOUSING, does_reach, leaves_housing, reaches_m
 from uwopt.catalog.mounts import counterpart, is_free
 from uwopt.catalog.records import Camera, Part, Port, Quantity
 from uwopt.catalog.rest import RestItem, disk_item
@@ -146,20 +146,29 @@ def purpose_of(kind: str, part: Part) -> str:
 def host_row(problem: Problem, camera: Camera) -> BillRow:
     """The computer that takes the images: one for all cameras, or one beside each where its cable does not reach."""
     rate, price = problem.money(1.0, "USD"), camera.host_price or Quantity(0.0, 0.0, 0.0, "user")
-    cable_m, reach_m = problem.mission.vehicle.cable_m, reaches_m().get(camera.interface)
     beside = problem.beside_camera(camera)
-    reach = f"{camera.interface} reaches {reach_m:g} m" if reach_m else "how far its interface reaches is not known"
-    why = f"{reach}, {cable_m:g} m are asked for; that it fits into the housing is not checked" if beside else ""
     return BillRow(
         kind="extra", id="host-computer", manufacturer="",
         model=f"computer {'beside each camera' if beside else 'that takes the images'}",
-        count=problem.mission.vehicle.camera_count if beside else 1, owned=0, note=why, purpose="computer",
+        count=problem.mission.vehicle.camera_count if beside else 1, owned=0, purpose="computer",
+        note=place_of_computer(camera.interface, problem.mission.vehicle.cable_m),
         unit_price=rate * price.value, unit_price_low=rate * price.low, unit_price_high=rate * price.high,
         currency=problem.mission.limits.currency,
         price_status="own" if price.status == "user" else price.status,
         price_date="", generic=False, source="class estimate by the camera's interface",
         price_basis=price.source,
     )  # fmt: skip
+
+
+def place_of_computer(interface: str, cable_m: float | None) -> str:
+    """Where the computer must stand, as far as the cables of an interface tell."""
+    reach_m = reaches_m().get(interface)
+    if not leaves_housing(interface):
+        return f"{IN_HOUSING}, for {interface} reaches {reach_m:g} m"
+    if does_reach(interface, cable_m):
+        return ""
+    reach = f"{interface} reaches {reach_m:g} m" if reach_m else "how far its interface reaches is not known"
+    return f"{reach}, {cable_m:g} m are asked for; that it fits into the housing is not checked"
 
 
 def beside_parts(problem: Problem, hw: Hardware, spacer_m: float, disks_gb: float) -> list[tuple[RestItem, int]]:

@@ -28,6 +28,8 @@ def estimated(mission: Mission, parts: Parts) -> Parts:
     if switching.any_off(vehicles, "lamps_between_images"):
         parts = replace(parts, lights=tuple(switching.light_with_estimates(p) for p in parts.lights))
     if switching.any_off(vehicles, "camera_between_images"):
+        if mission.catalog.host == "estimate":
+            parts = replace(parts, cameras=tuple(switching.camera_with_starting_host(p) for p in parts.cameras))
         parts = replace(parts, cameras=tuple(switching.camera_with_estimates(p) for p in parts.cameras))
     if mission.catalog.host == "estimate":
         parts = replace(parts, cameras=tuple(switching.camera_with_host(p) for p in parts.cameras))

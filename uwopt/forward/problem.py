@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.catalog import money
-from uwopt.catalog.interfaces import does_reach
+from uwopt.catalog.interfaces import shares_computer
 from uwopt.catalog.parts.light import NO_LAMP
 from uwopt.catalog.records import Camera, Part
 from uwopt.catalog.rest import DISK_GB, Per, RestItem, RestNeeds, disk_price_per_gb, rest_items
@@ -327,7 +327,8 @@ class Problem:
 
     def beside_camera(self, camera: Camera) -> bool:
         """Whether each camera of this kind has a computer of its own, for its cable does not reach the common one."""
-        return not does_reach(camera.interface, self.mission.vehicle.cable_m)
+        vehicle = self.mission.vehicle
+        return not shares_computer(camera.interface, vehicle.cable_m, vehicle.camera_count)
 
     def host_share(self, camera: Camera) -> float:
         """How much of a computer each camera of this kind pays and feeds."""

@@ -41,12 +41,19 @@ def light_with_estimates(light: Light) -> Light:
 @once_each
 def camera_with_estimates(camera: Camera) -> Camera:
     """A camera with the time that it takes to wake up and standby, those of its class where it does not say."""
-    wake_up, standby = (required_class(f"camera-{name}", "switched") for name in ("wake-up-s", "standby-w"))
-    return replace(
-        camera,
-        wake_up_s=camera.wake_up_s or wake_up.quantity(),
-        standby_w=camera.standby_w or standby.quantity(),
-    )
+    standby = required_class("camera-standby-w", "switched").quantity()
+    return replace(camera_with_wake_up(camera), standby_w=camera.standby_w or standby)
+
+
+def camera_with_wake_up(camera: Camera, name: str = "switched") -> Camera:
+    """A camera with the time from switching on to an image, that of a class where it does not say."""
+    return replace(camera, wake_up_s=camera.wake_up_s or required_class("camera-wake-up-s", name).quantity())
+
+
+@once_each
+def camera_with_starting_host(camera: Camera) -> Camera:
+    """A camera that waits until the computer that takes its images has started, unless it says how long it takes."""
+    return camera_with_wake_up(camera, "host") if camera.takes_a_host else camera
 
 
 @once_each

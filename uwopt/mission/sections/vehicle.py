@@ -122,7 +122,8 @@ class Vehicle(Section):
         default=None,
         description="length of the data cable from each camera to the common computer in metres; a camera whose "
         "interface does not reach so far has a computer of its own beside it (catalog.host: estimate), or is left out "
-        "(none); without it the computer stands beside the cameras",
+        "(none); without it the computer stands beside the cameras, of which several have one each where their "
+        "interface gets from no housing to another (CSI-2)",
     )
     lamp_supply: Annotated[Literal["any", "external", "battery"], CHOICE] = Field(
         default="any",

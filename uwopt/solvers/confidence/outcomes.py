@@ -281,7 +281,8 @@ class Judge:
             "mass_kg": self.mass_kg > limit(limits.mass_kg) * ROUND,
             "rules": np.logical_or.reduce([(r.time_max_s < 0.0) & ~self.misplaced for r in self.rows]),
             "light": ~best.feasible,
-            "power_w": power > problem.scene_power_limit_w * ROUND,
+            "power_w": power > limit(limits.power_w) * ROUND,
+            "energy_wh": power > problem.scene_power_limit_w * ROUND,  # what is left of it for one scene
         }
         feasible = ~np.logical_or.reduce(list(misses.values()))
         gsd_mm = self.group.imagers.gsd_mm[self.imager]
