@@ -9,6 +9,8 @@ SLACK < ROUND - 1 <= TIE << SATISFIED_REL = AGREES_REL = BEATS_REL << BINDING_RE
   what the search allows, the evaluation must not refuse. The search's claim and the evaluation agree within
   AGREES_REL, and an audit calls a discarded design better from BEATS_REL on: both larger than TIE, or ties would
   be defects.
+- Medians of systems over the scenarios of a choice are a tie within TIED_MEDIANS_REL, about what luck makes of them
+  in 256.
 - A margin below BINDING_REL is called binding. A proof whose gap is above PROVEN_GAP_REL is not called optimal.
 """
 
@@ -21,3 +23,4 @@ AGREES_REL = 1e-6
 BEATS_REL = 1e-6
 BINDING_REL = 1e-4
 PROVEN_GAP_REL = 2e-4
+TIED_MEDIANS_REL = 0.02

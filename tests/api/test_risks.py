@@ -100,6 +100,15 @@ def test_where_all_is_in_hand_there_is_no_risk(calm: Result) -> None:
     assert risks_of(replace(calm, design=None)) == []
 
 
+def test_lamps_that_never_light_are_told(calm: Result) -> None:
+    scene = design_of(calm).scenes[0]
+    off = replace(scene, settings={**scene.settings, "dim_frac": 0.0})
+    risk = only(with_scene(calm, off))
+    assert (risk.what, risk.figure) == ("lamps are bought that stay off", "1 lamp")
+    lit = replace(scene, settings={**scene.settings, "dim_frac": 0.5})
+    assert risks_of(with_scene(calm, off, lit)) == []  # at night they are needed
+
+
 @pytest.mark.parametrize(("end", "sense", "figure", "off"), [
     ("dof_near_m", "<=", "sharp from 0.150 m, the nearest floor at 0.150 m: 0 m in hand", "focus set any farther"),
     ("dof_far_m", ">=", "sharp to 0.150 m, the farthest floor at 0.150 m: 0 m in hand", "focus set any nearer"),

@@ -145,7 +145,7 @@ def test_a_camera_of_a_pair_that_misses_what_the_middle_meets_is_told() -> None:
         **far["requirements"], "min_snr_db": float(design.scenes[0].figures["snr_db"]) - 1e-3}})
     note = next(w for w in result.warnings if w.code == "pair_light")
     assert result.design is not None and result.design.feasible
-    assert "misses min_snr_db" in note.message
+    assert "misses signal to noise" in note.message
 
 
 def test_a_lamp_at_a_port_is_told() -> None:

@@ -31,6 +31,35 @@ DEFECTS = (
         test=f"{HOST}::test_where_the_cable_does_not_reach_each_camera_has_its_computer[USB3-20.0-2-2000.0-20.0]",
     ),
     Defect(
+        name="flat cables go from housing to housing",
+        file="uwopt/catalog/interfaces.py",
+        old="(camera_count == 1 or leaves_housing(interface))",
+        new="True",
+        test=f"{HOST}::test_where_the_cable_does_not_reach_each_camera_has_its_computer[CSI-2-None-2-1840.0-15.0]",
+    ),
+    Defect(
+        name="other systems are held against what is set for the scenarios",
+        file="uwopt/report/text/words.py",
+        old="        return known.central_objective\n",
+        new="        return None if result.best is None else result.best.objective_value\n",
+        test="tests/report/order/test_bom_book.py::"
+        "test_other_systems_are_held_against_the_best_by_the_same_numbers",
+    ),
+    Defect(
+        name="lamps that never light are no risk",
+        file="uwopt/api/risks.py",
+        old='scene.settings.get("dim_frac") == 0.0 for scene',
+        new='scene.settings.get("dim_frac") is None for scene',
+        test="tests/api/test_risks.py::test_lamps_that_never_light_are_told",
+    ),
+    Defect(
+        name="computers start in no time",
+        file="uwopt/forward/switching.py",
+        old='camera_with_wake_up(camera, "host") if camera.takes_a_host else camera',
+        new="camera",
+        test=f"{HOST}::test_a_camera_waits_for_its_computer_to_start_unless_it_says_how_long_it_takes",
+    ),
+    Defect(
         name="cameras that reach nobody are searched",
         file="uwopt/forward/assembly.py",
         old='return mission.vehicle.cable_m if mission.catalog.host == "none" else None',

@@ -15,15 +15,15 @@ BOOK = "tests/report/order/test_bom_book.py"
 DEFECTS = (
     Defect(
         name="nobody asks for a voltage that is not known",
-        file="uwopt/report/order/not_counted.py",
+        file="uwopt/report/text/not_counted.py",
         old='if row.kind in FED or row.id == "host-computer"}',
         new="if supply_volts(row.id)}",
         test=f"{BOOK}::test_voltages_are_those_of_the_maker_s_sheet_and_all_others_are_to_be_asked",
     ),
     Defect(
         name="a computer needs no place",
-        file="uwopt/report/order/not_counted.py",
-        old="if row.id in UNHOUSED]:",
+        file="uwopt/report/text/not_counted.py",
+        old="if row.id in apart]:",
         new='if row.id == "none"]:',
         test=f"{BOOK}::test_a_computer_needs_a_place_that_nobody_counted",
     ),

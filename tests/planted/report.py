@@ -231,8 +231,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a runner-up is compared the wrong way",
         file="uwopt/report/text/tables.py",
-        old="difference = design.objective_value - best.objective_value",
-        new="difference = best.objective_value - design.objective_value",
+        old="difference = design.objective_value - best",
+        new="difference = best - design.objective_value",
         test="tests/report/test_tables.py::test_runners_up_show_what_differs_and_what_it_costs",
     ),
     Defect(

@@ -115,7 +115,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="doubts take as long as they like", file="uwopt/api/solving.py",
-        old="doubt = doubts(sought, goal, winner, patience)", new="doubt = doubts(sought, goal, winner, deadline)",
+        old="doubts(sought, goal, winner, patience, choice)", new="doubts(sought, goal, winner, deadline, choice)",
         test="tests/api/test_patience.py::test_doubts_beyond_patience_are_left_out_and_told[0.0-True]",
     ),
 )  # fmt: skip

@@ -44,3 +44,17 @@ def test_what_is_best_by_central_numbers_stands_beside_what_is_recommended(make_
         assert "scenarios draw reflectance of the floor" in text_of(robustness_block(result))
     (block,) = certainty_block(make_result(confidence=COUNTED | {"central_hardware": ours}))
     assert "30.00 W with the same parts" in text_of(block) and "of the choice" not in text_of(block)
+
+
+def test_medians_that_scenarios_cannot_tell_apart_are_called_a_tie(make_result: Callable[..., Result]) -> None:
+    # 61 W in the scenarios of the choice: 60 W of other parts is within 2 %, 59 W is not
+    ours = make_result().best.hardware.ids
+    other = ["acme-cam-9", *ours[1:]]
+    for median_w, tie in ((60.0, True), (59.0, False)):
+        curve = [{"confidence": 0.95, "objective_p50": median_w, "hardware": other},
+                 {"confidence": 0.99, "objective_p50": 70.0, "hardware": ours}]  # fmt: skip
+        (block,) = certainty_block(make_result(confidence=COUNTED | {"central_hardware": ours, "curve": curve}))
+        assert ("recommended has 61.00 W: medians within 2 % are a tie" in text_of(block)) == tie
+    less = [{**curve[0], "confidence": 0.8, "objective_p50": 61.0}, curve[1]]  # holds less often than is asked
+    (block,) = certainty_block(make_result(confidence=COUNTED | {"central_hardware": ours, "curve": less}))
+    assert "a tie" not in text_of(block)

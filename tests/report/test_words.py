@@ -122,6 +122,11 @@ def test_lights_are_placed_in_words() -> None:
     assert words.mounts_text(mounts) == "at +0.8 m, -0.8 m across track, aimed straight down"
 
 
+def test_lamps_that_share_a_place_are_counted_there() -> None:
+    mounts = [LampPlace(0.0, y_m, 0.0, 0.0, 0.0) for y_m in (1.2, -1.2, 1.2, -1.2)]
+    assert words.mounts_text(mounts) == "2 at +1.2 m, 2 at -1.2 m across track, aimed straight down"
+
+
 @pytest.mark.parametrize(("tilt_deg", "said"), [(12.5, "tilted 12.5 deg outward"), (-45.0, "tilted 45 deg inward")])
 def test_a_tilt_says_its_way(tilt_deg: float, said: str) -> None:
     mounts = [LampPlace(0.0, y_m, 0.0, 0.0, tilt_deg) for y_m in (0.2, -0.2)]

@@ -45,3 +45,18 @@ def test_listed_imagers_change_no_makers_best_system(sought: Sought, monkeypatch
     assert [replace(one, values={}) for one in listed] == [replace(one, values={}) for one in anew]
     for ours, theirs in zip(listed, anew, strict=True):
         assert ours.values == pytest.approx(theirs.values, rel=1e-6)
+
+
+def test_makers_are_held_against_the_best_by_the_same_numbers(sought: Sought) -> None:
+    # what was chosen over scenarios has 10 W where it is set; by central numbers it is as the makers' systems are
+    goal = goal_of(sought.problem.mission)
+    best = design_of(sought, sought.outcome.best[0], goal, with_rounding=False)
+    plain = beside_best(sought.selection, sought.search, goal, best)
+    chosen = replace(best, objective_value=10.0)
+    listed = beside_best(sought.selection, sought.search, goal, chosen, central=best.objective_value)
+    told = [one.text for one in listed if one.outcome == "worse" and "more" in one.text]
+    assert told == [
+        f"{one.text} than the best by central numbers"
+        for one in plain if one.outcome == "worse" and "more" in one.text
+    ]  # fmt: skip
+    assert told

@@ -75,3 +75,10 @@ def test_what_time_does_not_reach_is_told_and_what_it_reached_is_kept(monkeypatc
     deadline = Deadline()
     assert [item["runner_up"] for item in equals(sought, goal, deadline)] == [0]
     assert deadline.left_out == [module.UNREACHED]
+
+
+def test_what_was_chosen_over_scenarios_is_tied_with_what_these_cannot_tell_apart() -> None:
+    sought, goal = of_three((950.0, 1100.0, 1200.0), (950.0, 1200.0, 1300.0))
+    second = sought.outcome.best[1]
+    assert [item["runner_up"] for item in equals(sought, goal, tied=lambda found: found is second)] == [0]
+    assert equals(sought, goal, tied=lambda found: False) == []

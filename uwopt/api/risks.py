@@ -302,6 +302,14 @@ def maybe_withdrawn(result: Result, design: Design) -> Weighed:
         yield 18.0, Risk("parts that may be sold no longer", because, counted(len(unsure), "part"))
 
 
+def idle_lamps(result: Result, design: Design) -> Weighed:
+    """Lamps that are bought and never lit."""
+    lamps = design.hardware.light_count
+    if lamps and all(scene.settings.get("dim_frac") == 0.0 for scene in design.scenes):
+        because = "daylight alone does what is asked; vehicle.light_count: 0 leaves them out"
+        yield 34.0, Risk("lamps are bought that stay off", because, counted(lamps, "lamp"))
+
+
 def better_elsewhere(result: Result, design: Design) -> Weighed:
     """What may be the better system after all."""
     doubt = result.robustness or {}
@@ -332,7 +340,7 @@ def noted(result: Result, design: Design) -> Weighed:
 
 RULES: Sequence[Callable[[Result, Design], Weighed]] = (
     missed, uncertain, at_bad_ends, nothing_in_hand, shallow, in_other_water, lamps_off, uneven, seen_in_the_image,
-    smeared_subjects, weak_colours, wide_open, high_gain, held_back, price, to_be_made, maybe_withdrawn,
+    smeared_subjects, weak_colours, wide_open, high_gain, held_back, price, to_be_made, maybe_withdrawn, idle_lamps,
     better_elsewhere, noted,
 )  # fmt: skip
 

@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from uwopt.api.accuracy import (
@@ -69,6 +70,7 @@ if TYPE_CHECKING:
     from uwopt.solvers.confidence.search import Certain
 
 EXPLAIN_S = 9.0  # of the processor, for a mission that nothing meets and what would help, where no time is given
+EQUAL = "which systems are equal within the estimates"
 EXPLAIN_SHARE = 0.4  # of the time that the search took, where that is more
 LEAST_EXPLAIN_S = 5.0  # for what would help, however long the search took: in less hardly any is found
 DOUBTS_S = 6.0  # of the processor, for how firm a proven answer is, likewise
@@ -183,7 +185,9 @@ def solve(
 
         try:
             with timed(timing, "alternatives", progress):
-                told = beside_best(sought.selection, sought.search, goal, result.recommendation, deadline)
+                counted = result.confidence
+                least = None if counted is None else counted.central_objective
+                told = beside_best(sought.selection, sought.search, goal, result.recommendation, deadline, least)
             result = replace(result, alternatives=told)
         except KeyboardInterrupt:  # what is proven is not lost
             result = replace(result, warnings=[*result.warnings, *cut_warnings()])
@@ -350,7 +354,7 @@ def doubted(
             with timed(timing, "eased", progress):
                 counted = eased(sought.problem, goal, counted, choice, deadline)
         with timed(timing, "robustness", progress):
-            doubt = doubts(sought, goal, winner, patience)
+            doubt = doubts(sought, goal, winner, patience, choice)
         if goal.quality:
             with timed(timing, "knee", progress):
                 bought = deadline.within(STAGES["knee"], lambda: knee(sought, goal, deadline), None)
@@ -376,8 +380,11 @@ def proven_line(winner: Design, goal: Objective, currency: str) -> str:
     return f"proven best: {' + '.join(part.id for part in winner.hardware.named.values())}, {goal.name} {value}"
 
 
-def doubts(sought: Sought, goal: Objective, winner: Design, deadline: Deadline) -> dict[str, Any] | None:
+def doubts(
+    sought: Sought, goal: Objective, winner: Design, deadline: Deadline, choice: Certain | None = None
+) -> dict[str, Any] | None:
     """What the estimates, the choice of water table and the lamps' places could change."""
+    from uwopt.solvers.confidence.search import tied_with_best
     from uwopt.solvers.explain.equals import equals
     from uwopt.solvers.explain.lamp_places import polished_mount, tilt_tolerance
     from uwopt.solvers.explain.robustness import robustness
@@ -387,9 +394,10 @@ def doubts(sought: Sought, goal: Objective, winner: Design, deadline: Deadline) 
     if found is None:
         return None
     within, none = deadline.within, list[dict[str, Any]]()
+    tied = None if choice is None else partial(tied_with_best, sought.problem, choice)
     return {
         **found,
-        "equal": within("which systems are equal within the estimates", lambda: equals(sought, goal, deadline), none),
+        "equal": within(EQUAL, lambda: equals(sought, goal, deadline, tied), none),
         "waters": within("other waters", lambda: in_other_waters(sought, goal, deadline), none),
         "tilt": within("how far lamps may lean", lambda: tilt_tolerance(sought, winner, goal, deadline), None),
         "outside_certificate": within(

@@ -24,9 +24,11 @@ from uwopt.units import ratio_to_db
 
 WORTH_TELLING_DB = 0.2
 WORTH_MISSING = 0.01  # of a limit
-OF_LIGHT = frozenset({
-    "min_snr_db", "min_snr_red_db", "min_contrast", "min_uniformity", "saturation_fraction", "lamp_clear_m",
-})  # fmt: skip
+OF_LIGHT = {  # requirements, in words
+    "min_snr_db": "signal to noise", "min_snr_red_db": "signal to noise of red", "min_contrast": "contrast",
+    "min_uniformity": "evenness of the light", "saturation_fraction": "room for highlights",
+    "lamp_clear_m": "room between lamps and view",
+}  # fmt: skip
 
 
 def seen_from(hardware: Hardware, aside_m: float) -> Hardware:
@@ -62,7 +64,9 @@ def pair_notes(model: DesignModel, settings: Sequence[SettingRows]) -> list[Note
             f"{scene.name}: light is reckoned as if one camera stood midway between the two, {midway:.1f} dB; as they "
             f"stand the lamps give {both[0]:.1f} and {both[1]:.1f} dB"
         )
-        text += f"; either of them then misses {', '.join(lost)}: keep a reserve, or move the lamps" if lost else ""
+        if lost:
+            missing = ", ".join(OF_LIGHT[name] for name in lost)
+            text += f"; either of them then misses {missing}: keep a reserve, or move the lamps"
         notes.append(Note("pair_light", "vehicle.camera_baseline_m", text))
     return notes
 

@@ -6,9 +6,10 @@ from typing import Any
 
 from uwopt.catalog.catalogue import plain_name
 from uwopt.report.order.book import MONEY, PERCENT, WHOLE, Page, book_bytes, new_book
-from uwopt.report.order.not_counted import NotCounted, not_counted
 from uwopt.report.order.other_parts import OtherSystem, instead_of, other_systems, why_this
 from uwopt.report.text import formats, words
+from uwopt.report.text.not_counted import NotCounted, not_counted
+from uwopt.report.text.tables import CENTRAL_LEGEND
 from uwopt.results.design import BillRow, Design
 from uwopt.results.result import Result
 
@@ -161,7 +162,11 @@ def second_page(book: Any, result: Result, others: list[OtherSystem]) -> None:
     page.line("Systems that could be bought in place of the recommended one", bold=True)
     page.text(1, "close enough: at most this much worse")
     page.check(page.entry(2, 0.1, PERCENT), "decimal", 0, 10, "a share of 0 or above")
-    page.row += 2
+    page.row += 1
+    if words.by_central_numbers(result):
+        page.text(1, CENTRAL_LEGEND)
+        page.row += 1
+    page.row += 1
     kinds = [*(result.best.hardware.parts if result.best is not None else ())]
     head = page.heads(
         (f"system, by {result.objective.name}", "value", "unit", "worse by", "close enough", "has instead", "price",

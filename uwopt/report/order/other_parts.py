@@ -57,8 +57,9 @@ def of_design(result: Result, best: Design, one: Design, place: str) -> OtherSys
 
 
 def worse_frac(result: Result, value: float | None) -> float | None:
-    """How much worse a value of the objective is than the best one, as a share of it; of decibels that of the ratio."""
-    best = result.best.objective_value if result.best is not None else None
+    """How much worse a value of the objective is than the best one by the same numbers, as a share of it; of decibels
+    that of the ratio."""
+    best = words.central_best(result)
     if value is None or best is None:
         return None
     loss = value - best if result.objective.direction == "minimise" else best - value

@@ -16,9 +16,9 @@ from uwopt.errors import ResultError
 from uwopt.evaluation.recompute import replay
 from uwopt.objectives.goal import goal_of
 from uwopt.objectives.objective import Objective
-from uwopt.report.order.not_counted import depth_m
 from uwopt.report.order.other_parts import AS_GOOD, other_systems
-from uwopt.report.order.stated import cells_of
+from uwopt.report.text.not_counted import depth_m
+from uwopt.report.text.stated import cells_of
 from uwopt.results.design import BillRow, Design
 from uwopt.results.result import Result
 from uwopt.solvers.explain.one_hardware import KINDS as VARIED

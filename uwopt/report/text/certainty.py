@@ -11,6 +11,7 @@ from uwopt.report.text.layout import Block, Line, block, columns, fact_lines, se
 from uwopt.report.text.layout import Text as Cell
 from uwopt.results.certainty import CertaintyProof, Confidence, Decides, WorthKnowing
 from uwopt.results.result import Result
+from uwopt.tolerances import TIED_MEDIANS_REL
 
 LOST_TO = {
     "light": "no exposure, gain and light level give enough signal without saturating",
@@ -58,6 +59,8 @@ def certainty_block(result: Result) -> Iterator[Block]:
     lines: list[Line] = [fact_lines(list(facts(result, known)))]
     if len({tuple(point.hardware) for point in known.curve}) > 1:
         lines.append(curve_table(result, known))
+        if ties := tied_text(result, known):
+            lines.append(sentence(ties, "dim"))
     yield block("How certain", lines)
 
 
@@ -163,6 +166,25 @@ def curve_table(result: Result, known: Confidence) -> Line:
         median, parts = words.objective_text(result, point.objective_p50), with_parts(result, point.hardware)
         table.add_row(*map(Cell, (percent(point.confidence), median, parts)))
     return table
+
+
+def tied_text(result: Result, known: Confidence) -> str:
+    """That another system of the curve is as good as what is recommended, for want of scenarios to tell; else empty."""
+    design, ours = result.best, known.p50_in_choice
+    if design is None or ours is None or known.asked == "ends":
+        return ""
+    theirs = [
+        point.objective_p50
+        for point in known.curve
+        if point.confidence >= float(known.asked) and set(point.hardware) - set(design.hardware.ids)
+    ]
+    if not any(abs(value - ours) <= TIED_MEDIANS_REL * abs(ours) for value in theirs):
+        return ""
+    return (
+        f"In these {formats.count_text(known.scenarios_in_choice)} scenarios what is recommended has "
+        f"{words.objective_text(result, ours)}: medians within {percent(TIED_MEDIANS_REL)} are a tie, which further "
+        "scenarios and then the price decided."
+    )
 
 
 def ask_first(result: Result) -> Iterator[str]:

@@ -16,6 +16,7 @@ from uwopt.report.text.helps import contradiction_lines, not_known_lines
 from uwopt.report.text.in_hand import fails_first
 from uwopt.report.text.knee import goal_text
 from uwopt.report.text.layout import Block, Joined, Line, Text, block, columns, fact_lines, sentence
+from uwopt.report.text.not_counted import not_counted
 from uwopt.report.text.nothing_fits import (
     excluding_most,
     fit_sentence,
@@ -41,6 +42,7 @@ MOST_RISKS = 3
 MOST_QUESTIONS = 4
 TOLD_FIRST = (SNR_INSTEAD, COLOUR_LEFT_OPEN)  # notes on what was chosen where the mission leaves it open
 NUMBERS = ("", "The greatest risk", "The two greatest risks", "The three greatest risks")
+SHARED_FOCUS = "nearer than what is sharp, on purpose: middle and corners of a curved image share it"
 FIGURES = ("gsd_mm", "swath_m", "snr_db", "dof_m", "frame_rate_hz")
 DEAR = 0.1  # a part's share of the doubt in the price from which a quote is worth asking for
 BARE = (
@@ -196,8 +198,17 @@ def buy_block(design: Design, title: str) -> Block:
 def bought_name(row: BillRow) -> str:
     """Maker and model; of a class of parts its name and that it is to be made."""
     if row.generic:
-        return f"{formats.one_line(row.model or row.id, 50)} (to be made)"
+        return f"{formats.one_line(row.model or row.id, 90)} (to be made)"
     return formats.one_line(f"{row.manufacturer} {row.model}".strip() or row.id, 60)
+
+
+def focused_before_the_sharp(design: Design) -> bool:
+    """Whether the lens is focused nearer than the nearest that is sharp all over the image, as behind a dome."""
+    return any(
+        (focus := scene.settings.get("focus_distance_m")) is not None
+        and focus < (scene.figures.get("dof_near_m") or 0.0)
+        for scene in design.as_set.scenes
+    )
 
 
 def set_block(result: Result, design: Design) -> Block:
@@ -207,6 +218,8 @@ def set_block(result: Result, design: Design) -> Block:
         ("camera", words.camera_stand(hardware)),
         ("lights", words.mounts_text(hardware.light_mounts)),
     ]
+    if focused_before_the_sharp(design):
+        stands.insert(0, ("focus", SHARED_FOCUS))
     lines: list[Line] = [settings_table(scenes_to_set(design), exact=False), fact_lines(stands)]
     if not design.is_settable:
         lines += rounding_lines(result, design)
@@ -234,9 +247,13 @@ def cost_block(result: Result, design: Design) -> Block:
     if isinstance(limit, (int, float)) and cost.high > limit:
         end = "Its high end" if cost.value <= limit else "It"
         facts.append(("", f"{end} is above your limit of {formats.money(float(limit), cost.currency)}."))
+    if not_in_it := [item.what for item in not_counted(result, design) if item.bought]:
+        facts.append(("not in it", ", ".join(not_in_it)))
     facts.append(("power", power_text(design)))
     if totals.mass_kg:
-        facts.append(("mass", formats.quantity(totals.mass_kg, "kg")))
+        facts.append(("mass", formats.quantity(totals.mass_kg, "kg") + words.housing_clause(totals)))
+    if used_up := words.used_up_clause(totals).removeprefix(", "):
+        facts.append(("used up", used_up))
     return block("What it costs", [fact_lines(facts)])
 
 

@@ -366,8 +366,10 @@ def runner_up_blocks(result: Result) -> Iterator[Block]:
     if best is None:
         return
     if result.runners_up:
-        table = runner_up_table(result, best, result.runners_up)
-        yield block("Runners-up, by what differs from the recommendation", [table])
+        lines: list[Line] = [runner_up_table(result, best, result.runners_up)]
+        if words.by_central_numbers(result):
+            lines.append(sentence(CENTRAL_LEGEND, "dim"))
+        yield block("Runners-up, by what differs from the recommendation", lines)
     if result.generic_alternative is not None:
         table = runner_up_table(result, best, [result.generic_alternative])
         note = sentence(
@@ -375,6 +377,12 @@ def runner_up_blocks(result: Result) -> Iterator[Block]:
             "dim",
         )
         yield block("With parts to be made", [table, note])
+
+
+CENTRAL_LEGEND = (
+    "By central numbers, as differences from the best by these; what is recommended was chosen by what holds in the "
+    "scenarios, with its iris where they want it."
+)
 
 
 def runner_up_table(result: Result, best: Design, designs: Sequence[Design]) -> Grid:
@@ -392,20 +400,21 @@ def runner_up_table(result: Result, best: Design, designs: Sequence[Design]) -> 
             Text(str(number)),
             Text(words.differing_parts(design, best)),
             Text(words.value_text(result, design, design.objective_value)),
-            Text(difference_text(result, design, best)),
+            Text(difference_text(result, design)),
             *(Text(figures[name]) for name in shown),
         )
     return table
 
 
-def difference_text(result: Result, design: Design, best: Design) -> str:
-    """How much the objective differs from the best design's."""
-    if design.objective_value is None or best.objective_value is None:
+def difference_text(result: Result, design: Design) -> str:
+    """How much the objective differs from that of the best design by the same numbers."""
+    best = words.central_best(result)
+    if design.objective_value is None or best is None:
         return formats.quantity(None)
-    difference = design.objective_value - best.objective_value
-    text = formats.change(difference, result.objective.unit, best.objective_value)
-    if best.objective_value and abs(difference) > 1e-9 * abs(best.objective_value):
-        text += f" ({formats.signed_share(difference / abs(best.objective_value))})"
+    difference = design.objective_value - best
+    text = formats.change(difference, result.objective.unit, best)
+    if best and abs(difference) > 1e-9 * abs(best):
+        text += f" ({formats.signed_share(difference / abs(best))})"
     return text
 
 

@@ -68,6 +68,22 @@ def differing_parts(design: Design, best: Design) -> str:
     return ", ".join(words) or SAME_HARDWARE
 
 
+def central_best(result: Result) -> float | None:
+    """The best objective by central numbers, which those of all other systems are by.
+
+    What was chosen over scenarios has its iris where those want it, and may be worse by central numbers than another.
+    """
+    known = result.confidence
+    if known is not None and known.central_objective is not None:
+        return known.central_objective
+    return None if result.best is None else result.best.objective_value
+
+
+def by_central_numbers(result: Result) -> bool:
+    """Whether other systems are held against another number than that of what is recommended."""
+    return result.best is not None and central_best(result) != result.best.objective_value
+
+
 def equal_sentence(result: Result, most: int = 2) -> str:
     """Which systems the estimates cannot tell from the recommendation, the cheapest `most`; empty: there is none."""
     places = [item.get("runner_up") for item in (result.robustness or {}).get("equal") or []]
@@ -118,7 +134,7 @@ def mounts_text(mounts: Sequence[LampPlace]) -> str:
             for m in mounts
         )
     number = Counter(f"{m.y_m:+g} m" for m in mounts)
-    uneven = len(set(number.values())) > 1
+    uneven = max(number.values()) > 1  # several lamps at a place
     places = ", ".join(f"{n} at {place}" if uneven else place for place, n in number.items())
     tilt = mounts[0].tilt_y_deg
     if step_m is not None:
@@ -184,7 +200,14 @@ def quoted_share(cost: Cost) -> str:
 def burning_text(design: Design) -> str:
     """`lamps 638 W while they burn`; empty where that is no more than the whole system draws on average."""
     peak = design.totals.light_peak_power_w
-    return f"lamps {quantity(peak, 'W')} while they burn" if peak and peak > (design.power_as_set_w or 0.0) else ""
+    if not peak or peak <= (design.power_as_set_w or 0.0):
+        return ""
+    return f"lamps {quantity(peak, 'W')} while they {'recharge' if flashes(design) else 'burn'}"
+
+
+def flashes(design: Design) -> bool:
+    """Whether the lamps are flashes, that draw while they recharge."""
+    return any(scene.settings.get("flash_energy_j") is not None for scene in design.scenes)
 
 
 def power_sentence(totals: Totals) -> str:

@@ -34,7 +34,7 @@ from uwopt.solvers.explain.one_hardware import KINDS, problem_of
 from uwopt.solvers.explain.robustness import among
 from uwopt.solvers.recommend import Sought
 from uwopt.solvers.settings.best import scenes_need_cells
-from uwopt.tolerances import TIE
+from uwopt.tolerances import TIE, TIED_MEDIANS_REL
 
 WORSE = (0.75, 0.9)  # than this share of the scenarios: what searches for hardware with room start from
 LESS_WORSE = (0.5, 0.3)  # where nothing fits so
@@ -44,7 +44,6 @@ ENOUGH = 3  # hardware that holds: no further search is made
 POLISH_S = 2.0  # that a round of it may last where there is a limit
 PROVEN_REST, UNPROVEN_REST = 0.6, 0.2  # of the time that is left, for what comes after it: a proof, or none
 PROOF_SHARE = 0.6  # of the time that is left: the rest is for what is told of the choice, or to count what is known
-TIED_REL = 0.02  # of the median, about what luck makes of it in 256 scenarios
 TIED_BEST, TIED_CHEAPEST = 2, 2  # hardware of what is as good as tied that is compared anew
 TIES, TIES_SEED = 1024, 2_000_003  # scenarios in which what is as good as tied is compared
 STILL_TIED_REL = 0.01  # of the median, what luck makes of it in these: less is not worth a dearer system
@@ -192,7 +191,7 @@ def without_luck(
     share, most = seen.share, ranked[0].quantile(0.5)
     close = [
         one for one in ranked
-        if one.held >= share and one.quantile(0.5) <= most + TIED_REL * abs(most) and one.settings is None
+        if one.held >= share and one.quantile(0.5) <= most + TIED_MEDIANS_REL * abs(most) and one.settings is None
     ]  # fmt: skip
     cheap = sorted(close[TIED_BEST:], key=lambda one: one.outcomes.price)[:TIED_CHEAPEST]
     tied = [*close[:TIED_BEST], *cheap]
@@ -314,6 +313,18 @@ def candidates(
             if waiting:
                 yield waiting
                 waiting = []
+
+
+def tied_with_best(problem: Problem, choice: Certain, other: Found) -> bool:
+    """Whether other hardware was counted, holds as often as is asked, and is no worse than luck makes of the best."""
+    ours, name = choice.best.quantile(0.5), names(problem, other)
+    if name == names(problem, choice.best.found):
+        return False
+    return any(
+        one.held >= choice.asked and one.quantile(0.5) <= ours + TIED_MEDIANS_REL * abs(ours)
+        for one in choice.tried
+        if names(problem, one.found) == name
+    )
 
 
 def judged_anew(

@@ -35,21 +35,28 @@ LONGEST_S = 5.0  # for all of them: what is not reached by then is left out
 
 
 def beside_best(
-    selection: Selection, search: Search, goal: Objective, best: Design, deadline: Deadline = NEVER
+    selection: Selection, search: Search, goal: Objective, best: Design, deadline: Deadline = NEVER,
+    central: float | None = None,
 ) -> list[OtherMaker]:
-    """Other makers' best systems beside a recommendation."""
+    """Other makers' best systems beside a recommendation.
+
+    central : the best objective by central numbers, where what is recommended was chosen over scenarios instead
+    """
 
     def judged(item: OtherMaker, design: Design) -> OtherMaker:
         value = design.objective_value
-        least = best.objective_value or 0.0
+        least = (best.objective_value if central is None else central) or 0.0
+        apart = central is not None and central != best.objective_value
         values = {} if value is None else {goal.name: value}
         if value is None:
             text = ""
         elif abs(value - least) <= TIE * abs(least):
             text = "as good; ties are broken by power, cost, mass and number of lamps"
+            text = "as good by central numbers, not over the scenarios" if apart else text
         else:
             share = 100.0 * (value / least - 1.0) if least else 0.0
             text = f"its best system has {abs(share):.3g} % {'more' if share > 0 else 'less'} {spoken(goal.name)}"
+            text += " than the best by central numbers" if apart else ""
         return replace(item, values=values, outcome="worse", text=text)
 
     shown = {kind: {best.hardware.parts[kind].id} for kind in KINDS}

@@ -3,11 +3,15 @@
 A runner-up is one of them where each lies within the other's range: the runner-up is no worse than the recommendation
 may turn out by what is estimated of the parts that differ, and may itself turn out no worse than the recommendation.
 What both are made of moves both alike, and stays as it is.
+
+Where the recommendation was chosen over scenarios, these tell instead: of the runners-up those are equal that were
+counted, hold as often as is asked, and whose median is as good but for luck.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError
@@ -24,9 +28,21 @@ LONGEST_S = 1.5  # for all of them: those that are not reached by then are left 
 UNREACHED = "whether some of the runners-up are equal within the estimates"
 
 
-def equals(sought: Sought, objective: Objective, deadline: Deadline = NEVER) -> list[dict[str, Any]]:
-    """Runners-up that cannot be told from the first, by their place in the result, with their ranges."""
+def equals(
+    sought: Sought, objective: Objective, deadline: Deadline = NEVER,
+    tied: Callable[[Found], bool] | None = None,
+) -> list[dict[str, Any]]:
+    """Runners-up that cannot be told from the first, by their place in the result, with their ranges.
+
+    tied : tells of hardware whether the scenarios cannot, where the first was chosen over these
+    """
     winner, *others = sought.outcome.best
+    if tied is not None:
+        return [
+            {"runner_up": place, **dict.fromkeys(("value", "best", "recommendation_at_worst"))}
+            for place, other in enumerate(others)
+            if tied(other)
+        ]
     patience, found = deadline.at_most(LONGEST_S), list[dict[str, Any]]()
     try:
         for place, other in enumerate(others):

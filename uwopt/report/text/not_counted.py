@@ -5,18 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from uwopt.report.order.stated import supply_volts
+from uwopt.catalog.interfaces import IN_HOUSING
 from uwopt.report.text import formats, words
+from uwopt.report.text.stated import supply_volts
 from uwopt.results.design import BillRow, Design
 from uwopt.results.result import Result
 
 
 @dataclass(frozen=True)
 class NotCounted:
-    """Something to be bought whose price is not in the sum."""
+    """Something to be bought whose price is not in the sum, or to be asked for it."""
 
     what: str
     known: str
+    bought: bool = True
 
 
 def not_counted(result: Result, best: Design) -> list[NotCounted]:
@@ -47,19 +49,24 @@ def _not_counted(result: Result, best: Design) -> Iterator[NotCounted]:
         )
     if "rest-battery" not in ids:
         energy = "" if totals.energy_wh is None else f"; {formats.quantity(totals.energy_wh, 'wh')} over the mission"
-        mean, peak = formats.quantity(totals.power_w, "w"), formats.quantity(totals.light_peak_power_w, "w")
-        drawn = f"{mean} on average, lamps {peak} while they burn{energy}"
+        burning = words.burning_text(best)
+        drawn = f"{formats.quantity(totals.power_w, 'w')} on average{burning and ', '}{burning}{energy}"
         yield NotCounted("batteries", f"{drawn}; none where the vehicle feeds the system")
-    if inside := [row.model for row in best.bom if row.id in UNHOUSED]:
-        yield NotCounted("a place for computer and electronics", place_needed(inside, depth))
+    in_camera = hardware.housing is not None and any(row.note.startswith(IN_HOUSING) for row in best.bom)
+    apart = [name for name in UNHOUSED if name != "host-computer" or not in_camera]
+    if inside := [row.model for row in best.bom if row.id in apart]:
+        what = "a place for computer and electronics" if "host-computer" in ids and not in_camera else ELECTRONICS
+        yield NotCounted(what, place_needed(inside, depth))
     if fed := supply_voltages(best.bom):
-        yield NotCounted("supply voltages", fed)
-    yield NotCounted("spares", "O-rings and fuses are a line above" if "rest-spares" in ids else "none is counted")
+        yield NotCounted("supply voltages", fed, bought=False)
+    counted = "O-rings and fuses are a line above; spare cameras and lamps are not"
+    yield NotCounted("spares", counted if "rest-spares" in ids else "none is counted")
     yield NotCounted("shipping and insurance", "not known")
 
 
 #: Lines of a bill that have neither size nor mass there, and are no cable.
 UNHOUSED = ("host-computer", "rest-lamp-control", "rest-synchronisation", "rest-link")
+ELECTRONICS = "a place for electronics"
 FED = ("camera", "complete", "light")  # kinds of parts that take power; so does the computer
 
 

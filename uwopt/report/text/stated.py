@@ -17,7 +17,18 @@ def cells_of(part_id: str) -> dict[str, str]:
 
 def supply_volts(part_id: str) -> str:
     """The voltage that a part is fed with in words, `12 to 24 V`; empty where the catalogue does not state it."""
-    low, high = (cells_of(part_id).get(name, "") for name in ("supply_v_min", "supply_v_max"))
+    from uwopt.catalog.interfaces import fed_v
+
+    cells = cells_of(part_id)
+    low, high = (cells.get(name, "") for name in ("supply_v_min", "supply_v_max"))
+    interface = cells.get("interface", "")
+    if not (low or high) and (over := between(*fed_v(interface))):
+        return f"{over} over its {interface} cable"
+    return between(low, high)
+
+
+def between(low: str, high: str) -> str:
+    """`12 to 24 V`, or what is known of it."""
     if low and high:
         return f"{low} V" if low == high else f"{low} to {high} V"
     return f"at least {low} V" if low else f"at most {high} V" if high else ""
