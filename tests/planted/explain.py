@@ -374,4 +374,49 @@ DEFECTS = (
         new="if key in self.moved and value is None",
         test="tests/solvers/test_least_change.py::test_limits_speed_and_height_told_together_are_enough",
     ),
+    Defect(
+        name="the narrowest fields wait for all that need less power",
+        file="uwopt/solvers/exact/open_nodes.py",
+        old="            order = by_turns(order, ",
+        new="            by_turns(order, ",
+        test="tests/solvers/test_open_nodes.py::test_what_fits_in_murky_water_is_among_the_first_that_are_tried",
+    ),
+    Defect(
+        name="turns take one order to its end",
+        file="uwopt/solvers/exact/open_nodes.py",
+        old="np.minimum.at(place, order, np.arange(len(order)))",
+        new="place[order] = np.arange(len(order))",
+        test="tests/solvers/test_open_nodes.py::test_turns_take_the_first_of_each_order_before_the_second_of_any",
+    ),
+    Defect(
+        name="a few imagers are looked at first whose answer proves nothing",
+        file="uwopt/solvers/explain/relaxed.py",
+        old="return known is not None and max(",
+        new="return known is None and max(",
+        test="tests/solvers/test_soon_known.py"
+        "::test_clearer_water_is_found_by_few_searches_where_imagers_are_few",
+    ),
+    Defect(
+        name="the same few imagers are looked at twice",
+        file="uwopt/solvers/explain/singles.py",
+        old="self.in_vain.get(name, 0) >= number",
+        new="self.in_vain.get(name, 0) > number",
+        test="tests/solvers/test_soon_known.py"
+        "::test_a_few_imagers_that_were_all_looked_at_in_vain_are_not_looked_at_again",
+    ),
+    Defect(
+        name="imagers are listed on when time is over",
+        file="uwopt/solvers/warm/tables.py",
+        old="                deadline.check()\n",
+        new="",
+        test="tests/solvers/test_soon_known.py"
+        "::test_a_search_ends_where_its_time_does_not_suffice_to_list_its_imagers",
+    ),
+    Defect(
+        name="a type of water that takes too long is asked again and again",
+        file=MOVES,
+        old="        except OutOfTimeError:\n            self.too_long = middle\n            return\n",
+        new="        except OutOfTimeError:\n            return\n",
+        test=f"{TESTS}::test_a_type_of_water_that_takes_too_long_is_asked_once_and_clearer_ones_instead",
+    ),
 )

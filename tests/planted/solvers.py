@@ -982,8 +982,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="without its SNR a mission looks for the least power first",
         file="uwopt/solvers/explain/singles.py",
-        old="CHEAPEST}.get(name, ANY)",
-        new="CHEAPEST}.get(name[:0], ANY)",
+        old="FINEST}.get(name, ANY)",
+        new="FINEST}.get(name[:0], ANY)",
         test="tests/solvers/test_least_change.py::test_without_its_snr_a_mission_looks_for_the_brightest_first",
     ),
     Defect(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -11,14 +12,14 @@ from hypothesis import strategies as st
 from test_least_change import FILES, mission
 
 from uwopt.catalog.catalogue import Catalog
-from uwopt.deadline import NEVER
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Moved
 from uwopt.solvers.explain.contradiction import Contradiction, contradiction
-from uwopt.solvers.explain.least_change import CLOSER
-from uwopt.solvers.explain.moves import Mover
+from uwopt.solvers.explain.least_change import CLOSER, in_rounds
+from uwopt.solvers.explain.moves import Mover, NearestType
 from uwopt.solvers.explain.relaxed import Relaxer
 from uwopt.solvers.recommend import seek
 
@@ -69,6 +70,21 @@ def test_the_nearest_clearer_water_is_told(parts):
     place = order.index(told.needed)
     tried = [wanted.with_changes(scenes=[scene | {"water": water}]) for water in order[place : place + 2]]
     assert [fits(one, catalog) for one in tried] == [True, False]
+
+
+def test_a_type_of_water_that_takes_too_long_is_asked_once_and_clearer_ones_instead():
+    asked: list[str] = []
+
+    def search(water: str, turn: Deadline) -> Any:
+        asked.append(water)
+        if water == "IB":
+            return SimpleNamespace(outcome=SimpleNamespace(best=[1], complete=False))
+        raise OutOfTimeError
+
+    change = NearestType("7C", search)
+    in_rounds([change], NEVER)
+    assert asked == ["1C", "IB", "II"]  # in the middle between the clearest, which does, and 7C; then nearer to it
+    assert change.needed == "IB" and not change.is_least
 
 
 def test_what_does_not_help_is_not_told(parts):

@@ -112,6 +112,7 @@ def test_a_first_design_is_found_where_a_whole_search_finds_one(
 ) -> None:
     """With limits of power so low that nothing fits, or little else does, and whatever is tried before all."""
     monkeypatch.setattr(relaxed_searches, "FEW_IMAGERS", few)
+    monkeypatch.setattr(relaxed_searches, "QUICK", -1)  # a few come before all
     made = case(seed, **KINDS[number])
     hard = made.mission.with_changes(limits=made.mission.to_dict()["limits"] | {"power_w": 1e-3})
     search = Case(made.parts, hard, ANY).searcher(top=1)

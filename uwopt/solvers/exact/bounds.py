@@ -209,16 +209,34 @@ class Bounds:
         if limits.power_w is not None:
             corner = self._corner(k, kind, "cost", table.cost[own][order], table.power_per_light[own][order])
             lights_cost = corner.within(at, most_drawn)
+        slack = self._slack(table.limit_cost[own][order], capacity, capacity_needed, power, rows)
         bounds = NodeBounds(
             np.zeros(n), imagers.camera_power_w[rows] + power, imagers.camera_power_w[rows] + mean_power,
             imagers.cost[rows] + lights_cost,
             imagers.mass_kg[rows] + least(table.mass_kg), snr_db, np.zeros(n, int), information,
+            slack=slack,
         )  # fmt: skip
         contrast, clear = self._contrast_bound(lighting, rows)
         reachable = reachable & clear
         return self._judged(
             bounds, reachable, imagers.limit_cost[rows] + least(table.limit_cost), rows, contrast
         )
+
+    def _slack(self, limit_cost: Array, capacity: Array, needed: Array, light_power_w: Array, rows: Array) -> Array:
+        """How many times as much light as is needed affordable lamps give, or power there is, whichever is less, (n,).
+
+        limit_cost, capacity : of the lamps by their capacity
+        needed, light_power_w : at least
+        """
+        by_cost = np.argsort(limit_cost, kind="stable")
+        most = np.maximum.accumulate(capacity[by_cost])
+        left = limit(self.limits.cost) * ROUND - self.imagers.limit_cost[rows]
+        at = np.searchsorted(limit_cost[by_cost], left, side="right") - 1
+        with np.errstate(divide="ignore", invalid="ignore"):
+            by_light = np.where(needed > 0.0, np.where(at >= 0, most[np.maximum(at, 0)], 0.0) / needed, np.inf)
+            power_left_w = limit(self.limits.power_w) * ROUND - self.imagers.camera_power_w[rows]
+            by_power = np.where(light_power_w > 0.0, power_left_w / light_power_w, np.inf)
+        return np.asarray(np.fmin(by_light, by_power))
 
     def _used(
         self, k: int, own: Array, kind: int, need: Needs, light_time: Array, wanted: Array

@@ -123,6 +123,7 @@ class NodeBounds:
     rule: Array
     information: Array | float = np.inf  # bit/m2, worst scene
     contrast: Array | float = 1.0
+    slack: Array | float = np.inf  # how many times as much light and power as is needed there is at most
 
     @staticmethod
     def none(n: int) -> NodeBounds:
@@ -136,7 +137,10 @@ class NodeBounds:
         inf = np.full(n, np.inf)
         lowest = np.full(n, -np.inf)
         power, mean_power, cost, mass = (inf.copy() for _ in range(4))
-        return NodeBounds(inf, power, mean_power, cost, mass, lowest, np.zeros(n, int), lowest.copy(), np.zeros(n))
+        none = np.zeros(n)
+        return NodeBounds(
+            inf, power, mean_power, cost, mass, lowest, np.zeros(n, int), lowest.copy(), none.copy(), none
+        )  # fmt: skip
 
     def with_rows(self, index: Array, other: NodeBounds) -> NodeBounds:
         """With the bounds of others in these rows."""
@@ -161,6 +165,7 @@ class NodeBounds:
             rule,
             np.maximum(self.information, other.information),
             np.maximum(self.contrast, other.contrast),
+            np.maximum(self.slack, other.slack),
         )
 
     def terms(self, rows: Array, gsd_mm: Array) -> Terms:

@@ -326,10 +326,17 @@ class Search(Evaluation):
             return None
         rough = not few and not self._sifts and self.bounds.can_refine()
         sizes = [len(table.light) for table in self.bounds.light_tables]
-        nodes = OpenNodes.of(bounds, rows, self.imagers.cost[rows], sizes, rough=rough)
+        nodes = OpenNodes.of(bounds, rows, self.imagers.cost[rows], sizes, rough=rough, how_wide=self._how_wide(rows))
         for name, failed in nodes.failed():
             self._discard(name, nodes, failed)
         return nodes
+
+    def _how_wide(self, rows: Array) -> Array | None:
+        """How wide these imagers look, worst scene; None unless the first that fits ends the search, whatever it is."""
+        if not self.enough or np.isfinite(self.ceiling) or self.objective.single != "power":
+            return None
+        seen = [scene.view for scene in self.imagers.scenes]
+        return np.asarray(np.max([np.hypot(view.tan_along[rows], view.tan_across[rows]) for view in seen], axis=0))
 
     def _discard(self, rule: str, nodes: OpenNodes, failed: Array) -> None:
         """Count nodes that a rule discards, and remember some."""

@@ -16,7 +16,6 @@ from uwopt.solvers.explain.least_limit import Relaxation
 from uwopt.solvers.explain.moves import SHARE, Mover
 from uwopt.solvers.explain.nearest_fit import nearest_fit
 from uwopt.solvers.explain.none_left import none_left
-from uwopt.solvers.explain.reached import judged_by
 from uwopt.solvers.explain.relaxed import ANY, MAY_PASS
 from uwopt.solvers.explain.singles import Singles
 from uwopt.solvers.explain.together import CommonFit, CommonShare, Giving, least_set
@@ -25,6 +24,7 @@ from uwopt.solvers.explain.weakened import RELAXABLE, without
 
 BOUNDED = ("light", "max_white_balance", "bound", "power_w", "energy_wh", "cost", "mass_kg")
 LEAST_SHARE = 0.9  # of the time left, for the least of each change that helps
+QUICK_SHARE = 0.2  # of the time left, likewise, where single changes are soon known
 KEPT_SHARE = 0.35  # of the time left, for changes together where none is known to help alone
 ONLY_SHARE = 0.75  # of what is left then, for these
 SOON_SHARE = 0.5  # of the time left, for a design that fits with changes together, where none is known to help alone
@@ -39,26 +39,39 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
     ]
     by_size = any(item.rule.startswith("housing") and item.count for item in certificate.discarded)
     singles, mover = Singles(trials), Mover(trials.relaxer, trials.deadline)
-    singles.try_few()
-    mover.interrupted |= trials.interrupted
-    mover.try_few()
-    trials.interrupted |= mover.interrupted
-    soon = None
+    soon, quick = None, trials.relaxer.is_soon_known()
+    if quick:
+        whole = trials.deadline
+        trials.deadline = mover.deadline = whole.but_for(QUICK_SHARE)
+        singles.drop_light()
+        if not trials.interrupted:
+            mover.try_all(singles.share(SHARE))
+            trials.interrupted |= mover.interrupted
+        if mover.far:
+            trials.deadline = whole
+        singles.drop_rest()
+        trials.deadline = mover.deadline = whole
+    else:
+        singles.try_few()
+        mover.interrupted |= trials.interrupted
+        mover.try_few()
+        trials.interrupted |= mover.interrupted
     if not singles.helpful and not mover.far and not trials.over:
         soon = together_soon(trials, singles, mover)
-    if not mover.far:
+    if not mover.far and not quick:
         singles.try_more()
     if soon is None and not singles.helpful and not mover.far and not trials.over:
         singles.give_together(GIVE_SHARE)
     whole = trials.deadline
     if not singles.helpful and not mover.far:  # it may be that no single change helps
         trials.deadline = mover.deadline = whole.but_for(KEPT_SHARE)
-    singles.drop_hopeful()
-    singles.drop_light()
-    if not trials.interrupted:
-        mover.try_all(singles.share(SHARE))
-        trials.interrupted |= mover.interrupted
-    singles.drop_rest()
+    if not quick:
+        singles.drop_hopeful()
+        singles.drop_light()
+        if not trials.interrupted:
+            mover.try_all(singles.share(SHARE))
+            trials.interrupted |= mover.interrupted
+        singles.drop_rest()
     fit = nearest_fit(trials.relaxer) if by_size and not trials.interrupted else None
     if not mover.far:
         singles.drop_others()
@@ -117,7 +130,7 @@ def least_changes(trials: Trials, singles: Singles, mover: Mover) -> tuple[list[
 
 def design_of(trials: Trials, relaxations: list[Relaxation]) -> Design | None:
     """What the smallest change lets through, judged by the mission as it stands."""
-    return judged_by(trials.mission, relaxations[0].found, trials.objective) if relaxations else None
+    return trials.judged(relaxations[0].found) if relaxations else None
 
 
 def clash_of(trials: Trials, relaxations: list[Relaxation]) -> Contradiction:
@@ -154,7 +167,7 @@ def changes_together(
     """
     nearest = design_of(trials, relaxations)
     if soon is not None and not relaxations and not moved:
-        return soon.changes, judged_by(trials.mission, soon.found, trials.objective)
+        return soon.changes, trials.judged(soon.found)
     if trials.over:
         return [], nearest
     trials.say(0.9, "smaller changes together")
@@ -164,6 +177,6 @@ def changes_together(
         return together.smaller_than(relaxations[0].miss_rel), nearest
     fit = together.of_all()
     if fit is not None and fit.changes:
-        return fit.changes, judged_by(trials.mission, fit.found, trials.objective)
+        return fit.changes, trials.judged(fit.found)
     made, design = ([], None) if moved else least_set(trials, known)
     return made, design

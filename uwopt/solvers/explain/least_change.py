@@ -29,6 +29,7 @@ HALVINGS = 30
 ROUNDS = 20  # each takes a search over all hardware
 LEAST_TURN_S = 0.3  # a search over all hardware seldom finds anything in less
 ROUND_SHARE = 0.5  # of the time left, for one step of every change
+LAST_SHARE = 0.7  # likewise, where one alone is left
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,8 @@ def in_rounds(changes: Iterable[Stepwise], phase: Deadline) -> None:
         for number, one in enumerate(sorted(left, key=lambda one: (one.gap, -one.size))):
             if phase.passed():
                 return
-            fair_s = ROUND_SHARE * phase.left_s / (len(left) - number)
+            share = ROUND_SHARE if len(left) > 1 else LAST_SHARE
+            fair_s = share * phase.left_s / (len(left) - number)
             one.step(phase.at_most(max(fair_s, LEAST_TURN_S)))
         left = [one for one in left if not one.is_done]
 

@@ -163,7 +163,7 @@ class LeastLimit:
             rated = rated_depth(self.found)
             needed = None if rated is None else rated / mission.depth_factor
         else:
-            value = reached_value(judged_by(mission, self.found, self.trials.objective), key)
+            value = reached_value(self.trials.judged(self.found), key)
             needed = None if value is None else asked_when_held(mission.reserve, key, value)
         return None if needed is None else rounded_away(needed, self.one.limit)
 

@@ -59,6 +59,7 @@ class NearestType:
     fits: int = 0  # the clearest does
     steps: int = 0
     not_known: int = field(init=False)  # the first at which nothing fits; what is asked does not
+    too_long: int | None = None  # clearer than that, where a search took longer than its turn
 
     def __post_init__(self) -> None:
         self.not_known = CLEAREST_FIRST.index(self.asked)
@@ -71,7 +72,7 @@ class NearestType:
     @property
     def is_done(self) -> bool:
         """Whether no step is left, or many gave no more."""
-        return self.is_least or self.steps > len(CLEAREST_FIRST)
+        return self.is_least or self._to_ask <= self.fits or self.steps > len(CLEAREST_FIRST)
 
     @property
     def gap(self) -> float:
@@ -91,15 +92,23 @@ class NearestType:
     def step(self, turn: Deadline) -> None:
         """Ask of the type in the middle."""
         self.steps += 1
-        middle = (self.fits + self.not_known) // 2
+        middle = self._to_ask
         try:
             found = self.search(CLEAREST_FIRST[middle], turn)
         except OutOfTimeError:
+            self.too_long = middle
             return
         if found is not None and found.outcome.best:
             self.fits = middle
         elif found is None or found.outcome.complete:
             self.not_known = middle
+        else:
+            self.too_long = middle
+
+    @property
+    def _to_ask(self) -> int:
+        """In the middle of what is open, or of what is clearer than a type that took too long."""
+        return (self.fits + (self.not_known if self.too_long is None else self.too_long)) // 2
 
 
 @dataclass(frozen=True)
@@ -194,12 +203,12 @@ class Mover:
     # ------------------------------------------------------------ which keys
 
     def tries(self) -> Iterator[Try]:
-        """Heights, water, speed, times; a key on which the scenes differ is left alone."""
+        """Water, heights, speed, times; a key on which the scenes differ is left alone."""
         altitude, speed, duration_h = (self._common(key) for key in ("altitude_m", "speed_m_s", "duration_h"))
+        yield from self._waters()  # takes least to try: the imagers stay
         if altitude:
             values = tuple(rounded_away(factor * altitude, altitude) for factor in ALTITUDES)
             yield self._try("vehicle", "altitude_m", altitude, values)
-        yield from self._waters()
         if speed:
             yield self._try("vehicle", "speed_m_s", speed, (rounded_away(FARTHEST_SPEED * speed, speed),))
         intervals = {view.asked.frame_interval_s for view in self.mission.views}

@@ -42,6 +42,7 @@ from uwopt.solvers.warm.tables import asking, imagers_of, of_block
 Array = NDArray[Any]
 FEW_PAIRS = 5000  # of camera and lens behind ports, likewise, of which most break some rule
 FEW_IMAGERS = 250  # that are tried before all: where something fits at all, it is mostly among them
+QUICK = 30_000  # imagers: of so many it is known about as soon as of a few whether one of them fits
 FEW_PLACES = 12  # behind which these are: ports of like optics, by orientation
 OTHER_WATER = "other water"  # of which no rule of an imager knows
 NO_REASONS = frozenset({"better_housing", "bound", "mount", "image_circle", "complete"})  # whatever is asked
@@ -170,12 +171,13 @@ class Relaxer:
                 mission, self.catalog, goal, generic=self.generic, top=1, deadline=deadline, like=self.problem,
                 enough=enough, ceiling=ceiling,
             )  # fmt: skip
-        if enough and few_first and (soon := fitting(self.among_few(mission, goal, freed, deadline))) is not None:
+        few_first &= enough and not self.is_soon_known(freed)
+        if few_first and (soon := fitting(self.among_few(mission, goal, freed, deadline))) is not None:
             return soon
         problem = self.asking(mission)
         search = Search(
             problem, goal, top=1, deadline=deadline, ceiling=ceiling, enough=enough,
-            imagers=self.imagers(problem, freed, one_housing=enough),
+            imagers=self.imagers_in_time(problem, freed, deadline, one_housing=enough),
         )  # fmt: skip
         return Sought(self.selection, problem, search, search.run())
 
@@ -203,7 +205,7 @@ class Relaxer:
             some = few_places(place for place, rows in freed_pairs.items() if len(rows))
             share = max(1, sum(len(freed_pairs[place]) for place in some) // most)
             few = {place: freed_pairs[place][start % share :: share] for start, place in enumerate(some)}
-            imagers = self._imagers_of(problem, few, one_housing=True)
+            imagers = self._imagers_of(problem, few, NEVER, one_housing=True)
         return found_among(self.selection, problem, goal, imagers, deadline, enough=enough, ceiling=ceiling)
 
     def cheapest(
@@ -213,7 +215,7 @@ class Relaxer:
         problem = self.asking(mission).at_limit_prices()
         imagers: Imagers | None = None
         if set(freed) <= MAY_PASS.keys() and not self.are_too_many:
-            imagers = self.imagers(problem, freed, one_housing=mission.limits.mass_kg is None)
+            imagers = self.imagers_in_time(problem, freed, deadline, one_housing=mission.limits.mass_kg is None)
         search = Search(problem, CHEAPEST, top=1, deadline=deadline, ceiling=ceiling, imagers=imagers)
         return Sought(self.selection, problem, search, search.run())
 
@@ -225,6 +227,7 @@ class Relaxer:
 
         `moved`: the one key in which it differs and asks for less, or `OTHER_WATER` where that is all that differs.
         """
+        few_first &= not self.is_soon_known()
         if self._is_known_of(moved):
             soon = fitting(self._of_known(mission, deadline, moved, few=True)) if few_first else None
             return soon or self._of_known(mission, deadline, moved)
@@ -311,28 +314,50 @@ class Relaxer:
             return 0.0
         return float(sum(map(len, self._freed_pairs(freed).values())))
 
+    def is_soon_known(self, freed: Collection[str] = ()) -> bool:
+        """Whether a search of all imagers without these requirements takes hardly longer than one of a few."""
+        known = self.known_in_best_housing
+        return known is not None and max(self.effort(freed), len(known)) <= QUICK
+
     def _freed_pairs(self, freed: Collection[str]) -> dict[tuple[int, bool], Array]:
         """Pairs behind like ports that break nothing but rules behind what is dropped."""
         assert self.broken is not None
         rules = frozenset[str]().union(*(FREES[name] for name in freed))
         return self.broken.no_more_than(rules, some=OF_IMAGERS.issuperset(freed))
 
-    def imagers(self, problem: Problem, freed: Collection[str], *, one_housing: bool) -> Imagers:
+    def imagers_in_time(
+        self, problem: Problem, freed: Collection[str], deadline: Deadline, *, one_housing: bool
+    ) -> Imagers | None:
+        """As `imagers`; None where the time ends before they are listed, and the search with it."""
+        try:
+            return self.imagers(problem, freed, deadline, one_housing=one_housing)
+        except OutOfTimeError:
+            return None
+
+    def imagers(
+        self, problem: Problem, freed: Collection[str], deadline: Deadline = NEVER, *, one_housing: bool
+    ) -> Imagers:
         """Those imagers that break nothing but rules behind what is dropped, under all rules that are left.
 
-        `one_housing`: where one limit at most tells housings apart, the best of them alone.
+        `one_housing`: where one limit at most tells housings apart, the best of them alone. Raises OutOfTimeError.
         """
         known = self.known_in_best_housing if one_housing else self.known_imagers
         if known is not None and OF_LIGHT.issuperset(freed):
             return known
-        return self._imagers_of(problem, self._freed_pairs(freed), one_housing=one_housing)
+        return self._imagers_of(problem, self._freed_pairs(freed), deadline, one_housing=one_housing)
 
-    def _imagers_of(self, problem: Problem, rows: dict[tuple[int, bool], Array], *, one_housing: bool) -> Imagers:
+    def _imagers_of(
+        self, problem: Problem, rows: dict[tuple[int, bool], Array], deadline: Deadline, *, one_housing: bool
+    ) -> Imagers:
         """Those of some pairs behind like ports that keep all rules that are left."""
         assert self.broken is not None
         pairs = self.broken.pairs
         some = {place: (pairs.camera[own], pairs.lens[own]) for place, own in rows.items()}
-        return imagers_of(problem, some, lambda block: in_best_housing(problem, block) if one_housing else block)
+
+        def kept(block: PortBlock) -> PortBlock:
+            return in_best_housing(problem, block) if one_housing else block
+
+        return imagers_of(problem, some, kept, deadline)
 
     @cached_property
     def known_imagers(self) -> Imagers | None:

@@ -13,10 +13,10 @@ from functools import partial
 from uwopt.deadline import Deadline
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.explain.least_limit import LeastLimit, Without
-from uwopt.solvers.explain.reached import judged_by, missed_by
+from uwopt.solvers.explain.reached import missed_by
 from uwopt.solvers.explain.relaxed import ANY, CHEAPEST, FEW_IMAGERS, OF_LIGHT, hope
 from uwopt.solvers.explain.together import few_that_give
-from uwopt.solvers.explain.trials import BRIGHT, Trials
+from uwopt.solvers.explain.trials import BRIGHT, FINEST, Trials
 from uwopt.solvers.explain.weakened import RELAXABLE, with_central_prices, without
 from uwopt.solvers.recommend import Sought
 
@@ -28,7 +28,8 @@ HELPED = 0.4  # of their shares is what the others get where something is known 
 LONG_TURN = 0.5  # of the time left, for the question whether all would fit at central prices
 ROUNDS = 3  # of the time that is left, as long as nothing helps
 HOPE_SHARE, HOPE_TURN = 0.5, 0.6  # of the time left, for what is likely to help, and of that for each
-IMAGER_S = 4e-6  # that a search takes at least for an imager that another requirement let through
+IMAGER_S = 1e-5  # that a search takes at least for an imager that another requirement let through
+QUICK_TURN = 0.5  # of the time left, for one of all imagers where that is soon known
 FEW = 3  # requirements that are as well dropped one by one
 
 
@@ -42,6 +43,8 @@ class Singles:
     suspects: Sequence[str] = ()  # without all of which something fits
     hopes: dict[str, float] = field(default_factory=dict)  # of those dropped among a few imagers, as `relaxed.hope`
     useless: dict[str, tuple[str, ...]] = field(default_factory=dict)  # known not to help: `relaxed.in_the_way`
+    dear: set[str] = field(default_factory=set)  # limits of cost that central prices do not keep either
+    in_vain: dict[str, int] = field(default_factory=dict)  # among how many imagers, all of them looked at
     together: tuple[list[str], Sought] | None = None  # that give together, and a design without them
 
     def try_few(self, number: int = FEW_IMAGERS) -> None:
@@ -113,7 +116,7 @@ class Singles:
         """Drop one and look among so many imagers."""
         trials = self.trials
         relaxed = None if self._asks_central_first(name) else without(trials.mission, *RELAXABLE[name][:2])
-        if relaxed is None:
+        if relaxed is None or self.in_vain.get(name, 0) >= number:
             return
         found = trials.relaxer.among_few(relaxed, goal_without(name), {name}, turn, number=number)
         if found is None:
@@ -121,6 +124,8 @@ class Singles:
         self.hopes[name] = hope(found)
         if found.outcome.best:
             self.helpful.append(Without(name, trials.limits[name], relaxed, found))
+        elif found.outcome.complete:
+            self.in_vain[name] = number
         trials.interrupted |= found.outcome.interrupted
 
     def share(self, share: float) -> float:
@@ -140,8 +145,7 @@ class Singles:
         """Drop every requirement that no imager's rule knows."""
         trials = self.trials
         self.left = self._open({name: trials.limits[name] for name in trials.limits if name in OF_LIGHT})
-        self.useless |= self._useless([name for name in self.left if name != "min_snr"])
-        self.left = self._open(self.left)
+        self._drop_at_once([name for name in self.left if name != "min_snr"])
         suspects = self.suspects
         self.left = {name: self.left[name] for name in sorted(self.left, key=lambda name: name not in suspects)}
         self._drop_each(trials.deadline.at_most(self.share(LIGHT_SHARE) * trials.deadline.left_s))
@@ -151,6 +155,12 @@ class Singles:
         trials, light = self.trials, self.left
         others = trials.by_effort()
         self.left = self._open({name: others[name] for name in others if name not in OF_LIGHT})
+        relaxer = trials.relaxer
+        if relaxer.is_soon_known():
+            self._drop_at_once([
+                name for name in self.left
+                if name != "depth_rating_m" and relaxer.is_soon_known({name})
+            ])  # fmt: skip
         self._drop_each(trials.deadline.at_most(self.share(REST_SHARE) * trials.deadline.left_s))
         self.left = {**light, **self.left}
 
@@ -164,6 +174,11 @@ class Singles:
     def tell_open(self) -> None:
         """Note what is not known."""
         self.trials.deadline.left_out.extend(f"whether it could be met without {name}" for name in self.left)
+
+    def _drop_at_once(self, names: Sequence[str]) -> None:
+        """Drop what is left of these all at once: where nothing fits even so, none of them helps."""
+        self.useless |= self._useless(names)
+        self.left = self._open(self.left)
 
     def _useless(self, names: Sequence[str]) -> dict[str, tuple[str, ...]]:
         """Those of which none helps, as nothing fits without all of them, and why: by halves where something does."""
@@ -181,21 +196,24 @@ class Singles:
 
     def _take_the_only_miss(self, found: Sought, names: Sequence[str]) -> None:
         """Where a design without several requirements misses only one of them, that one alone helps."""
-        missed = missed_by(judged_by(self.trials.mission, found, self.trials.objective), names)
+        missed = missed_by(self.trials.judged(found), names)
         if len(missed) != 1 or not self._open(dict.fromkeys(missed, 0.0)):
             return
         (name,) = missed
+        if self._asks_central_first(name):  # by how much is to be asked first
+            return
         self.take_for_helpful(name, found)
 
     def _drop_each(self, phase: Deadline, turn: float | None = None) -> None:
         """Drop what is left one by one; `turn`: the share of the time left that each may take, if not the usual."""
         known, trials = [], self.trials
+        share = turn or (QUICK_TURN if trials.relaxer.is_soon_known() else None)
         for number, name in enumerate(self.left):
             if phase.passed() or trials.interrupted:
                 break
             trials.say(0.5 * number / len(self.left), f"why nothing fits: without {name}")
             try:
-                one = phase.at_most(trials.turn().left_s if turn is None else turn * phase.left_s)
+                one = phase.at_most(share * phase.left_s if share else trials.turn().left_s)
                 if one.left_s < IMAGER_S * self._imagers_without(name):
                     if self._helps_among_few(name, one):  # all its imagers alone would take longer
                         known.append(name)
@@ -229,12 +247,14 @@ class Singles:
             trials.relaxer.seek, goal=goal_without(name), freed={name}, enough=True,
             few_first=self._asks_central_first(name),
         )  # fmt: skip
-        if self._asks_central_first(name):
+        if self._asks_central_first(name) and name not in self.dear:
             central = with_central_prices(trials.mission)
             found = seek_one(central, deadline=trials.deadline.at_most(LONG_TURN * trials.deadline.left_s))
             if found.outcome.best:
                 self.helpful.append(Without(name, limit, central, found, at_central_prices=True))
                 return True
+            if found.outcome.complete:
+                self.dear.add(name)
         if by_depth:
             deep = trials.relaxer.any_design(trials.mission, turn, depth_m=0.0)
             if deep is None:
@@ -258,5 +278,5 @@ class Singles:
 
 
 def goal_without(name: str) -> Objective:
-    """By what designs are looked for without a requirement: of SNR and cost those first that miss it least."""
-    return {"min_snr": BRIGHT, "cost": CHEAPEST}.get(name, ANY)
+    """By what designs are looked for without a requirement: of SNR, cost and pixels those first that miss it least."""
+    return {"min_snr": BRIGHT, "cost": CHEAPEST, "max_gsd_mm": FINEST}.get(name, ANY)

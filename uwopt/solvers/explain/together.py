@@ -267,14 +267,14 @@ def without_fewer(
 ) -> tuple[set[str], Sought, bool]:
     """Of what a design misses as little as a search finds; the names in turn; whether every search had its answer."""
     order = list(names)
-    given, kept, sure = missed_by(judged_by(trials.mission, found, trials.objective), names), set[str](), True
+    given, kept, sure = missed_by(trials.judged(found), names), set[str](), True
     while given - kept and not trials.over:
         name = min(given - kept, key=order.index)
         others = seek(given - {name})
         sure = sure and others is not None
         if others is not None and others.outcome.best:
             found = others
-            given = missed_by(judged_by(trials.mission, found, trials.objective), names)
+            given = missed_by(trials.judged(found), names)
         else:
             kept.add(name)
     return given, found, sure and not given - kept
@@ -282,7 +282,7 @@ def without_fewer(
 
 def drawn_in(trials: Trials, asked: dict[str, float], found: Sought) -> tuple[list[Relaxed], Design]:
     """What a design's hardware can keep of limits that give together: of each in turn as much as can be."""
-    design = judged_by(trials.mission, found, trials.objective)
+    design = trials.judged(found)
     kept: dict[str, float | None] = dict.fromkeys(asked)
     for name, limit in asked.items():
         key = RELAXABLE[name][1]
@@ -296,7 +296,7 @@ def drawn_in(trials: Trials, asked: dict[str, float], found: Sought) -> tuple[li
             change = with_its_hardware(limit, Change(far, found), wanted, trials.deadline)
             kept[name], found = change.limit, change.found
     told = [Relaxed(name, limit, kept[name], miss(limit, kept[name])) for name, limit in asked.items()]
-    return told, judged_by(trials.mission, found, trials.objective)
+    return told, trials.judged(found)
 
 
 def first_of_all(trials: Trials, names: Collection[str]) -> Sought | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 from uwopt.catalog.catalogue import Catalog
@@ -11,6 +11,8 @@ from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.assembly import Generic
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
+from uwopt.results.design import Design
+from uwopt.solvers.explain.reached import judged_by
 from uwopt.solvers.explain.relaxed import ANY, OF_LIGHT, Relaxer
 from uwopt.solvers.explain.weakened import RELAXABLE, asked_value, is_filled_in, with_limit, without
 from uwopt.solvers.recommend import Progress, Sought
@@ -18,6 +20,7 @@ from uwopt.solvers.recommend import Progress, Sought
 BRIGHT = Objective.of(
     "snr_db"
 )  # but without an SNR to ask for, where least power would try what is too dark first
+FINEST = Objective.of("gsd_mm")
 TURN = 0.25  # of the time left: what one search may take of it
 
 
@@ -36,6 +39,7 @@ class Trials:
     progress: Progress | None = None
     like: Sought | None = None
     interrupted: bool = False
+    _judged: dict[int, tuple[Sought, Design]] = field(default_factory=dict)  # each kept, so that its number is its own
 
     @cached_property
     def relaxer(self) -> Relaxer:
@@ -46,6 +50,12 @@ class Trials:
     def over(self) -> bool:
         """Whether nothing more is to be tried."""
         return self.interrupted or self.deadline.passed()
+
+    def judged(self, found: Sought) -> Design:
+        """What a search found, judged by the mission as it stands."""
+        if id(found) not in self._judged:
+            self._judged[id(found)] = found, judged_by(self.mission, found, self.objective)
+        return self._judged[id(found)][1]
 
     def say(self, share: float, what: str) -> None:
         """Tell how far it is."""

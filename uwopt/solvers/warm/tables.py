@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.catalog.choose import Selection
+from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.assembly import build_problem
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
@@ -39,13 +40,19 @@ def in_columns(mission: Mission) -> tuple[Any, ...]:
     return limits.cost_basis, limits.max_exposure_ms, mission.required_depth_m, mission.vehicle.duration_h
 
 
-def imagers_of(problem: Problem, pairs: Pairs, keep: Callable[[PortBlock], PortBlock]) -> Imagers:
-    """The imagers of some pairs of camera and lens that pass every rule, and of those what is kept."""
+def imagers_of(
+    problem: Problem, pairs: Pairs, keep: Callable[[PortBlock], PortBlock], deadline: Deadline = NEVER
+) -> Imagers:
+    """The imagers of some pairs of camera and lens that pass every rule, and of those what is kept.
+
+    Raises OutOfTimeError.
+    """
     discarded, blocks, none = dict.fromkeys(IMAGER_RULES, 0), list[PortBlock](), np.empty(0, int)
     for ports in problem.port_groups:
         for landscape in landscapes(problem):
             camera, lens = pairs.get((int(ports[0]), landscape), (none, none))
             if len(camera):
+                deadline.check()
                 made = imagers_behind(problem, camera, lens, ports, landscape, discarded, {})
                 blocks += (keep(block) for block in made)
     return joined(problem, blocks, dict.fromkeys(discarded, 0), {})

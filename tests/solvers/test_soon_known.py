@@ -1,0 +1,87 @@
+"""Questions why nothing fits whose answer is soon known are asked of all imagers, and none twice."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from test_least_change import FILES, mission
+
+from uwopt.api.common import prepared
+from uwopt.catalog.catalogue import Catalog
+from uwopt.deadline import NEVER, Deadline
+from uwopt.forward.assembly import load_catalog
+from uwopt.mission.mission import Mission, load_mission
+from uwopt.objectives.objective import Objective
+from uwopt.solvers.exact.account import Outcome
+from uwopt.solvers.exact.certificate import certificate
+from uwopt.solvers.exact.search import Search
+from uwopt.solvers.explain.infeasible import why_nothing
+from uwopt.solvers.explain.relaxed import Relaxer
+from uwopt.solvers.explain.singles import Singles
+from uwopt.solvers.explain.trials import Trials
+from uwopt.solvers.recommend import Sought, seek
+
+POWER = Objective.of("power")
+JOBS = Path(__file__).resolve().parents[2] / "problems" / "jobs"
+
+
+@pytest.fixture(scope="module")
+def parts(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with few parts."""
+    folder = tmp_path_factory.mktemp("parts")
+    for name, text in FILES.items():
+        (folder / f"{name}.csv").write_text(text, encoding="utf-8")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def catalog(parts: Path) -> Catalog:
+    return load_catalog(mission(parts))
+
+
+def test_a_few_imagers_that_were_all_looked_at_in_vain_are_not_looked_at_again(parts, catalog, monkeypatch):
+    wanted = mission(parts, min_snr_db=100.0)  # more electrons than the pixel holds
+    one = Singles(Trials(wanted, catalog, POWER, "never"))
+    few, tried = Relaxer.seek, []
+
+    def among_few(self: Relaxer, mission: Mission, goal: Objective, freed: set[str], *_: Any, **more: Any) -> Sought:
+        tried.append(*freed)
+        return few(self, mission, goal, freed, enough=True, few_first=False)
+
+    monkeypatch.setattr(Relaxer, "among_few", among_few)
+    one._try_among("max_blur_px", 250, NEVER)
+    one._try_among("max_blur_px", 250, NEVER)
+    assert tried == ["max_blur_px"]
+    one._try_among("max_blur_px", 2000, NEVER)
+    assert tried == ["max_blur_px"] * 2
+
+
+def test_a_search_ends_where_its_time_does_not_suffice_to_list_its_imagers(parts, catalog):
+    wanted = mission(parts, min_swath_m=9.0)  # the one lens sees 1.42 m
+    trials = Trials(wanted, catalog, POWER, "never", like=seek(wanted, catalog, POWER, generic="never", top=1))
+    free = trials.without(["min_swath_m"])
+    cut = trials.relaxer.seek(free, POWER, {"min_swath_m"}, deadline=Deadline(0.0, lambda: 1.0), enough=True).outcome
+    assert not cut.best and not cut.complete and len(cut.imagers) == 0
+    assert trials.relaxer.seek(free, POWER, {"min_swath_m"}, enough=True).outcome.best
+
+
+def test_clearer_water_is_found_by_few_searches_where_imagers_are_few(monkeypatch):
+    """A wall at 2 m in the second murkiest water of all; of a large catalogue it takes a time that depends on it."""
+    text = (JOBS / "harbour-wall.yaml").read_text(encoding="utf-8")
+    text = text.replace("visibility_m: 3.0", "water: 7C").replace("distance_m: 0.8", "distance_m: 2.0")
+    wanted = prepared(load_mission(yaml.safe_load(text)), None, None, "central").without_gain_cap
+    catalog, searches = load_catalog(wanted), [0]
+    known = seek(wanted, catalog, POWER, generic="allow", top=1)
+    run = Search.run
+
+    def counted(self: Search) -> Outcome:
+        searches[0] += 1
+        return run(self)
+
+    monkeypatch.setattr(Search, "run", counted)
+    proof = certificate(known.selection, known.problem, known.outcome, POWER)
+    trials = Trials(wanted, catalog, POWER, "allow", Deadline(12.0, lambda: float(searches[0])), like=known)
+    assert [move.name for move in why_nothing(trials, proof).moves] == ["water"]
