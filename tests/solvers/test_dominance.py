@@ -10,7 +10,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from uwopt.objectives.axes import Axes, Frame
-from uwopt.objectives.dominance import BestPoints, Staircase, clearly, hypervolume, igd_plus, nondominated
+from uwopt.objectives.dominance import (
+    BestPoints,
+    Staircase,
+    clearly,
+    hypervolume,
+    igd_plus,
+    nondominated,
+    would_add,
+)
 
 SMALL = st.sampled_from([-3.0, -1.0, 0.0, 0.5, 1.0, 2.0])  # few values: ties and duplicates
 ANY = st.floats(-1e3, 1e3, width=32)
@@ -127,6 +135,20 @@ def test_hypervolume_equals_inclusion_exclusion(values):
     frame = plain_frame(values.shape[1])
     expected = volume_by_inclusion_exclusion(values, frame.reference) / np.prod(frame.reference)
     assert hypervolume(values, frame) == pytest.approx(expected, abs=1e-12)
+
+
+NEAR_BOX = st.one_of(st.floats(-0.2, 1.3), st.sampled_from([0.0, 0.5, 1.0]))  # ties too, and what is outside
+
+
+@given(both=WIDE.flatmap(lambda w: st.tuples(points(w, NEAR_BOX, most=6), points(w, NEAR_BOX, most=4))))
+def test_what_a_corner_would_add_is_the_difference_of_two_unions(both):
+    found, corners = (np.maximum(values, 0.0) for values in both)
+    frame = plain_frame(found.shape[1])
+    alone = volume_by_inclusion_exclusion(found, frame.reference)
+    expected = [
+        volume_by_inclusion_exclusion(np.vstack([found, corner]), frame.reference) - alone for corner in corners
+    ]
+    assert would_add(*both, frame) * np.prod(frame.reference) == pytest.approx(np.array(expected), abs=1e-12)
 
 
 def test_hypervolume_of_one_point_and_of_a_staircase():

@@ -23,7 +23,7 @@ from uwopt.objectives.axes import Axes, Frame
 from uwopt.objectives.dominance import hypervolume, nondominated
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.front import search as front_module
-from uwopt.solvers.front.points import quality_of
+from uwopt.solvers.front.points import largest_left, quality_of
 from uwopt.solvers.front.search import FrontSearch
 from uwopt.solvers.front.trade_curves import Trade
 from uwopt.solvers.population.pymoo_front import population_front
@@ -136,6 +136,23 @@ def test_lamps_alike_but_for_their_price_are_asked_once_and_the_cheapest_stands_
     assert front.hypervolume == pytest.approx(few.hypervolume, rel=1e-9)
     assert np.unique(front.values[:, 1]) == pytest.approx(np.unique(few.values[:, 1]))
     adds_up(search, front)
+
+
+@pytest.mark.parametrize("key", [3, 24])
+def test_a_front_is_asked_until_its_gap_is_closed_and_hardly_further(key):
+    _, front = fc.front_of(key, TRIPLE)
+    gap = 1.0 - front.hypervolume / front.hypervolume_bound
+    assert 0.3 * front_module.FRONT_GAP <= gap <= front_module.FRONT_GAP
+
+
+@pytest.mark.parametrize("share", [0.02, 0.3, 0.9])
+def test_segments_that_are_cut_to_a_size_leave_the_share_that_was_asked_for(share):
+    """A segment k times as large as may be left is cut in as many pieces as the root of k says, rounded up."""
+    spans = np.random.default_rng(5).lognormal(0.0, 3.0, 400)
+    largest = largest_left(spans, share)
+    left = spans / np.maximum(np.ceil(np.sqrt(spans / largest)), 1.0)
+    assert left.sum() <= share * spans.sum()
+    assert np.minimum(spans, np.sqrt(spans * largest)).sum() == pytest.approx(share * spans.sum())
 
 
 def test_front_is_empty_and_complete_where_nothing_is_feasible():

@@ -38,29 +38,31 @@ def clearly(values: Array, resolved_rel: Array) -> Array:
     """
     kept: Array = nondominated(values)
     rows = np.nonzero(kept)[0]
+    if len(rows) == 0:
+        return kept
     points = values[rows]
     slack = resolved_rel * np.abs(points)
-    doubtful = []
-    for start in range(0, len(rows), CHUNK):
-        mine = slice(start, start + CHUNK)
-        sent = _clearly_beaten(points[mine], slack[mine], points)
-        doubtful += (start + np.nonzero(sent)[0]).tolist()
-    if not doubtful:
-        return kept
-    kept[rows[doubtful]] = False
+    beaten = [_clearly_beaten(points[i : i + CHUNK], slack[i : i + CHUNK], points) for i in range(0, len(rows), CHUNK)]
+    loser, winner = np.concatenate([[mine + i * CHUNK, other] for i, (mine, other) in enumerate(beaten)], axis=1)
+    doubtful, begins = np.unique(loser, return_index=True)
+    winners = dict(zip(doubtful.tolist(), np.split(rows[winner], begins[1:]), strict=True)) if len(doubtful) else {}
     resolved = np.maximum(resolved_rel * np.median(np.abs(points), axis=0), 1e-300)
-    for row in np.array(doubtful)[np.argsort((points[doubtful] / resolved).sum(axis=1), kind="stable")]:
-        one = slice(row, row + 1)
-        kept[rows[row]] = not _clearly_beaten(points[one], slack[one], values[kept])[0]
+    kept[rows[doubtful]] = False
+    for place in doubtful[np.argsort((points[doubtful] / resolved).sum(axis=1), kind="stable")].tolist():
+        kept[rows[place]] = not kept[winners[place]].any()
     return kept
 
 
-def _clearly_beaten(points: Array, slack: Array, others: Array) -> Array:
-    """Whether some of the others is no worse than each point, to its slack, and better by more in some objective."""
-    step = points[:, None, :] - others[None, :, :]  # above 0: the other is better
-    no_worse: Array = np.all(step >= -slack[:, None, :], axis=2)
-    better: Array = np.any(step > slack[:, None, :], axis=2)
-    return np.asarray(np.any(no_worse & better, axis=1))
+def _clearly_beaten(points: Array, slack: Array, others: Array) -> tuple[Array, Array]:
+    """Pairs of a point and one of the others that is no worse, to the point's slack, and better by more somewhere."""
+    no_worse = np.ones((len(points), len(others)), bool)
+    better = np.zeros_like(no_worse)
+    for point, room, other in zip(points.T, slack.T, others.T, strict=True):
+        step = point[:, None] - other  # above 0: the other is better
+        no_worse &= step >= -room[:, None]
+        better |= step > room[:, None]
+    first, second = np.nonzero(no_worse & better)
+    return first, second
 
 
 def hypervolume(values: Array, frame: Frame) -> float:
@@ -73,6 +75,34 @@ def hypervolume(values: Array, frame: Frame) -> float:
         return 0.0
     whole = float(np.prod(frame.reference))
     return float(moocore.hypervolume(np.maximum(inside, 0.0), ref=frame.reference)) / whole
+
+
+def would_add(values: Array, corners: Array, frame: Frame) -> Array:
+    """Share of the frame's box that each corner alone would add to what points dominate, (m,).
+
+    The objective of fewest values is cut where points begin. In each slab they are a staircase in the other two, and
+    what a corner adds lies between it and the steps, up to the first that is as low.
+    """
+    reference = np.append(frame.reference, np.ones(3 - len(frame.span)))
+    points, mine = (three(np.maximum(frame.unit(some), 0.0)) for some in (values, corners))
+    points = points[(points < reference).all(axis=1)]
+    order = np.argsort([len(np.unique(column)) for column in points.T], kind="stable")
+    points, mine, reference = points[:, order], mine[:, order], reference[order]
+    points = points[np.argsort(points[:, 1], kind="stable")]
+    steps = np.concatenate([[0.0], points[:, 1], reference[1:2]])
+    ends = np.append(np.unique(points[:, 0]), reference[0])
+    added = np.zeros(len(mine))
+    for low, high in zip(np.append(0.0, ends[:-1]), ends, strict=True):
+        deep = high - np.maximum(low, mine[:, 0])
+        here = np.nonzero((deep > 0.0) & (mine[:, 1:] < reference[1:]).all(axis=1))[0]
+        begun = np.where(points[:, 0] <= low, points[:, 2], np.inf)
+        height = np.minimum.accumulate(np.append(reference[2], begun))
+        area = np.append(0.0, np.cumsum(np.diff(steps) * height))  # under the staircase, up to each step
+        _, start, least = mine[here].T
+        end = np.searchsorted(-height, -least)
+        beyond = area[end] - np.interp(start, steps, area) - least * (steps[end] - start)
+        added[here] += deep[here] * np.where(steps[end] > start, np.maximum(beyond, 0.0), 0.0)
+    return added / float(np.prod(reference))
 
 
 def igd_plus(values: Array, front: Array, frame: Frame) -> float | None:

@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 from uwopt.errors import MissionError
 from uwopt.forward.problem import Problem
 from uwopt.objectives.axes import OF_SETTINGS, Axes, Frame
-from uwopt.objectives.dominance import BestPoints, clearly, hypervolume
+from uwopt.objectives.dominance import BestPoints, clearly, hypervolume, would_add
 from uwopt.solvers.front.curves import Curves
 from uwopt.solvers.front.hopeful import Hopeful
-from uwopt.solvers.front.trade_curves import Answers
+from uwopt.solvers.front.trade_curves import ABOVE, Answers
 
 Array = NDArray[Any]
 RESOLVED_REL = {"information": 2e-4}  # of a quality that is found to a gap
+HALVINGS = 40  # of the range of segments' sizes
 SAME_REL = 1e-6  # of the others: to this a requirement counts as met
 
 
@@ -103,7 +104,7 @@ class PointsFound:
         return np.where(np.isfinite(best), best, -np.inf)
 
     def open_segments(self, curves: Curves, largest: float) -> tuple[Array, Array]:
-        """Segments whose corner no point beats and that span more than `largest` of the box around all, and spans.
+        """Segments whose corner no point beats and would add more than `largest` of the box around all, and how much.
 
         Those that may hold the best quality of all are asked at their upper end whatever they span.
         """
@@ -116,26 +117,14 @@ class PointsFound:
             return which, np.empty(0)
         a = curves.answers
         frame = Frame.of(self.axes, np.concatenate([self.archive.values, corner[which]]))
-        # From the corner to what is known: the power at the upper end once it is asked, the best quality so far.
-        known = np.full(len(lower), -1e300)
-        known[which] = np.fmax(self.wanted(curves, which), known[which])
-        known = np.fmax(known, a.quality[lower])
-        far = np.fmax(np.fmin(a.power_w[upper], a.limit_w[upper]), a.limit_w[lower])
-        worst = self.values(
-            curves.some, np.where(a.asked[upper], far, 1e300)[which],
-            np.fmin(known, a.bound[upper])[which], a.design[lower][which],
-        )  # fmt: skip
         # What is known to be there counts once it is asked: cuts do not close a bound that stays above it.
         top = np.where(a.asked[upper] & a.found[upper], a.quality[upper], a.bound[upper])
-        reached = self.values(curves.some, a.limit_w[lower][which], top[which], a.design[lower][which])
-        best_unit = np.clip(frame.unit(reached), 0.0, None)
-        worst_unit = np.minimum(frame.unit(worst), frame.reference)
-        room = np.clip(frame.reference - best_unit, 1e-300, None)
-        p, q = self.axes.names.index("power"), self.axes.names.index(str(self.quality))
-        share = np.clip((worst_unit - best_unit)[:, [p, q]] / room[:, [p, q]], 0.0, 1.0).prod(axis=1)
-        spans = share * np.prod(room, axis=1) / np.prod(frame.reference)
-        stepped = curves.some.stepped[a.design[lower]][which]
-        narrow = a.asked[upper][which] & (stepped | ((worst_unit - best_unit)[:, p] < 1e-9))
+        power, _ = curves.corners()
+        reached = self.values(curves.some, power[which], top[which], a.design[lower][which])
+        spans = would_add(self.archive.values, reached, frame)
+        far = np.fmin(a.power_w[upper], a.limit_w[upper])
+        stepped = curves.some.stepped[a.design[lower]] | (far <= a.limit_w[lower] * ABOVE)
+        narrow = (a.asked[upper] & stepped)[which]
         # What may be the best quality of all is an end of the front, however little it spans.
         best = self.better_than(np.full((1, len(self.axes)), np.inf))
         end = ~a.asked[upper][which] & (a.bound[upper][which] > best)
@@ -160,6 +149,21 @@ class PointsFound:
         frame = Frame.of(self.axes, values[clearly(values, self.resolved_rel)])
         lower = hypervolume(values, frame)
         return lower, max(lower, hypervolume(np.concatenate([values, self.open_corners(every)]), frame))
+
+
+def largest_left(spans: Array, share: float) -> float:
+    """How much a segment may add when all together add no more than a share of what they do.
+
+    One that is cut in k pieces adds a k-th in all, and each piece as little as the square of that.
+    """
+    low, high = 0.0, float(spans.max(initial=0.0))
+    for _ in range(HALVINGS):
+        middle = np.sqrt(low * high) if low > 0.0 else high * 1e-12
+        if np.minimum(spans, np.sqrt(spans * middle)).sum() <= share * spans.sum():
+            low = middle
+        else:
+            high = middle
+    return float(low)
 
 
 def quality_of(problem: Problem, axes: Axes) -> str | None:

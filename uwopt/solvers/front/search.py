@@ -34,7 +34,7 @@ from uwopt.solvers.exact.search import Search, are_too_many
 from uwopt.solvers.front.curves import Curves
 from uwopt.solvers.front.hopeful import Hopeful
 from uwopt.solvers.front.large import WITHOUT_BOUND, Undominated, in_layers
-from uwopt.solvers.front.points import PointsFound, quality_of
+from uwopt.solvers.front.points import PointsFound, largest_left, quality_of
 from uwopt.solvers.front.trade_curves import Answers, Trade
 from uwopt.solvers.settings import windows
 from uwopt.solvers.settings.mean_limit import MeanLimit
@@ -43,9 +43,10 @@ from uwopt.tolerances import ROUND
 Array = NDArray[Any]
 Progress = Callable[[float, str], None]
 FIRST_NODES, LARGEST_NODES, GROWTH = 128, 16384, 6  # nodes taken together
-ROUGH_SEGMENT, FINEST_SEGMENT = 3e-3, 1e-6  # share of the box that a segment may span: at first, and ever
+ROUGH_SEGMENT, FINEST_SEGMENT = 1e-3, 1e-8  # share of the box that a segment may add: at first, and ever
 FRONT_GAP = 5e-4  # of the hypervolume: what the sampled curves may miss
-ROUNDS, REFINEMENTS = 1, 16  # of asking the segments of one wave, and of all that stayed
+AT_ONCE = 0.15  # of what is open stays at least, before it is known what overlaps
+ROUNDS, CUTS, REFINEMENTS = 1, 4, 16  # of asking the segments of one wave, and of all that stayed
 MOST_PIECES = 8  # of a segment at a time
 FEWEST_ASKED, MOST_ASKED = 1024, 8192  # segments at a time, before the points found are looked at
 RARELY = 0.1  # share of the segments asked that hold something new
@@ -211,7 +212,7 @@ class FrontSearch:
                 break
             if self._late():
                 return False
-            wave = rows[self._next(ideal[rows], batch)]
+            wave = rows[in_layers(ideal[rows])[:batch]]  # none dominates those, then those next to them
             if not self._take(lighting[wave], imager[wave]):
                 return False
             left[wave] = False
@@ -233,10 +234,6 @@ class FrontSearch:
             if not done:
                 self.account = before
         return done
-
-    def _next(self, ideal: Array, batch: int) -> Array:
-        """Places of the nodes to take: ideals that no other dominates, then those next to them."""
-        return in_layers(ideal)[:batch]
 
     def _late(self) -> bool:
         return self.deadline.passed()
@@ -468,8 +465,9 @@ class FrontSearch:
                 break
             gap_before = upper - lower
             curves = self.curves[-1]
-            count = len(self.points.open_segments(curves, 0.0)[0])
-            if not self._ask(curves, max(FRONT_GAP * upper / max(count, 1), FINEST_SEGMENT), ROUNDS):
+            _, spans = self.points.open_segments(curves, 0.0)
+            largest = largest_left(spans, max(FRONT_GAP * upper / (upper - lower), AT_ONCE))
+            if not self._ask(curves, max(largest, FINEST_SEGMENT), CUTS):
                 return False
             self.history.append((time.perf_counter() - self.start, self.points.archive.values))
         return True
