@@ -912,7 +912,8 @@ DEFECTS: tuple[Defect, ...] = (
         file="uwopt/solvers/explain/together.py",
         old="change = with_its_hardware(limit, Change(far, found), wanted, trials.deadline)",
         new="change = Change(far, found)",
-        test=f"{LEAST}::test_changes_told_together_are_enough_and_all_of_them_are_needed",
+        test="tests/solvers/test_soon_known.py"
+        "::test_limits_that_give_together_are_drawn_in_as_far_as_their_hardware_reaches",
     ),
     Defect(
         name="the page keeps to itself what helps together",

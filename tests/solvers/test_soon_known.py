@@ -19,8 +19,10 @@ from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.certificate import certificate
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain.infeasible import why_nothing
+from uwopt.solvers.explain.least_change import same_hardware
 from uwopt.solvers.explain.relaxed import Relaxer
 from uwopt.solvers.explain.singles import Singles
+from uwopt.solvers.explain.together import least_set
 from uwopt.solvers.explain.trials import Trials
 from uwopt.solvers.recommend import Sought, seek
 
@@ -85,3 +87,13 @@ def test_clearer_water_is_found_by_few_searches_where_imagers_are_few(monkeypatc
     proof = certificate(known.selection, known.problem, known.outcome, POWER)
     trials = Trials(wanted, catalog, POWER, "allow", Deadline(12.0, lambda: float(searches[0])), like=known)
     assert [move.name for move in why_nothing(trials, proof).moves] == ["water"]
+
+
+def test_limits_that_give_together_are_drawn_in_as_far_as_their_hardware_reaches(parts, catalog):
+    wanted = mission(parts, min_swath_m=9.0, min_snr_db=60.0)  # the design of least power has 0 dB
+    trials = Trials(wanted, catalog, POWER, "never")
+    found = seek(trials.without(["min_swath_m", "min_snr"]), catalog, POWER, generic="never", top=1)
+    limits = {one.name: one.needed for one in least_set(trials, (["min_swath_m", "min_snr"], found))[0]}
+    assert same_hardware(found, trials.with_limits(wanted, limits)).outcome.best
+    for name, by in (("min_swath_m", 1.01), ("min_snr", 1.01)):
+        assert not same_hardware(found, trials.with_limits(wanted, {**limits, name: by * limits[name]})).outcome.best
