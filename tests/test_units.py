@@ -156,3 +156,8 @@ def test_no_end_of_a_price_is_understated(low, ratio):
 
 def test_the_middle_of_a_price_has_the_digits_of_its_range():
     assert units.format_within(9836.0, 5498.0, 19459.0, "USD") == "10 000 USD"
+
+
+def test_an_area_in_an_hour_is_not_told_in_hours():
+    suffix = next(suffix for suffix in units.UNIT_SUFFIXES if "area_m2_h".endswith(suffix))
+    assert units.format_quantity(3240.0, suffix, 4) == "3 240 m²/h"

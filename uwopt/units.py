@@ -18,7 +18,7 @@ from uwopt.tolerances import SATISFIED_REL
 UNIT_SUFFIXES: tuple[str, ...] = (
     "_w_m2_sr_nm", "_w_m2_nm", "_w_m2", "_cyc_per_px", "_bit_per_m2", "_lp_per_mm", "_lm_s_per_j",
     "_dn_per_e", "_deg_s", "_e_s", "_m_s", "_mb_s", "_per_m", "_per_s",
-    "_m", "_mm", "_um", "_nm", "_m2", "_s", "_ms", "_us", "_hz", "_rad", "_deg", "_w", "_j", "_k",
+    "_m2_h", "_m", "_mm", "_um", "_nm", "_m2", "_s", "_ms", "_us", "_hz", "_rad", "_deg", "_w", "_j", "_k",
     "_c", "_psu", "_ntu", "_lm", "_lx", "_lux", "_kg", "_g", "_e", "_dn", "_px", "_db", "_in", "_frac",
     "_pct", "_h", "_wh", "_gb",
 )  # fmt: skip
@@ -30,7 +30,7 @@ SYMBOLS: Mapping[str, str] = MappingProxyType(
         "ntu": "NTU", "lux": "lx", "e": "e⁻", "dn": "DN", "db": "dB", "in": "in", "pct": "%", "frac": "", "m2": "m²",
         "m_s": "m/s", "mb_s": "MB/s", "deg_s": "°/s", "e_s": "e⁻/s", "per_m": "1/m", "per_s": "1/s",
         "w_m2": "W/m²", "w_m2_nm": "W/(m² nm)", "w_m2_sr_nm": "W/(m² sr nm)", "cyc_per_px": "cycles/px",
-        "wh": "Wh", "gb": "GB",
+        "wh": "Wh", "gb": "GB", "m2_h": "m²/h",
         "bit_per_m2": "bit/m²", "lp_per_mm": "lp/mm", "lm_s_per_j": "lm s/J", "dn_per_e": "DN/e⁻",
     }
 )  # fmt: skip

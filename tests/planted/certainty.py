@@ -273,6 +273,13 @@ DEFECTS = (
         test="tests/api/test_confidence.py::test_a_given_focus_counts",
     ),
     Defect(
+        name="another lens must fit into the housing of the first",
+        file=f"{ROOM}/polish.py",
+        old="pairs.lens[near], housed, found.landscape",
+        new="pairs.lens[near], np.array([found.port]), found.landscape",
+        test="tests/solvers/test_confidence_polish.py::test_another_lens_may_take_a_longer_tube",
+    ),
+    Defect(
         name="what seemed better is put on a camera that it does not fit",
         file=f"{ROOM}/polish.py",
         old="return [one for one in made if (one.camera, one.lens) in fits]",

@@ -203,7 +203,8 @@ def step(value: Array, base: Array) -> float:
 def neighbours(problem: Problem, found: Found) -> list[Found]:
     """The same with another camera, lens, port, light, number or place of lamps, or turned; what passes by rules.
 
-    Of ports that differ in their housing alone no housing that another betters.
+    Another camera or lens may take another housing of the same port: it need not fit into that of the first. Of ports
+    that differ in their housing alone no housing that another betters.
     """
     made = [*other_lamps(problem, found), *other_views(problem, found)]
     return list({names(problem, one): one for one in made}.values())
@@ -214,9 +215,10 @@ def other_views(problem: Problem, found: Found) -> Iterator[Found]:
     pairs = fitting_pairs(problem)
     near = (pairs.camera == found.camera) != (pairs.lens == found.lens)
     own = np.array([found.camera]), np.array([found.lens])
+    housed = np.flatnonzero(problem.like_port == problem.like_port[found.port])
     asked = [(*own, ports, found.landscape) for ports in problem.port_groups]
     asked += [(*own, np.array([found.port]), turned) for turned in landscapes(problem)]
-    asked += [(pairs.camera[near], pairs.lens[near], np.array([found.port]), found.landscape)]
+    asked += [(pairs.camera[near], pairs.lens[near], housed, found.landscape)]
     for camera, lens, ports, landscape in asked:
         for block in imagers_behind(problem, camera, lens, ports, landscape, dict.fromkeys(IMAGER_RULES, 0), {}):
             for row in zip(block.camera.tolist(), block.lens.tolist(), block.port.tolist(), strict=True):
