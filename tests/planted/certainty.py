@@ -9,6 +9,7 @@ DRAWS = "tests/solvers/test_confidence_draws.py"
 TESTS = "tests/solvers/test_confidence.py"
 API = "tests/api/test_confidence.py"
 PROOF = "tests/solvers/test_confidence_proof.py"
+BANDS = "tests/solvers/test_own_bands.py::test_each_camera_sees_what_it_sees_over_its_band_alone"
 
 DEFECTS = (
     Defect(
@@ -509,5 +510,33 @@ DEFECTS = (
         old="known.surest.misses])",
         new="known.surest.misses[:0]])",
         test=f"{API}::test_what_surer_hardware_misses_is_told_in_words",
+    ),
+    Defect(
+        name="cameras alike are seen over one band, whatever their own",
+        file="uwopt/forward/views.py",
+        old="return tuple(ranges.T) if ranges.ndim > 1 else ()",
+        new="return ()",
+        test=f"{BANDS}[level-anywhere-False]",
+    ),
+    Defect(
+        name="a focus leaves of the field what it leaves over the bands of others",
+        file="uwopt/forward/breathing.py",
+        old="ranges_m = ranges_m[first] if ranges_m.ndim > 1 else ranges_m",
+        new="ranges_m = ranges_m[: len(along)] if ranges_m.ndim > 1 else ranges_m",
+        test=f"{BANDS}[level-centre-False]",
+    ),
+    Defect(
+        name="corners are sharp over the bands of others",
+        file="uwopt/forward/focus.py",
+        old="(ends[:, None, :] + places[..., 2:3])",
+        new="(ends[:1, None, :] + places[..., 2:3])",
+        test=f"{BANDS}[level-corner-False]",
+    ),
+    Defect(
+        name="each row flies over the band of the camera at its place",
+        file="uwopt/forward/problem.py",
+        old="range_m=scene.range_m[:, camera])",
+        new="range_m=scene.range_m[:, : len(camera)])",
+        test=f"{BANDS}[level-anywhere-False]",
     ),
 )

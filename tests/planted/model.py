@@ -293,8 +293,8 @@ DEFECTS = (
     Defect(
         name="wanted depth ends before the deepest altitude",
         file="uwopt/forward/focus.py",
-        old="return near, max(far, min(near, start_m) + depth)",
-        new="return near, min(near, start_m) + depth",
+        old="return near, np.maximum(far, np.minimum(near, start_m) + depth)",
+        new="return near, np.minimum(near, start_m) + depth",
         test="tests/forward/test_focus.py::test_all_of_the_altitudes_and_the_wanted_depth_are_sharp",
     ),
     Defect(
@@ -700,8 +700,8 @@ DEFECTS = (
     Defect(
         name="sensors that are alike but for their pixels see the same",
         file="uwopt/forward/views.py",
-        old="groups_alike(*alike)",
-        new="groups_alike(along, across)",
+        old="groups_alike(*alike, *own",
+        new="groups_alike(along, across, *own",
         test="tests/forward/test_port_columns.py::test_what_many_pairs_see_is_what_each_sees",
     ),
 )

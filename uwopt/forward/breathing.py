@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from uwopt.forward.columns import groups_alike
 from uwopt.forward.focus import working_factor
 from uwopt.forward.scene import SceneOptics
-from uwopt.forward.views import Views, altitudes_m, edge_m, footprints, pair_of
+from uwopt.forward.views import Views, altitudes_m, edge_m, footprints, own_ranges, pair_of
 from uwopt.model import stereo
 from uwopt.model.imaging import PortShape
 
@@ -41,14 +41,16 @@ def at_focus(
         return view
     longer = extension(scene, view, dioptre_per_m)
     columns = (view.tan_along, view.tan_across, pixel_pitch_m, view.focal_length_m, longer)
+    ranges_m = altitudes_m(scene)
     alone = np.ndim(shape.outer_radius_m) == 0
-    first, back = groups_alike(*columns) if alone else (slice(None), slice(None))
+    first, back = groups_alike(*columns, *own_ranges(ranges_m)) if alone else (slice(None), slice(None))
     along, across, pitch_m, focal_m, factor = (column[first] for column in columns)
-    moved = covered(scene, shape, along, across, pitch_m, focal_m, factor, altitudes_m(scene))
+    ranges_m = ranges_m[first] if ranges_m.ndim > 1 else ranges_m
+    moved = covered(scene, shape, along, across, pitch_m, focal_m, factor, ranges_m)
     pair = pair_of(scene)
     if pair is not None:
         side = (across / factor)[:, None]
-        common = stereo.common_width_m(side, shape=shape.over(1), range_m=altitudes_m(scene), pair=pair)
+        common = stereo.common_width_m(side, shape=shape.over(1), range_m=ranges_m, pair=pair)
     moved["common_across_m"] = moved["footprint_across_m"] if pair is None else common
     kept = {name: column[back] for name, column in moved.items()}
     return replace(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -47,7 +48,7 @@ def common_dioptre(scenes: Sequence[SceneOptics], maps: Sequence[port.FocusMap],
     count = len(seen[0].tan_along)
     if is_at_nominal(scenes):
         at_altitude = port.lens_dioptre_per_m(scenes[0].range_m[scenes[0].nominal], focus_map=maps[0])
-        return np.full(count, float(at_altitude))
+        return np.broadcast_to(at_altitude, count)
     return middle_focus(sharp_intervals(scenes, maps, seen), [view.coc_m for view in seen])
 
 
@@ -90,17 +91,25 @@ def held_at_corner(scene: SceneOptics) -> bool:
     return scene.view.requirements.dof_at == "corner" and not scene.paper
 
 
-def sharp_ends_m(scene: SceneOptics, start_m: float = np.inf) -> tuple[float, float]:
+def sharp_ends_m(scene: SceneOptics, start_m: Array | float = np.inf) -> tuple[Array, Array]:
     """Nearest and farthest distance that must be sharp: the nominal altitude, or the depth of field asked for.
 
-    `start_m`: where a depth of field begins that other scenes need nearer than this one.
+    `start_m`: where a depth of field begins that other scenes need nearer than this one. One of each, or of each row.
     """
     depth = scene.view.requirements.min_dof_m
     if depth is None:
-        nominal = float(scene.range_m[scene.nominal])
+        nominal = scene.range_m[scene.nominal]
         return nominal, nominal
-    near, far = float(scene.range_m[0]), float(scene.range_m[-1])
-    return near, max(far, min(near, start_m) + depth)
+    near, far = scene.range_m[0], scene.range_m[-1]
+    return near, np.maximum(far, np.minimum(near, start_m) + depth)
+
+
+def corner_dioptres_per_m(view: Views, ends_m: tuple[Array, Array]) -> Array:
+    """Dioptres of both images of the corners at two distances, of all or of each row, (n, 2, 2)."""
+    places, ends = view.corner_image, np.stack(ends_m, axis=-1)
+    if ends.ndim == 1:
+        return field_dioptres_per_m(places, ends)
+    return np.asarray(places[..., :1] + places[..., 1:2] / (ends[:, None, :] + places[..., 2:3]))
 
 
 def sharp_intervals(
@@ -108,16 +117,15 @@ def sharp_intervals(
 ) -> list[tuple[Array, Array]]:
     """Dioptres at the lens of the nearest and the farthest distance that must be sharp, by scene."""
     count = len(seen[0].tan_along)
-    nearest = max(
-        float(port.lens_dioptre_per_m(sharp_ends_m(scene)[0], focus_map=at))
-        for scene, at in zip(scenes, maps, strict=True)
-    )
+    nearest = reduce(np.maximum, (
+        port.lens_dioptre_per_m(sharp_ends_m(scene)[0], focus_map=at) for scene, at in zip(scenes, maps, strict=True)
+    ))  # fmt: skip
     found = []
     for scene, at, view in zip(scenes, maps, seen, strict=True):
-        ends_m = sharp_ends_m(scene, float(port.water_distance_m(nearest, focus_map=at)))
-        near, far = (np.full(count, float(port.lens_dioptre_per_m(end, focus_map=at))) for end in ends_m)
+        ends_m = sharp_ends_m(scene, port.water_distance_m(nearest, focus_map=at))
+        near, far = (np.broadcast_to(port.lens_dioptre_per_m(end, focus_map=at), count) for end in ends_m)
         if held_at_corner(scene):
-            ends = field_dioptres_per_m(view.corner_image, np.array(sharp_ends_m(scene)))
+            ends = corner_dioptres_per_m(view, sharp_ends_m(scene))
             near, far = np.maximum(near, ends.max(axis=(1, 2))), np.minimum(far, ends.min(axis=(1, 2)))
         found.append((near, far))
     return found
@@ -128,8 +136,8 @@ def depth_f_number(scene: SceneOptics, at: port.FocusMap, view: Views, dioptre_p
     near_m, far_m = sharp_ends_m(scene)
     common = dict(focal_length_m=view.focal_length_m, circle_of_confusion_m=view.coc_m)
     if held_at_corner(scene):
-        ends = field_dioptres_per_m(view.corner_image, np.array([near_m, far_m]))
-        axis = [float(port.lens_dioptre_per_m(end, focus_map=at)) for end in (near_m, far_m)]
+        ends = corner_dioptres_per_m(view, (near_m, far_m))
+        axis = [port.lens_dioptre_per_m(end, focus_map=at) for end in (near_m, far_m)]
         return np.asarray(
             lens.f_number_to_reach(
                 np.maximum(axis[0], ends.max(axis=(1, 2))),
@@ -143,7 +151,7 @@ def depth_f_number(scene: SceneOptics, at: port.FocusMap, view: Views, dioptre_p
         lens.f_number_for_interval(
             dioptre_per_m,
             near_m=near_m,
-            far_m=near_m if depth is None else float(scene.range_m[-1]),
+            far_m=near_m if depth is None else scene.range_m[-1],
             min_dof_m=depth or 0.0,
             focus_map=at,
             **common,

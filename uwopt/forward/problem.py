@@ -182,10 +182,17 @@ class Problem:
         return changed
 
     def over_bands(self, scenes: list[SceneOptics]) -> Problem:
-        """The same parts and light, seen over other bands of altitudes."""
+        """The same parts and light, seen over other bands of altitudes, one for all or one of each camera."""
         changed = copy(self)
         changed.scenes, changed.known_models, changed.known_light = scenes, {}, {}
         return changed
+
+    def scenes_of(self, camera: Array) -> list[SceneOptics]:
+        """The scenes as these cameras fly over them, by row, where each has a band of its own."""
+        return [
+            scene if scene.range_m.ndim == 1 else replace(scene, range_m=scene.range_m[:, camera])
+            for scene in self.scenes
+        ]
 
     def focused_at(self, shares: Array) -> Problem:
         """The same problem with lenses that stand at so much of the distance meant, by camera (n,), as far as doubted.

@@ -66,7 +66,8 @@ class SceneOptics:
 
     view: SceneView
     paper: bool
-    range_m: Array  # along the optical axis to the target, at the altitudes over which requirements hold, rising
+    range_m: Array  # along the optical axis to the target, at the altitudes over which requirements hold, rising;
+    # views are worked out too of rows that fly at heights of their own, (n_altitudes, n)
     nominal: int  # index of the altitude itself
     wavelength_nm: Array
     photopic: Array

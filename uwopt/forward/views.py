@@ -96,13 +96,14 @@ def views(
     """
     pitch, (along, across, effective) = cameras.pixel_pitch_m, field_of_view(scene, cameras, lenses, shape, landscape)
     transmission = lenses.transmission * (1.0 if scene.paper else port_transmission(shape))
-    alike = (along, across, pitch, effective)
+    alike, ranges = (along, across, pitch, effective), altitudes_m(scene)
     if len(along) > 1:
-        first, back = groups_alike(*alike)
-        made = geometry(scene, shape, *(own[first] for own in alike))
+        first, back = groups_alike(*alike, *own_ranges(ranges))
+        few_m = ranges[first] if ranges.ndim > 1 else ranges
+        made = geometry(scene, shape, *(own[first] for own in alike), ranges=few_m)
         seen = {name: column.take(back, axis=0) for name, column in made.items()}
     else:
-        seen = geometry(scene, shape, *alike)
+        seen = geometry(scene, shape, *alike, ranges=ranges)
     axis = np.broadcast_to(image_places(scene, shape, None, 1), (len(along), 2, 3))
     return Views(
         tan_along=along, tan_across=across, **seen, axis_image=axis, coc_m=circle_of_confusion_m(scene, cameras),
@@ -110,14 +111,19 @@ def views(
     )  # fmt: skip
 
 
+def own_ranges(ranges: Array) -> tuple[Array, ...]:
+    """Ranges of each row, where they have ranges of their own, as columns."""
+    return tuple(ranges.T) if ranges.ndim > 1 else ()
+
+
 def geometry(
-    scene: SceneOptics, shape: PortShape, along: Array, across: Array, pitch: Array, effective: Array
+    scene: SceneOptics, shape: PortShape, along: Array, across: Array, pitch: Array, effective: Array, *, ranges: Array
 ) -> dict[str, Array]:
     """The columns of `Views` that follow from the field of view and the pixel: footprints, and where images lie."""
-    covered = footprints(scene, shape, along, across, pitch, effective, altitudes_m(scene))
+    covered = footprints(scene, shape, along, across, pitch, effective, ranges)
     return dict(
         **covered, covered_along_m=covered["footprint_along_m"], covered_across_m=covered["footprint_across_m"],
-        **seen_by_pair(scene, shape, across, pitch / effective, covered["footprint_across_m"]),
+        **seen_by_pair(scene, shape, across, pitch / effective, covered["footprint_across_m"], ranges),
         corner_image=tilted_places(scene, shape, along, across, CORNER_FIELD),
         rms_image=tilted_places(scene, shape, along, across, float(RMS_FIELD)),
     )
@@ -132,7 +138,7 @@ def pair_of(scene: SceneOptics) -> stereo.Pair | None:
 
 
 def seen_by_pair(
-    scene: SceneOptics, shape: PortShape, across: Array, tan_per_px: Array, footprint_across_m: Array
+    scene: SceneOptics, shape: PortShape, across: Array, tan_per_px: Array, footprint_across_m: Array, ranges: Array
 ) -> dict[str, Array]:
     """The columns of `Views` that say what a stereo pair sees and measures of the target's plane.
 
@@ -142,11 +148,10 @@ def seen_by_pair(
     if pair is None:
         return dict(common_across_m=footprint_across_m, depth_error_m=np.zeros_like(footprint_across_m))
     shape = PAPER_PORT if scene.paper else shape
-    ranges = altitudes_m(scene)
     wide_m = stereo.common_width_m(across[:, None], shape=shape, range_m=ranges, pair=pair)
     places = 0.5 * wide_m[..., None] * np.array(STRIP_PLACES)
     errors = stereo.depth_error_m(
-        places, shape=shape, range_m=ranges[:, None], pair=pair, tan_per_px=tan_per_px[:, None, None],
+        places, shape=shape, range_m=ranges[..., None], pair=pair, tan_per_px=tan_per_px[:, None, None],
         disparity_error_px=scene.view.requirements.disparity_error_px,
     )
     return dict(common_across_m=wide_m, depth_error_m=np.where(wide_m > 0.0, errors.max(axis=2), np.inf))
@@ -196,7 +201,7 @@ def oblique_footprints(
 
     Its depth is that of the middle column, its width that of the near edge: so wide a strip all images of a line
     cover, each with the whole depth. The largest pixel is looked for over the image, as is what the motion moves most.
-    pixel : (n,) its tangent; ranges : (k,) along the axis
+    pixel : (n,) its tangent; ranges : (k,) along the axis, or (n, k)
     """
     near, far = -along[:, None], along[:, None]
     side, middle, spread = across[:, None], np.zeros((len(along), 1)), shape.over(1)
@@ -212,7 +217,7 @@ def oblique_footprints(
     if shape.is_dome:  # pixels grow towards the far corner, throughout
         u, v = np.array([-1.0, 1.0]), np.ones(2)
     steps = floor_steps(
-        (along[:, None] * u)[:, None], (across[:, None] * v)[:, None], shape=shape.over(2), range_m=ranges[:, None]
+        (along[:, None] * u)[:, None], (across[:, None] * v)[:, None], shape=shape.over(2), range_m=ranges[..., None]
     )
     moved = [least.min(axis=2) * pixel[:, None] for least in steps.least_moved_m]
     with np.errstate(divide="ignore"):
@@ -291,8 +296,8 @@ def field_dioptres_per_m(places: Array, range_m: Array | float) -> Array:
 
 
 def altitudes_m(scene: SceneOptics) -> Array:
-    """Near, nominal and far altitude, as ranges along the optical axis."""
-    return np.array([scene.range_m[0], scene.range_m[scene.nominal], scene.range_m[-1]])
+    """Near, nominal and far altitude, as ranges along the optical axis, (3,); of rows with their own (n, 3)."""
+    return np.stack([scene.range_m[0], scene.range_m[scene.nominal], scene.range_m[-1]], axis=-1)
 
 
 def heights_m(scene: SceneOptics) -> Array:

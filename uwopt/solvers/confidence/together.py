@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -117,20 +116,20 @@ class Together:
             return_index=True, return_inverse=True,
         )  # fmt: skip
         view_of = view_of.ravel()
+        beyond = np.tile([state.beyond for state in scenarios.states], len(cameras.parts) // scenarios.count)
         blocks: list[PortBlock] = []
         lost: list[dict[str, int]] = [{} for _ in views]
         for orientation, port in np.unique(views[:, :2], axis=0):
             mine = np.flatnonzero((views[:, 0] == orientation) & (views[:, 1] == port))
             discarded = dict.fromkeys(IMAGER_RULES, 0)
             aimed = problem if in_focus else problem.focused_on(by_pair(views[mine], meant_m[first[mine]], scenarios))
-            tally = Tally(bool(orientation), discarded, {})
-            made: dict[tuple[int, float], PortBlock] = {}
-            for band, states in different(scenarios, problem, int(port)):
-                seen, which = over_band_of(aimed, band), np.concatenate(list(states.values()))
+            tally, seen = Tally(bool(orientation), discarded, {}), over_band_of(aimed, beyond)
+            made: dict[int, PortBlock] = {}
+            for states in different(scenarios, problem, int(port)):
+                which = np.concatenate(list(states.values()))
                 camera, lens = (np.add.outer(views[mine, k], which).ravel() for k in (2, 3))
-                for state, block in behind_states(seen, camera, lens, states, tally, scenarios.count):
-                    made[state, band] = block
-            blocks += [made[place] for place in sorted(made)]
+                made |= behind_states(seen, camera, lens, states, tally, scenarios.count)
+            blocks += [made[state] for state in sorted(made)]
             if len(mine) == 1:
                 lost[mine[0]] = dict(Counter({rule: n for rule, n in discarded.items() if n}).most_common())
         imagers = joined(problem, blocks, {}, {})
@@ -311,19 +310,15 @@ def by_pair(views: Array, meant_m: Array, scenarios: Scenarios) -> MeantFocus:
     return lambda cameras, lenses: table[cameras // count, lenses // count]
 
 
-def different(scenarios: Scenarios, problem: Problem, begin: int) -> Iterator[tuple[float, dict[int, Array]]]:
-    """The states of a port that share their optics over each band of altitudes: by place, with their scenarios."""
+def different(scenarios: Scenarios, problem: Problem, begin: int) -> Iterator[dict[int, Array]]:
+    """The states of a port that share their optics: by place, with their scenarios."""
     parts = problem.parts.ports
     states = [parts[begin + state] for state in range(int(scenarios.port.max()) + 1)]
     first = {id(part): begin + state for state, part in reversed(list(enumerate(states)))}
     of = np.array([first[id(part)] for part in states])[scenarios.port]
     like = problem.like_port[of]
-    beyond = np.array([state.beyond for state in scenarios.states])
-    for optics, band in product(np.unique(like), np.unique(beyond)):
-        here = (like == optics) & (beyond == band)
-        which = {int(state): np.flatnonzero(here & (of == state)) for state in np.unique(of[here])}
-        if which:
-            yield float(band), which
+    for optics in np.unique(like):
+        yield {int(state): np.flatnonzero(of == state) for state in np.unique(of[like == optics])}
 
 
 def behind_states(

@@ -196,16 +196,18 @@ class KnownWaters:
         return other if of_no_type or water in water_types(other) else None
 
 
-def over_band(scene: SceneOptics, beyond: float) -> SceneOptics:
+def over_band(scene: SceneOptics, beyond: Array | float) -> SceneOptics:
     """A scene whose altitudes go beyond their band by a share of the tolerance; never to the floor itself.
 
-    The swath is there as asked for: what is kept of it in hand is kept for such altitudes.
+    The swath is there as asked for: what is kept of it in hand is kept for such altitudes. `beyond`: one share, or of
+    rows that fly at heights of their own (n,), whose ranges are (n_altitudes, n).
     """
-    if beyond == 0.0 or not may_leave_band(scene):
+    if not np.any(beyond) or not may_leave_band(scene):
         return scene
     nominal = float(scene.range_m[scene.nominal])
     most = 0.5 * (1.0 + nominal / (nominal - float(scene.range_m[0])))
-    return replace(as_asked(scene), range_m=nominal + (scene.range_m - nominal) * min(1.0 + beyond, most), cache={})
+    wider = np.multiply.outer(scene.range_m - nominal, np.minimum(1.0 + np.asarray(beyond), most))
+    return replace(as_asked(scene), range_m=nominal + wider, cache={})
 
 
 def seen_again(known: SceneOptics, state: WaterState, scene: SceneOptics) -> SceneOptics | None:
@@ -221,9 +223,9 @@ def as_asked(scene: SceneOptics) -> SceneOptics:
     return without_reserve(scene, "min_swath_m", "min_common_swath_m")
 
 
-def over_band_of(problem: Problem, beyond: float) -> Problem:
-    """A problem whose vehicle leaves its band of altitudes so far in every scene."""
-    return problem.over_bands([over_band(scene, beyond) for scene in problem.scenes]) if beyond else problem
+def over_band_of(problem: Problem, beyond: Array | float) -> Problem:
+    """A problem whose vehicle leaves its band of altitudes so far in every scene; of each camera (n,), or of all."""
+    return problem.over_bands([over_band(scene, beyond) for scene in problem.scenes]) if np.any(beyond) else problem
 
 
 def may_leave_band(scene: SceneOptics) -> bool:

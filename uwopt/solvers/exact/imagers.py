@@ -291,22 +291,21 @@ def seen_behind(
     problem: Problem, camera: Array, lens: Array, port: int, landscape: bool
 ) -> tuple[list[Views], Array, Array]:
     """What these pairs see of every scene behind a port, their common focus [1/m] and the rings that it needs [m]."""
-    cameras, lenses = problem.cameras.take(camera), problem.lenses.take(lens)
-    shapes = [problem.shape(port, index) for index in range(len(problem.scenes))]
+    cameras, lenses, scenes = problem.cameras.take(camera), problem.lenses.take(lens), problem.scenes_of(camera)
+    shapes = [problem.shape(port, index) for index in range(len(scenes))]
     seen = [
-        views(scene, cameras, lenses, shape, landscape=landscape)
-        for scene, shape in zip(problem.scenes, shapes, strict=True)
+        views(scene, cameras, lenses, shape, landscape=landscape) for scene, shape in zip(scenes, shapes, strict=True)
     ]
-    maps = [focus_map(scene, shape) for scene, shape in zip(problem.scenes, shapes, strict=True)]
+    maps = [focus_map(scene, shape) for scene, shape in zip(scenes, shapes, strict=True)]
     meant_m = problem.meant_m
     if meant_m is None:
-        dioptre = common_dioptre(problem.scenes, maps, seen)
+        dioptre = common_dioptre(scenes, maps, seen)
     else:
         distance_m = meant_m(camera, lens) if callable(meant_m) else np.full(len(camera), meant_m)
         dioptre = np.asarray(lens_dioptre_per_m(distance_m, focus_map=maps[0]))
     seen = [
         at_focus(scene, shape, view, cameras.pixel_pitch_m, dioptre)
-        for scene, shape, view in zip(problem.scenes, shapes, seen, strict=True)
+        for scene, shape, view in zip(scenes, shapes, seen, strict=True)
     ]
     return seen, dioptre, needed_spacer_m(problem.lenses, dioptre, rows=lens)
 
@@ -342,7 +341,7 @@ def focused_behind(
     """
     dioptre_per_m = stands_per_m[0]
     cameras, focused = problem.cameras.take(camera), []
-    for index, (scene, view) in enumerate(zip(problem.scenes, seen, strict=True)):
+    for index, (scene, view) in enumerate(zip(problem.scenes_of(camera), seen, strict=True)):
         requirements, shape = scene.view.requirements, problem.shape(port, index)
         with np.errstate(divide="ignore", invalid="ignore"):
             factor = working_factor(scene, view.focal_length_m, dioptre_per_m)
