@@ -419,4 +419,12 @@ DEFECTS = (
         new="        except OutOfTimeError:\n            return\n",
         test=f"{TESTS}::test_a_type_of_water_that_takes_too_long_is_asked_once_and_clearer_ones_instead",
     ),
+    Defect(
+        name="all imagers are asked first though each takes designs to be tried",
+        file="uwopt/solvers/explain/relaxed.py",
+        old="if self.like is None or self.like.outcome.account.evaluated:",
+        new="if self.like is None:",
+        test="tests/solvers/test_soon_known.py"
+        "::test_all_imagers_are_asked_first_only_where_bounds_settle_what_is_asked",
+    ),
 )

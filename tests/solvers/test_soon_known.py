@@ -97,3 +97,12 @@ def test_limits_that_give_together_are_drawn_in_as_far_as_their_hardware_reaches
     assert same_hardware(found, trials.with_limits(wanted, limits)).outcome.best
     for name, by in (("min_swath_m", 1.01), ("min_snr", 1.01)):
         assert not same_hardware(found, trials.with_limits(wanted, {**limits, name: by * limits[name]})).outcome.best
+
+
+def test_all_imagers_are_asked_first_only_where_bounds_settle_what_is_asked(parts, catalog):
+    """The lens sees 1.42 m, whatever the light; 0.25 px of blur leave light that must be tried."""
+    for asked, tried in ((dict(min_swath_m=9.0), False), (dict(min_snr_db=30.0, max_blur_px=0.25), True)):
+        wanted = mission(parts, **asked)
+        known = seek(wanted, catalog, POWER, generic="never", top=1)
+        assert not known.outcome.best and bool(known.outcome.account.evaluated) is tried
+        assert Relaxer(wanted, catalog, "never", known).is_soon_known() is not tried

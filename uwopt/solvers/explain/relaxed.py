@@ -42,7 +42,7 @@ from uwopt.solvers.warm.tables import asking, imagers_of, of_block
 Array = NDArray[Any]
 FEW_PAIRS = 5000  # of camera and lens behind ports, likewise, of which most break some rule
 FEW_IMAGERS = 250  # that are tried before all: where something fits at all, it is mostly among them
-QUICK = 30_000  # imagers: of so many it is known about as soon as of a few whether one of them fits
+QUICK = 30_000  # imagers: of so many bounds tell about as soon as of a few that none of them fits
 FEW_PLACES = 12  # behind which these are: ports of like optics, by orientation
 OTHER_WATER = "other water"  # of which no rule of an imager knows
 NO_REASONS = frozenset({"better_housing", "bound", "mount", "image_circle", "complete"})  # whatever is asked
@@ -315,8 +315,13 @@ class Relaxer:
         return float(sum(map(len, self._freed_pairs(freed).values())))
 
     def is_soon_known(self, freed: Collection[str] = ()) -> bool:
-        """Whether a search of all imagers without these requirements takes hardly longer than one of a few."""
+        """Whether a search of all imagers without these requirements takes hardly longer than one of a few.
+
+        So it is where there are few, and what is asked was settled by bounds alone: no design had to be tried.
+        """
         known = self.known_in_best_housing
+        if self.like is None or self.like.outcome.account.evaluated:
+            return False
         return known is not None and max(self.effort(freed), len(known)) <= QUICK
 
     def _freed_pairs(self, freed: Collection[str]) -> dict[tuple[int, bool], Array]:
