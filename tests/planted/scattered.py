@@ -63,9 +63,30 @@ DEFECTS = (
     Defect(
         name="the bound of the veil from elsewhere takes the image's corner for its middle",
         file="uwopt/model/veil/wide.py",
-        old="= sums.min(axis=1)",
-        new="= sums.max(axis=1)",
-        test="tests/model/test_wide.py::test_an_images_own_floor_sends_least_to_its_corner_or_near_it",
+        old="found[k] = each.min(axis=0)",
+        new="found[k] = each.max(axis=0)",
+        test="tests/model/test_wide.py::test_no_place_of_an_image_gets_less_of_its_own_floor_than_the_bound",
+    ),
+    Defect(
+        name="the bound of the veil from elsewhere is half as high again",
+        file="uwopt/model/veil/wide.py",
+        old="cosine**power * ((power + 1) /",
+        new="cosine**power * (1.5 * (power + 1) /",
+        test="tests/model/test_wide.py::test_no_place_of_an_image_gets_less_of_its_own_floor_than_the_bound",
+    ),
+    Defect(
+        name="of images between two ends the smallest stands for all",
+        file="uwopt/model/veil/wide.py",
+        old="np.arctan(side))) for side in (most_along, most_across)",
+        new="np.arctan(side))) for side in (along, across)",
+        test="tests/model/test_wide.py::test_images_between_two_ends_get_no_less_than_the_bound_of_both",
+    ),
+    Defect(
+        name="the bound of the veil over all ways is half as high again",
+        file=SPECTRA,
+        old="scene.cache[key] = NEAR_MARGIN * near, WIDE_MARGIN * wide * shares",
+        new="scene.cache[key] = 1.5 * near, 1.5 * wide * shares",
+        test="tests/solvers/test_least_veil.py::test_no_pair_of_ways_has_less_veil_than_their_bound",
     ),
     Defect(
         name="the image's own floor sends half as much again into it",
@@ -78,8 +99,8 @@ DEFECTS = (
     Defect(
         name="the bound of the veil from elsewhere counts all light that comes to the camera",
         file=SPECTRA,
-        old="veil = np.stack([every[0], every[1] - every[0]])",
-        new="veil = np.stack([every[0], np.exp(excess[1] * camera_m) * 2.0])",
+        old="veil = np.stack([grown[:, 0], grown[:, 1] - grown[:, 0]])",
+        new="veil = np.stack([grown[:, 0], 2.0 * grown[:, 1]])",
         test="tests/solvers/test_least_veil.py::test_no_image_has_less_veil_than_its_bound",
     ),
     Defect(

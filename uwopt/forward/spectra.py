@@ -25,6 +25,7 @@ from uwopt.model.spectrum import resample, resample_power
 from uwopt.model.veil.geometry import OPTICAL_REACH, Scatterer
 from uwopt.model.veil.wide import REACH as WIDE_REACH
 from uwopt.model.veil.wide import kernel_shares
+from uwopt.tolerances import SLACK
 
 Array = NDArray[Any]
 SpectrumKind = tuple[tuple[str, Curve | None], float | None]  # light's spectrum; its lobe, where K depends on it
@@ -35,8 +36,9 @@ ENDLESS = 16.0  # c + K times the path that stands for all of the water
 MOST_ORDER, TABLE_ERROR_LOG = 16, 1e-6  # of tables of water's loss
 TINY = 1e-300  # in place of a sum of weights that is zero: a black floor, a blind sensor
 LARGEST_EXPONENT = 600.0  # of a veil over what it veils: exp(709) is the last that a float holds
-CONTRAST_MARGIN = 0.98  # of the forward veil, for what lies between the paths tried
-WIDE_MARGIN = 0.93  # of what comes from elsewhere, for that and for nodes of its integrals and of `least_within`
+PATH_CELLS = 8  # a side of all pairs of ways, in the least veil over them: of those to the camera, short near ones
+NEAR_MARGIN = 0.999  # of the bound of the forward veil, for tables of the loss that it is worked out with
+WIDE_MARGIN = 0.93  # of what comes from elsewhere: its spots and nodes tell up to 6 % too little of what is bounded
 
 
 def efficiency_curve(curves: dict[str, Curve], wavelength_nm: Array, *, channel: str | None = None) -> Array:
@@ -214,45 +216,64 @@ class Contraction:
         least = float(optical.min())
         return float((weight * np.exp(-(optical - least))).sum() / max(weight.sum(), TINY) * np.exp(-least))
 
-    def least_veil(self, spectrum: int, efficiency: int, altitude: int, nearest_m: float) -> tuple[float, Array]:
+    def least_veil(
+        self, spectrum: int, efficiency: int, altitude: int, nearest_m: float, lowest_m: float = 0.0
+    ) -> tuple[float, Array]:
         """Lower bounds of the forward veil over the light that forms the image at one altitude.
+
+        nearest_m, lowest_m : no way from the floor to the camera, and none from a lamp to the floor, is shorter
 
         Returns
         -------
         What comes near its straight way, at any pixel, on the shortest rays, `nearest_m`; and what comes from elsewhere
         of the image's own floor, by kernel, for each unit of `veil.wide.least_within` (4,)
-
-        Notes
-        -----
-        The veil grows with both paths but for the spectrum's shift along them, so several are tried.
         """
         scene = self.scene
-        key = ("least veil", *self.key(spectrum, efficiency, None), altitude, self.reach_m, nearest_m)
+        key = ("least veil", *self.key(spectrum, efficiency, None), altitude, self.reach_m, nearest_m, lowest_m)
         if key not in scene.cache:
-            near, wide = self._least_excess(spectrum, efficiency, nearest_m, float(scene.range_m[altitude]))
-            shares = self.wide_shares(spectrum, efficiency, range_m=float(scene.range_m[altitude]))
-            scene.cache[key] = CONTRAST_MARGIN * near, WIDE_MARGIN * wide * shares
+            range_m = float(scene.range_m[altitude])
+            near, wide = self._least_excess(spectrum, efficiency, (lowest_m, nearest_m), range_m)
+            shares = self.wide_shares(spectrum, efficiency, range_m=range_m)
+            scene.cache[key] = NEAR_MARGIN * near, WIDE_MARGIN * wide * shares
         found: tuple[float, Array] = scene.cache[key]
         return found
 
-    def _least_excess(self, spectrum: int, efficiency: int, near: float, range_m: float) -> tuple[float, float]:
-        """Least exp((c - K_near) r) - 1 and exp((c - K_all) r) - exp((c - K_near) r) over the detected spectrum."""
-        scene = self.scene
-        weight = self.weight(spectrum, efficiency)
+    def _least_excess(
+        self, spectrum: int, efficiency: int, from_m: tuple[float, float], range_m: float
+    ) -> tuple[float, float]:
+        """Least exp((c - K_near) r) - 1 and exp((c - K_all) r) - exp((c - K_near) r) over the detected spectrum, for
+        all pairs of a lamp's way and a way r to the camera from these on.
+
+        Both grow with r at every wavelength. Their mean over what is seen, sum of X w over sum of w, may fall where the
+        ways shift the spectrum; so pairs are cut into cells. Within one, X is no less than at its nearest r, and each w
+        no farther from that at its middle than by factors of exp(-E) to exp(E), beside one common to all: E is what the
+        ways within change an attenuation less a fixed one by. Of all such w those have the least mean that are exp(E)
+        times as much where X is below it, and exp(-E) times above, which is found by turns, from above.
+        """
+        scene, weight = self.scene, self.weight(spectrum, efficiency)
         lit = weight > 0
         if not lit.any():  # a black floor or a blind sensor
             return 0.0, 0.0
-        weight, c, lamp_leg = weight[lit], scene.attenuation_per_m[lit], self.lamp_leg_per_m(spectrum)[lit]
+        c, lamp_leg = scene.attenuation_per_m[lit], self.lamp_leg_per_m(spectrum)[lit]
         excess = np.stack([c - leg[lit] for leg in (self.near_leg_per_m(), self.veil_leg_per_m(range_m))])
-        least = np.full(2, np.inf)
-        for camera_m in np.linspace(near, max(self.reach_m[1], near), 4):
-            every = np.expm1(np.minimum(excess * camera_m, LARGEST_EXPONENT))
-            veil = np.stack([every[0], every[1] - every[0]])
-            for lamp_m in np.linspace(0.5 * near, max(self.reach_m[0], near), 4):
-                optical = lamp_leg * lamp_m + c * camera_m
-                seen = weight * np.exp(-(optical - optical.min()))
-                least = np.minimum(least, veil @ seen / seen.sum())
-        return float(least[0]), float(least[1])
+        steps = np.linspace(0.0, 1.0, PATH_CELLS + 1)
+        passed, change = [], np.zeros((PATH_CELLS, 1))
+        for leg, low, high, shares in zip((lamp_leg, c), from_m, self.reach_m, (steps, steps**2), strict=True):
+            edge_m = low + (max(high, low) - low) * shares
+            passed.append(np.exp(-np.multiply.outer(0.5 * (edge_m[1:] + edge_m[:-1]), leg - leg.min())))
+            first = passed[-1][0] * weight[lit]
+            off = np.abs(leg - float(first @ leg / first.sum()))
+            change = change + np.multiply.outer(0.5 * np.diff(edge_m), off)
+        grown = np.expm1(np.minimum(np.multiply.outer(edge_m[:-1], excess), LARGEST_EXPONENT))
+        veil = np.stack([grown[:, 0], grown[:, 1] - grown[:, 0]])
+        seen, most = passed[1] * weight[lit], np.exp(np.minimum(change, 0.1 * LARGEST_EXPONENT))
+        mean = np.full(2, np.inf)
+        while True:
+            some = seen * np.where(veil > mean[:, None, None], 1.0 / most, most)
+            lower = ((some * veil) @ passed[0].T / (some @ passed[0].T)).min(axis=(1, 2))
+            if not (lower < mean * (1.0 - SLACK)).any():
+                return float(mean[0]), float(mean[1])
+            mean = np.minimum(lower, mean)
 
     def reaching(self, lamp_reach_m: float, camera_reach_m: float) -> Contraction:
         """The same with tables that cover paths so long, rounded up so that like problems share their tables."""

@@ -18,7 +18,7 @@ the same for all images of one port, and the kernel so wide that a few nodes ove
 
 from __future__ import annotations
 
-from functools import cache, lru_cache
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -38,6 +38,7 @@ ONCE = {16: 0.85, 2: 0.15}  # of light that turned once: most from nearby, and a
 TWICE, OFTEN = 8, 4
 FEW = 1e-9  # turns, below which all of it turned once
 RINGS, AZIMUTHS = 10, 16  # of a lobe: shares of its flux, and azimuths
+WIDE_LOBE_RAD, FINER_WIDE = float(np.deg2rad(55.0)), 2.0  # half power; so many times as many of wider lobes
 IMAGE_NODES, LARGE_NODES = 6, 8  # a side
 LARGE_TANGENT = 0.6  # of the half of a side, from which an image is large
 CROWDING = 2  # power by which rings crowd
@@ -45,9 +46,10 @@ CDF_ANGLES = 4001
 LEAST_DESCENT = 0.1  # cosine from the floor's normal of rays that count as never meeting it
 REACH = 12.0  # altitudes to which tables of water's loss should go for these spots
 AT_ONCE = 2_000_000  # pairs of pixel and spot
-LEAST_HALF, MOST_HALF, N_HALVES = 0.03, 2.5, 24  # tangents in water of half images in the table of `least_within`
-WITHIN_NODES, WITHIN_PLACES = 16, 3  # a side of the image, and of its quarter
-WITHIN_POWER, MOST_ASIDE = 3, 0.3  # of a bound for places that a window shows aside of where it looks
+#: Of `least_within`, from these tangents in water of the corner on: cells a side of the image's quarter, nodes a side
+CELLS = {0.0: (1, 8), 0.35: (2, 8), 0.65: (3, 10), 1.1: (4, 14)}
+WITHIN_AT_ONCE = 256  # images
+MOST_CURVED = 1.0 / 16.0  # of (n - 1) times a cell's squared radius; see `least_within`
 
 
 class Spots(NamedTuple):
@@ -68,6 +70,8 @@ def floor_spots(
     lamps, beam, shape, range_m : as in `imaging.local_gain`; one port. Rays that never meet the plane are left out.
     fineness : factor on rings and azimuths of each lobe
     """
+    if beams.half_power_angle_rad(beam) > WIDE_LOBE_RAD:  # little of their light may fall into an image
+        fineness = FINER_WIDE * fineness
     angle, flux = _rings(beam, scaled(RINGS, fineness))
     n_round = scaled(AZIMUTHS, fineness)
     azimuth = 2.0 * np.pi * (np.arange(n_round) + 0.5) / n_round
@@ -165,11 +169,14 @@ def mean_wide_gain(
     return found
 
 
-def least_within(half_along: ArrayLike, half_across: ArrayLike, *, aside: ArrayLike = 0.0) -> Array:
+def least_within(
+    tan_along: ArrayLike, tan_across: ArrayLike, *, index: ArrayLike = 1.0, most_along: ArrayLike | None = None,
+    most_across: ArrayLike | None = None, aside: ArrayLike = 0.0,
+) -> Array:  # fmt: skip
     """What an image gets back at least of its own floor's light as veil from elsewhere, by kernel and loss (n, 4) [1].
 
         mean V / mean S >= h g(r) / exp(-c r)
-        h = least over u' of integral over u of k(u . u') cos u / cos u' d Omega
+        h = least over places u' of the image of f(u') = integral over the image of k(u . u') cos u / cos u' d Omega
 
     with V of a kernel of `POWERS` alone, S what forms the image, g the loss of the wide veil, both losses straight down
     over the shortest ray. u and u' are directions in water within the image; the sums over both may be taken in either
@@ -178,54 +185,117 @@ def least_within(half_along: ArrayLike, half_across: ArrayLike, *, aside: ArrayL
 
     Parameters
     ----------
-    half_along, half_across : (n,) tangents in water of half the image's sides
+    tan_along, tan_across : (n,) tangents in air of half the image's sides
+    index : broadcasting [1], of water behind a flat window; 1 behind a dome, where rays go straight
+    most_along, most_across : (n,), where rows stand for images from these halves on up to those, at any step between:
+        light is counted that the smallest gets, from the least of all places of the largest
     aside : broadcasting [1], by how much farther from the axis, at most, places on the floor lie than a ray from the
-        port's middle would have them; the bound is 0 beyond 0.3
+        port's middle would have them
+
+    Returns
+    -------
+    (n, 4) [1], a lower bound, the powers as in `POWERS`; of small images within 1 %
 
     Notes
     -----
-    Level floors, half images of 0.03 to 2.5; of others 0. By a table, linear in logarithms, at most 1 % more than h. An
-    image that a window bends to a barrel holds the rectangle of its corners.
+    Why no place can have less, with x = (s, t) the tangents of u' and l(x) = (s, t, 1) . u / cos u, which is linear:
+    f(x) = w(x)^(1-n) times the sum of W l(x)+^n, w = sqrt(1 + s^2 + t^2) and W > 0 the kernel's factor and the solid
+    angle. By Hoelder's inequality, from any place x_0,
+
+        f(x) >= F(x) = w(x)^(1-n) [sum of W l(x_0)+^(n-1) l(x)]^n [sum of W l(x_0)+^n]^(1-n).
+
+    The quarter of the image is cut into cells. log F is a concave function of x, the log of a linear one, less
+    (n - 1) / 2 log(1 + s^2 + t^2), whose second derivatives are nowhere below -1/4: so log F + (n - 1) / 16 |x - x_m|^2
+    less that is concave, and F within a cell is least at one of its corners, but for exp(-(n - 1) / 16 |x - x_m|^2),
+    x_m its middle, which is 1 for places within 45 deg of the axis. A window's barrel bends a cell's sides outward: it
+    lies in the box of its corners, on the axis' side of the tangent to the circle through the one that is farthest.
+    A place that lies aside by a share e counts ((1 + q) (1 + e) / (1 + q (1 + e)^2))^2 times as much, q = s^2 + t^2,
+    or more. Left are the Gauss nodes of a smooth integrand: 1e-6 of it for corners up to 45 deg in water, 1e-3 to 70.
     """
-    spread = np.log(MOST_HALF / LEAST_HALF) / (N_HALVES - 1)
-    halves = np.broadcast_arrays(np.asarray(half_along, float), np.asarray(half_across, float))
-    place = [np.log(np.clip(half, LEAST_HALF, MOST_HALF) / LEAST_HALF) / spread for half in halves]
-    at = [np.minimum(one.astype(int), N_HALVES - 2) for one in place]
-    (i, j), (p, q) = at, (one - low for one, low in zip(place, at, strict=True))
-    p, q, table = p[..., None], q[..., None], _within_table()
-    low, high = ((1.0 - q) * table[k, j] + q * table[k, j + 1] for k in (i, i + 1))
-    beside = np.asarray(aside, dtype=float)
-    lost = np.where(beside <= MOST_ASIDE, (1.0 + np.maximum(beside, 0.0)) ** -WITHIN_POWER, 0.0)
-    known = (np.minimum(*halves) >= LEAST_HALF) & (np.maximum(*halves) <= MOST_HALF)
-    return np.asarray(np.exp((1.0 - p) * low + p * high) * (lost * known)[..., None])
+    given = (tan_along, tan_across, tan_along if most_along is None else most_along,
+             tan_across if most_across is None else most_across, index, aside)  # fmt: skip
+    columns = np.broadcast_arrays(*(np.atleast_1d(np.asarray(one, dtype=float)) for one in given))
+    found = np.zeros((len(columns[0]), len(POWERS)))
+    far = np.hypot(columns[2], columns[3])
+    corner = port.water_tangent(far, n=columns[4]) * (1.0 + columns[5])
+    for (low, (cells, nodes)), high in zip(CELLS.items(), (*list(CELLS)[1:], np.inf), strict=True):
+        mine = np.flatnonzero((low <= corner) & (corner < high))
+        for start in range(0, len(mine), WITHIN_AT_ONCE):
+            some = mine[start : start + WITHIN_AT_ONCE]
+            found[some] = _least_of_cells(*(column[some] for column in columns), cells=cells, count=nodes)
+    return found
 
 
-@cache
-def _within_table() -> Array:
-    """Logarithms of h, (N_HALVES, N_HALVES, 4) by half along and across."""
-    halves = np.geomspace(LEAST_HALF, MOST_HALF, N_HALVES)
-    nodes, weights = gauss(WITHIN_NODES)
-    steps = np.linspace(0.0, 1.0, WITHIN_PLACES)
-    found = np.empty((N_HALVES, N_HALVES, len(POWERS)))
-    for i, along in enumerate(halves):
-        across = halves[: i + 1]
-        from_, weight = _directions(along * nodes, np.multiply.outer(across, nodes))
-        weight = weight**4 * np.outer(weights, weights).ravel() * (4.0 * along * across)[:, None]
-        to, cosine = _directions(along * steps, np.multiply.outer(across, steps))
-        kernel = np.maximum(np.einsum("acn,acm->anm", to, from_), 0.0)
-        for k, power in enumerate(POWERS):
-            kernel *= kernel
-            sums = (kernel @ weight[:, :, None])[:, :, 0] * (power + 1) / (2.0 * np.pi) / cosine
-            found[i, : i + 1, k] = found[: i + 1, i, k] = sums.min(axis=1)
-    return np.asarray(np.log(found))
+def _least_of_cells(
+    along: Array, across: Array, most_along: Array, most_across: Array, index: Array, aside: Array, *, cells: int,
+    count: int,
+) -> Array:  # fmt: skip
+    """`least_within` by so many cells a side of the image's quarter, of the least of F at their corners."""
+    sums = _Sums(along, across, index, count)
+    steps = np.linspace(0.0, 1.0, cells + 1)
+    u, v = (np.tan(np.multiply.outer(steps, np.arctan(side))) for side in (most_along, most_across))
+    far, least = 1.0 + aside, np.full((len(POWERS), len(along)), np.inf)
+
+    def seen(i: int, j: int) -> Array:
+        return np.asarray(1.0 / _bend(u[i], v[j], index))
+
+    for i in range(cells):
+        for j in range(cells):
+            near_s, near_t = u[i] * seen(i, j + 1), v[j] * seen(i + 1, j)
+            far_s, far_t = u[i + 1] * seen(i + 1, j) * far, v[j + 1] * seen(i, j + 1) * far
+            end_s, end_t = u[i + 1] * seen(i + 1, j + 1) * far, v[j + 1] * seen(i + 1, j + 1) * far
+            square = np.square(end_s) + np.square(end_t)
+            cut_t = np.clip((square - far_s * end_s) / end_t, near_t, far_t)
+            cut_s = np.clip((square - far_t * end_t) / end_s, near_s, far_s)
+            s = np.stack([near_s, far_s, near_s, far_s, cut_s])
+            t = np.stack([near_t, near_t, far_t, cut_t, far_t])
+            least = np.minimum(least, sums.bound(end_s, end_t, s, t))
+    square = np.square(port.water_tangent(np.hypot(most_along, most_across), n=index))
+    beside = np.square((1.0 + square) * far / (1.0 + square * np.square(far)))
+    return np.asarray((least * np.minimum(beside, 1.0)).T)
 
 
-def _directions(along: Array, across: Array) -> tuple[Array, Array]:
-    """Unit vectors (a, 3, n) of tangents along (u,) by across (a, v), and their cosines from the axis (a, n)."""
-    u, v = np.broadcast_arrays(along[None, :, None], across[:, None, :])
-    u, v = u.reshape(len(across), -1), v.reshape(len(across), -1)
-    cosine = 1.0 / np.sqrt(1.0 + u * u + v * v)
-    return np.stack([u * cosine, v * cosine, cosine], axis=1), cosine
+class _Sums:
+    """Sums over the nodes of images, and what Hoelder's inequality says of a place by them."""
+
+    def __init__(self, along: Array, across: Array, index: Array, count: int):
+        nodes, weights = gauss(count)
+        u, v = np.meshgrid(nodes, nodes, indexing="ij")
+        u, v = np.multiply.outer(along, u.ravel()), np.multiply.outer(across, v.ravel())
+        index = index[:, None]
+        seen = 1.0 / _bend(u, v, index)
+        self.s, self.t = u * seen, v * seen
+        cosine = 1.0 / np.sqrt(1.0 + np.square(self.s) + np.square(self.t))
+        solid = np.outer(weights, weights).ravel() * (4.0 * along * across)[:, None] / np.square(
+            index * (1.0 + np.square(u) + np.square(v))
+        )
+        moments = np.stack([np.ones_like(self.s), self.s, self.t])
+        self.weighted = []
+        for power in POWERS:
+            self.weighted.append(moments * (solid * cosine**power * ((power + 1) / (2.0 * np.pi))))
+
+    def bound(self, at_s: Array, at_t: Array, s: Array, t: Array) -> Array:
+        """Least of F from one place (n,) over cells with these corners (k, n), (4, n)."""
+        level = np.maximum(1.0 + self.s * at_s[:, None] + self.t * at_t[:, None], 0.0)
+        square = np.square(s) + np.square(t)
+        middle = [0.5 * (side.min(axis=0) + side.max(axis=0)) for side in (s, t)]
+        radius = (np.square(s - middle[0]) + np.square(t - middle[1])).max(axis=0)
+        radius = np.where(square.max(axis=0) > 1.0, radius, 0.0)
+        found, raised, power_of = np.empty((len(POWERS), len(at_s))), level, level
+        for k, power in enumerate(POWERS):  # level^(n-1), and level^(n/2)
+            if k:
+                raised, power_of = raised * np.square(power_of), np.square(power_of)
+            one, along, across = np.einsum("cnm,nm->cn", self.weighted[k], raised)
+            here = one + along * at_s + across * at_t
+            line = np.maximum(one + along * s + across * t, 0.0) / here
+            each = here * line**power * (1.0 + square) ** (0.5 * (1 - power))
+            found[k] = each.min(axis=0) * np.exp((1 - power) * MOST_CURVED * radius)
+        return found
+
+
+def _bend(along: Array, across: Array, index: Array) -> Array:
+    """Tangent in air over that in water; 1 where the index is."""
+    return np.asarray(port.bend(np.square(along) + np.square(across), n=index))
 
 
 @lru_cache(maxsize=256)

@@ -3,6 +3,11 @@
 What comes near its straight way holds at every pixel: the same place on the floor sends both. What comes from elsewhere
 on the floor is bounded in the mean of the image alone, by what the image's own floor sends into it
 (`veil.wide.least_within`): however a lamp lights it, no light in the image is without this veil.
+
+Where rows stand for groups, the images between two ends are meant: of one sensor behind lenses of ever wider angle, so
+that both sides grow by one factor, behind whichever of the ports. A larger image holds the smaller, in water too: none
+between the two gets less than the smaller one's floor sends to the worst place of the larger. The way from end to end
+goes in steps.
 """
 
 from __future__ import annotations
@@ -14,17 +19,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.forward.columns import distinct
+from uwopt.forward.columns import distinct, groups_alike
 from uwopt.forward.problem import Problem
 from uwopt.forward.views import Views
 from uwopt.model import port
-from uwopt.model.veil.wide import least_within
+from uwopt.model.veil.wide import POWERS, least_within
 from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.lightings import Lighting
+from uwopt.tolerances import ROUND
 
 Array = NDArray[Any]
 GRAZING = 9.0  # lamps farther aside than so many of their heights: little of their light counts as meeting the floor
-WORTH = 1e-3  # of the veil: less from elsewhere is not worth its bound
+FAR_ASIDE = 1.25  # heights off the axis: from farther, few of the spots that stand for a lamp's light are in an image
+SIDE_STEP, ASIDE_STEP = 0.02, 0.02  # of a side's logarithm, and of the share by which places lie aside
+STEPS = 4  # from the smallest to the largest image that a row stands for
+WORTH = 0.1  # of the light near its way: less from elsewhere, a third of it the image's own, is not worth its bound
 
 
 class LeastVeil:
@@ -43,15 +52,21 @@ class LeastVeil:
         contraction = problem.contractions[scene_index]
         curves, back = distinct(problem.cameras.qe_index[self.imagers.camera[rows]])
         spectra = {int(contraction.spectrum_of[lighting.optics]) for lighting in lightings}
-        nearest_m, veil = problem.nearest_m(scene_index, altitude), np.zeros(len(rows))
+        ways_m = problem.nearest_m(scene_index, altitude), self._lowest_m(scene_index, altitude)
+        veil = np.zeros(len(rows))
         for k, curve in enumerate(curves):
-            each = [contraction.least_veil(s, int(curve), altitude, nearest_m) for s in spectra]
+            each = [contraction.least_veil(s, int(curve), altitude, *ways_m) for s in spectra]
             mine = back == k
             veil[mine] = min((near for near, _ in each), default=0.0)
             if self.counts_elsewhere(scene_index) and any(wide.sum() > WORTH * (1.0 + near) for near, wide in each):
                 within = self.within(scene_index)[rows[mine]]
                 veil[mine] = np.min([near + within @ wide for near, wide in each], axis=0)
         return veil
+
+    def _lowest_m(self, scene_index: int, altitude: int) -> float:
+        """No lamp stands lower over the floor than this at one altitude."""
+        rise_m = np.diff(self.problem.scenes[scene_index].altitude_m[[0, altitude]])
+        return self.problem.lowest_m(scene_index) + float(rise_m[0])
 
     def counts_elsewhere(self, scene_index: int) -> bool:
         """Whether what comes from elsewhere is bounded: of means, over a level floor."""
@@ -62,55 +77,86 @@ class LeastVeil:
         """What each imager's floor sends into its image at least, by kernel (n, 4)."""
         if scene_index not in self._within:
             ends = self.imagers.scenes[scene_index].ends
-            bends = [self._bend(scene_index, view) for view in ends]
-            aside = np.max([self._aside(scene_index, *end) for end in zip(ends, bends, strict=True)], axis=0)
-            sent = [
-                least_within(view.tan_along / bend, view.tan_across / bend, aside=aside) * passed[:, None]
-                for view, bend, passed in zip(ends, bends, self._passed(scene_index, ends), strict=True)
-            ]
-            self._within[scene_index] = np.min(sent, axis=0)
+            smallest, largest = ends[0], ends[-1]
+            aside, farther_m = self._aside(scene_index, largest)
+            lost = float(self.problem.contractions[scene_index].near_leg_per_m().max()) * farther_m
+            kept = np.where(np.isfinite(aside), self._passed(scene_index, largest) * np.exp(-lost), 0.0)
+            sent = self._sent(scene_index, smallest, largest, np.where(np.isfinite(aside), aside, 0.0))
+            self._within[scene_index] = sent * kept[:, None]
         return self._within[scene_index]
 
-    def _bend(self, scene_index: int, view: Views) -> Array:
-        """Tangent in air over that in water at the image's corner."""
-        square = np.square(view.tan_along) + np.square(view.tan_across)
-        return np.where(self._is_dome, 1.0, port.bend(square, n=self.problem.scenes[scene_index].n_water))
+    def _sent(self, scene_index: int, smallest: Views, largest: Views, aside: Array) -> Array:
+        """`least_within` of the images between two ends.
 
-    def _aside(self, scene_index: int, view: Views, bend: Array) -> Array:
-        """By how much farther aside than a ray from the middle of its window an image's corner falls, at most; inf
-        where lamps stand so far aside that some of their light in the image may count as missing the floor."""
-        nearest_m = float(self.problem.scenes[scene_index].range_m[0])
-        most = np.zeros(len(bend))
+        Sides are rounded outward to one series of lengths, so that images nearly alike share what is worked out.
+        """
+        grows = np.maximum(largest.tan_along / smallest.tan_along, largest.tan_across / smallest.tan_across)
+        sides = np.log(np.sort([smallest.tan_along, smallest.tan_across], axis=0)) / SIDE_STEP
+        longer = np.log(np.maximum(grows, 1.0)) / SIDE_STEP
+        beside = np.ceil(aside / ASIDE_STEP)
+        n_steps = STEPS if (grows > ROUND).any() else 1
+        sent = []
+        for step in range(n_steps):
+            low, high = (sides + longer * share / n_steps for share in (step, step + 1))
+            columns = *np.floor(low), *(np.floor(high) + 1.0), beside, self._is_dome.astype(float)
+            first, back = groups_alike(*columns)
+            sent.append(self._known(scene_index, np.stack([column[first] for column in columns], axis=1))[back])
+        return np.asarray(np.min(sent, axis=0))
+
+    def _known(self, scene_index: int, rows: Array) -> Array:
+        """`least_within` by steps of the smallest sides and the largest ones, steps aside, and whether a dome; kept."""
+        scene, keys = self.problem.scenes[scene_index], [("within", *row) for row in rows.tolist()]
+        fresh = [place for place, key in enumerate(keys) if key not in scene.cache]
+        if fresh:
+            along, across, most_along, most_across = np.exp(SIDE_STEP * rows[fresh, :4].T)
+            found = least_within(
+                along, across, index=np.where(rows[fresh, 5] > 0.0, 1.0, scene.n_water), most_along=most_along,
+                most_across=most_across, aside=ASIDE_STEP * rows[fresh, 4],
+            )  # fmt: skip
+            scene.cache.update(zip((keys[place] for place in fresh), found, strict=True))
+        return np.array([scene.cache[key] for key in keys]).reshape(-1, len(POWERS))
+
+    def _aside(self, scene_index: int, view: Views) -> tuple[Array, Array]:
+        """By how much farther aside than a ray from the middle of its window an image's corner falls, at most, and how
+        much longer the way to there from the middle is [m]; inf where lamps stand too far aside to say.
+
+        Aside of its middle a ray leaves a window by e tan a + t tan g: over tan w that grows no more than tan a does.
+        """
+        scene = self.problem.scenes[scene_index]
+        nearest_m, n_water = float(scene.range_m[0]), scene.n_water
+        corner = np.hypot(view.tan_along, view.tan_across)
+        at_corner, most = port.bend(np.square(corner), n=n_water), np.zeros(len(corner))
         for tangent, wide_m in ((view.tan_along, view.footprint_along_m), (view.tan_across, view.footprint_across_m)):
-            straight_m = nearest_m * tangent / port.bend(np.square(tangent), n=self.problem.scenes[scene_index].n_water)
-            most = np.maximum(most, 0.5 * wide_m[:, 0] / straight_m - 1.0)
-        most = np.where(self._is_dome, 0.0, most * bend)  # at a corner no more than bend times as much
+            at_edge = port.bend(np.square(tangent), n=n_water)
+            straight_m = nearest_m * tangent / at_edge
+            most = np.maximum(most, (0.5 * wide_m[:, 0] / straight_m - 1.0) * at_corner / at_edge)
+        most = np.where(self._is_dome, 0.0, most)
+        beside_m = most * nearest_m * corner / at_corner
         far_m = 0.5 * np.hypot(view.footprint_along_m[:, -1], view.footprint_across_m[:, -1])
-        return np.where(far_m < self._lit_m(nearest_m), most, np.inf)
+        return np.where(far_m < self._lit_m(nearest_m), most, np.inf), beside_m * far_m / np.hypot(far_m, nearest_m)
 
     def _lit_m(self, range_m: float) -> float:
-        """How far from the axis light of every lamp meets the floor steeply enough."""
-        lamps = [lighting.mount.lamps(self.problem.count_range[1]) for lighting in self.lightings]
-        return min((
-            GRAZING * (range_m - z) - float(np.hypot(x, y))
-            for one in lamps for x, y, z in zip(one.x_m, one.y_m, one.z_m, strict=True)
-        ), default=np.inf)  # fmt: skip
+        """How far off the axis light of every lamp meets the floor steeply enough; 0 where one stands too far aside."""
+        reach_m = [np.inf]
+        for lighting in self.lightings:
+            one = lighting.mount.lamps(self.problem.count_range[1])
+            for x, y, z in zip(one.x_m, one.y_m, one.z_m, strict=True):
+                aside_m, height_m = float(np.hypot(x, y)), range_m - z
+                reach_m.append(GRAZING * height_m - aside_m if aside_m <= FAR_ASIDE * height_m else 0.0)
+        return min(reach_m)
 
-    def _passed(self, scene_index: int, ends: Sequence[Views]) -> list[Array]:
+    def _passed(self, scene_index: int, view: Views) -> Array:
         """What a flat window passes in the image's corner over what it passes on the axis."""
         problem, n_water = self.problem, self.problem.scenes[scene_index].n_water
         if not problem.effects.window_angle or self._is_dome.all():
-            return [np.ones(len(self._is_dome)) for _ in ends]
-        passed, glass = [], problem.ports.refractive_index
-        for view in ends:
-            tangent = np.hypot(view.tan_along, view.tan_across)
-            each = [
-                port.flat_port_transmittance(tangent, n_water=n_water, n_glass=n)
-                / port.normal_port_transmittance(n_water=n_water, n_glass=n)
-                for n in (float(glass.min()), float(glass.max()))
-            ]
-            passed.append(np.where(self._is_dome, 1.0, np.min(each, axis=0)))
-        return passed
+            return np.ones(len(self._is_dome))
+        tangent, glass = np.hypot(view.tan_along, view.tan_across), problem.ports.refractive_index
+        each = [
+            port.flat_port_transmittance(tangent, n_water=n_water, n_glass=n)
+            / port.normal_port_transmittance(n_water=n_water, n_glass=n)
+            for n in (float(glass.min()), float(glass.max()))
+        ]
+        return np.where(self._is_dome, 1.0, np.min(each, axis=0))
 
     @cached_property
     def _is_dome(self) -> Array:
