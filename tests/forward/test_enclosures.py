@@ -243,6 +243,28 @@ def test_a_housing_to_be_made_is_ordered_for_the_largest_camera(
     assert told["housing_length_mm"] == pytest.approx((0.151, 0.15))
 
 
+@pytest.mark.parametrize(("to_be_made", "length_mm", "radius_mm"), [(False, 111.0, 23.93), (True, 117.0, 28.63)])
+def test_a_housing_to_be_made_has_room_wherever_the_pupil_lies(
+    to_be_made: bool, length_mm: float, radius_mm: float
+) -> None:
+    # by hand: 40 - 16 + 40 + 45 + 2 behind the pupil, at most 40 - 10; ahead sqrt(15^2 + 16^2) + 2, at most of 22
+    built = model(replace(PORT, housing=replace(TUBE, inner_length_mm=115.0, generic=to_be_made)))
+    parts = built.problem.parts
+    camera = replace(
+        parts.cameras[0], body_width_mm=exact(20.0), body_height_mm=exact(20.0), body_length_mm=exact(40.0),
+        plug_mm=exact(45.0),
+    )  # fmt: skip
+    lens = replace(
+        parts.lenses[0], length_mm=exact(40.0), diameter_mm=exact(30.0), pupil_mm=Quantity(16.0, 10.0, 22.0)
+    )
+    problem = Problem(built.problem.mission, replace(parts, cameras=(camera,), lenses=(lens,)), paper=True)
+    needed = {row.requirement: float(row.value[0]) for row in DesignModel(problem, built.hardware).housing_margins()}
+    assert needed["housing_length_mm"] == pytest.approx(length_mm)
+    assert needed["dome_radius_mm"] == pytest.approx(radius_mm, abs=0.01)
+    assert fits_inside(problem.cameras, problem.lenses, 0.0, problem.ports).item() is not to_be_made
+    assert tight_at_worst(camera, lens, 0.0, problem.ports)["housing_length_mm"] == pytest.approx((0.117, 0.115))
+
+
 def test_a_flange_weighs_in_air_and_in_water() -> None:
     # to 300 m 1730 g at 200 mm, of which it displaces 0.3: at 120 mm 622.8 g and 186.84 g
     tube = replace(TUBE, ports=("any", "acme*"))
@@ -260,3 +282,5 @@ def test_a_size_that_is_drawn_smaller_orders_no_shorter_housing() -> None:
     # a plug of 25 to 70 mm, drawn as 30 mm: the housing was ordered for 70 mm before anybody knew
     drawn = taken_as("plug_mm", Quantity(45.0, 25.0, 70.0, "estimated"), 30.0)
     assert (drawn.value, drawn.high) == (30.0, 70.0)
+    pupil = taken_as("pupil_mm", Quantity(16.0, 10.0, 22.0, "estimated"), 12.0)
+    assert (pupil.value, pupil.low, pupil.high) == (12.0, 10.0, 22.0)

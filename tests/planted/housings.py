@@ -28,6 +28,21 @@ DEFECTS: tuple[Defect, ...] = (
         "test_a_housing_to_be_made_is_ordered_for_the_largest_camera[True-56.31-151.0]",
     ),
     Defect(
+        name="a housing to be made is ordered for the middle of where the pupil may lie",
+        file="uwopt/forward/enclosures.py",
+        old="long + spacers_m, farthest, nearest)",
+        new="long + spacers_m, lenses.pupil_m)",
+        test="tests/forward/test_enclosures.py::"
+        "test_a_housing_to_be_made_has_room_wherever_the_pupil_lies[True-117.0-28.63]",
+    ),
+    Defect(
+        name="where a pupil is drawn it was known before the housing was ordered",
+        file="uwopt/catalog/parts/doubts.py",
+        old="if name in EITHER_SIZE:",
+        new="if name in EITHER_SIZE[1:]:",
+        test="tests/forward/test_enclosures.py::test_a_size_that_is_drawn_smaller_orders_no_shorter_housing",
+    ),
+    Defect(
         name="all housings are held to the largest camera",
         file="uwopt/forward/enclosures.py",
         old="at_most=bool(port.to_be_made[0])",
@@ -80,14 +95,14 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="the lens takes no length in a housing",
         file="uwopt/model/enclosure.py",
-        old="self.lens_length_m - self.pupil_m + self.camera_length_m",
+        old="self.lens_length_m - self.frontmost_m + self.camera_length_m",
         new="self.camera_length_m",
         test=ROOM + "test_tube_behind_a_dome_begins_at_the_pupil",
     ),
     Defect(
         name="the lens may stand in the glass of a flat port",
         file="uwopt/model/enclosure.py",
-        old="np.maximum(bodies.pupil_m, gap_m)",
+        old="np.maximum(bodies.frontmost_m, gap_m)",
         new="gap_m",
         test=ROOM + "test_tube_behind_a_flat_port_holds_the_whole_lens",
     ),

@@ -22,7 +22,7 @@ from uwopt.catalog.readers.read_lens import circle_class
 from uwopt.catalog.records import Camera, Housing, Lens, Port, Quantity
 from uwopt.forward.columns import groups_alike
 from uwopt.forward.once import once_each
-from uwopt.forward.part_columns import Cameras, Lenses, Ports
+from uwopt.forward.part_columns import Cameras, Lenses, Ports, ends_of
 from uwopt.model.enclosure import Bodies, dome_needed_m, mouth_needed_m, sphere_needed_m, tube_needed_m
 from uwopt.model.path_table import product
 from uwopt.tolerances import ROUND
@@ -100,7 +100,8 @@ def bodies_of(cameras: Cameras, lenses: Lenses, spacers_m: Array | float, *, at_
     """What rows of cameras and lenses take up, with rings of these lengths between them; by high ends where asked."""
     if at_most:
         (width, height, deep, plug), (wide, long) = cameras.most_body_m.T, lenses.most_body_m.T
-        return Bodies(width, height, deep, plug, wide, long + spacers_m, lenses.pupil_m)
+        nearest, farthest = lenses.pupil_ends_m.T
+        return Bodies(width, height, deep, plug, wide, long + spacers_m, farthest, nearest)
     return Bodies(
         cameras.body_width_m, cameras.body_height_m, cameras.body_length_m, cameras.plug_m, lenses.diameter_m,
         lenses.length_m + spacers_m, lenses.pupil_m,
@@ -110,7 +111,8 @@ def bodies_of(cameras: Cameras, lenses: Lenses, spacers_m: Array | float, *, at_
 def bodies_in(cameras: Cameras, lenses: Lenses, spacers_m: Array | float, port: Ports) -> Bodies:
     """What one enclosure must have room for: in a housing to be made, the high ends of what is estimated.
 
-    It is cut to measure before anybody holds camera, plug and lens in hand; a housing off the shelf can be tried.
+    It is cut to measure before anybody holds camera, plug and lens in hand; a housing off the shelf can be tried. Nor
+    is it known where the entrance pupil lies: a tube is long enough for its low end, a dome wide enough for its high.
     """
     return bodies_of(cameras, lenses, spacers_m, at_most=bool(port.to_be_made[0]))
 
@@ -149,9 +151,9 @@ def tight_at_worst(camera: Camera, lens: Lens, spacer_m: float, port: Ports) -> 
         return np.array([0.0 if value is None else value.high * 1e-3])
 
     length = high(lens, "length_mm")
-    pupil = np.array([0.0 if lens.pupil_mm is None else lens.pupil_mm.value * 1e-3])  # either end may be the worse
+    nearest, farthest = 1e-3 * np.array(ends_of(lens.pupil_mm))[:, None]
     width, height, deep, plug = (high(camera, name) for name in BODY)
-    worst = Bodies(width, height, deep, plug, high(lens, "diameter_mm"), length + spacer_m, pupil)
+    worst = Bodies(width, height, deep, plug, high(lens, "diameter_mm"), length + spacer_m, farthest, nearest)
     needed = room_needed_m(worst, port)
     return {name: (float(n[0]), float(r[0])) for name, (n, r) in needed.items() if not n[0] <= r[0] * ROUND}
 

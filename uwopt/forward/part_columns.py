@@ -99,6 +99,7 @@ class Lenses(PartColumns):
     diameter_m: Array
     pupil_m: Array
     most_body_m: Array  # (n, 2), high ends of diameter and length
+    pupil_ends_m: Array  # (n, 2), low and high end of `pupil_m`
     price: Array
     limit_price: Array  # what counts against a budget: the price, or its high end
     mass_kg: Array
@@ -190,6 +191,11 @@ def number(
     if end == "central" or favoured == 0:
         return quantity.value
     return quantity.high if (favoured > 0) == (end == "good") else quantity.low
+
+
+def ends_of(quantity: Quantity | None) -> tuple[float, float]:
+    """The low and the high end of a quantity, 0 where it is not known."""
+    return (0.0, 0.0) if quantity is None else (quantity.low, quantity.high)
 
 
 def column(parts: Sequence[Part], field: Field, end: End = "central") -> Array:
@@ -347,6 +353,7 @@ def lens_rows(
             "aberration_exponent": aberration_exponent(known["f_number_min"]),
             "spacers_m": _spacers(parts),
             "most_body_m": high_ends(Lens, parts, ("diameter_mm", "length_mm")),
+            "pupil_ends_m": 1e-3 * np.array(each_once([part.pupil_mm for part in parts], ends_of), float),
             "rated_pitch_m": np.array([(rated_pitch_um(part) or 0.0) * 1e-6 for part in parts], float),
             "motorised": np.array([part.aperture_control == "motorised" for part in parts], bool),
         }

@@ -23,6 +23,7 @@ class Bodies:
     lens_diameter_m: Array
     lens_length_m: Array
     pupil_m: Array  # entrance pupil behind the lens's front
+    least_pupil_m: Array | None = None  # the least that it may be, where `pupil_m` is the most; None: it is known
 
     @property
     def diagonal_m(self) -> Array:
@@ -31,8 +32,13 @@ class Bodies:
 
     @property
     def behind_pupil_m(self) -> Array:
-        """From the entrance pupil to the end of the plug."""
-        return np.asarray(self.lens_length_m - self.pupil_m + self.camera_length_m + self.plug_m)
+        """From the entrance pupil, where it lies farthest in front, to the end of the plug."""
+        return np.asarray(self.lens_length_m - self.frontmost_m + self.camera_length_m + self.plug_m)
+
+    @property
+    def frontmost_m(self) -> Array:
+        """The least distance of the entrance pupil behind the lens's front: how far that stands out of the tube."""
+        return self.pupil_m if self.least_pupil_m is None else self.least_pupil_m
 
 
 def tube_needed_m(bodies: Bodies, *, is_dome: Any, gap_m: Any) -> tuple[Array, Array]:
@@ -61,7 +67,7 @@ def tube_needed_m(bodies: Bodies, *, is_dome: Any, gap_m: Any) -> tuple[Array, A
     Geometry.
     """
     width = np.maximum(bodies.diagonal_m, bodies.lens_diameter_m) + 2.0 * CLEARANCE_M
-    before = np.where(is_dome, gap_m, np.maximum(bodies.pupil_m, gap_m))
+    before = np.where(is_dome, gap_m, np.maximum(bodies.frontmost_m, gap_m))  # L falls with p: the least decides
     return np.asarray(width), np.asarray(bodies.behind_pupil_m + before + CLEARANCE_M)
 
 

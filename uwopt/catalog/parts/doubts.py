@@ -12,6 +12,7 @@ from uwopt.catalog.parts.quantity import Quantity, exact
 DOUBTFUL = ("estimated", "generic", "derived")
 PRICES = frozenset({"price", "host_price"})
 SIZES = ("body_width_mm", "body_height_mm", "body_length_mm", "plug_mm", "length_mm", "diameter_mm")
+EITHER_SIZE = ("pupil_mm",)  # that takes room at its low end or at its high one
 
 
 def doubtful(part: Part) -> list[tuple[str, Quantity]]:
@@ -28,10 +29,13 @@ def taken_as(name: str, known: Quantity, value: float) -> Quantity:
     """A doubtful number of this field as it is drawn, or at one of its ends.
 
     A price keeps its high end: what may have to be paid counts against a budget, whatever it turns out to be. So do
-    sizes: a housing that is to be made is ordered for them before they are known.
+    sizes, and both of its ends a size that may take room at either: a housing that is to be made is ordered for them
+    before they are known.
     """
     if name in PRICES or name in SIZES:
         return Quantity(value, value, max(value, known.high), known.status, known.source)
+    if name in EITHER_SIZE:
+        return Quantity(value, min(value, known.low), max(value, known.high), known.status, known.source)
     return exact(value, known.status, known.source)
 
 

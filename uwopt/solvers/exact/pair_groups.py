@@ -37,7 +37,7 @@ LEAST_OF_LENSES = (
     "f_number_min", "min_object_distance_m", "rated_pitch_m", "length_m", "diameter_m", "most_body_m", "price",
     "limit_price", "mass_kg",
 )  # fmt: skip
-MOST_OF_LENSES = ("focal_length_m", "f_number_max", "transmission", "pupil_m")
+MOST_OF_LENSES = ("focal_length_m", "f_number_max", "transmission", "pupil_m", "pupil_ends_m")
 
 
 @dataclass(frozen=True)
