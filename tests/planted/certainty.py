@@ -176,6 +176,13 @@ DEFECTS = (
         test=f"{TESTS}::test_a_number_is_worth_what_choosing_by_it_saves",
     ),
     Defect(
+        name="what is worth as much in half of all shuffles is told",
+        file=f"{ROOM}/worth.py",
+        old="for _ in range(SHUFFLED))",
+        new="for _ in range(1))",
+        test=f"{TESTS}::test_what_luck_is_worth_is_not_told",
+    ),
+    Defect(
         name="how long certainty may take is told by a clock that goes with the machine",
         file="uwopt/api/certainty.py",
         old="else Deadline.after(CERTAINTY_S, effort_s)",

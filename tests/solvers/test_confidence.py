@@ -34,7 +34,7 @@ from uwopt.solvers.confidence.search import (
 from uwopt.solvers.confidence.summary import ids, missed_centrally, surest, told
 from uwopt.solvers.confidence.together import Together
 from uwopt.solvers.confidence.waters import BANDS
-from uwopt.solvers.confidence.worth import gained, worth_of_knowing
+from uwopt.solvers.confidence.worth import gained, is_no_luck, worth_of_knowing
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain.one_hardware import parts_of, problem_of
 from uwopt.solvers.recommend import Sought
@@ -525,6 +525,18 @@ def test_a_number_is_worth_what_choosing_by_it_saves() -> None:
     assert worth == pytest.approx((5.0 - 10.0 / 6.0) / 3.0, abs=0.03)
     noises = np.random.default_rng(0).random((40, 600))
     assert np.mean([gained(values, 0, noise, 0.9, chosen=half) for noise in noises for half in (0, 1)]) < 0.05
+
+
+def test_what_luck_is_worth_is_not_told() -> None:
+    """Of a hundred numbers that mean nothing one is worth more by chance than whenever it is shuffled; u is, too."""
+    u, rng = (np.arange(256) + 0.5) / 256, np.random.default_rng(3)
+    values = np.stack([np.full(256, 5.0), 10.0 * u, *(5.0 + rng.standard_cauchy((6, 256)))])
+
+    def worth_of(number: np.ndarray) -> float:
+        return float(np.mean([gained(values, 0, number, 0.9, chosen=half) for half in (0, 1)]))
+
+    assert is_no_luck(worth_of, u, 0)
+    assert sum(is_no_luck(worth_of, noise, 0) for noise in rng.random((100, 256))) <= 3
 
 
 def test_what_decides_between_two_cameras_is_asked_first() -> None:

@@ -26,7 +26,7 @@ from uwopt.results.certainty import Decides
 from uwopt.solvers.confidence.counted import Counted
 from uwopt.solvers.confidence.outcomes import outcomes
 from uwopt.solvers.confidence.scenarios import Scenarios
-from uwopt.solvers.confidence.worth import OF_LUCK, numbers_of
+from uwopt.solvers.confidence.worth import numbers_of
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.explain.least_change import rounded_away
 from uwopt.solvers.explain.one_hardware import problem_of
@@ -38,6 +38,7 @@ Array = NDArray[np.float64]
 PART = 3  # of the scenarios, sorted by a number: its first and its last such share are set against each other
 LEAST = 0.2  # by which these shares differ at least, to be told
 MOST_TOLD = 2  # numbers
+OF_LUCK = 20  # numbers that mean nothing: what tells no more than the most telling of them is not told
 #: What gives a lamp's light room, where too little or too much of it is what is missed first.
 FOR_LIGHT = ("min_snr_db", "min_snr_red_db", "min_contrast", "max_gain_db", "max_blur_px")
 ALTITUDE = "altitude_m"

@@ -2,12 +2,13 @@
 
 Scenarios are sorted into bins by the number. With it known, the best hardware of each bin would be bought: the expected
 value of partial perfect information (Strong and Oakley 2013, Med. Decis. Making 33:755) is by how much the mean of the
-bins' medians falls. Hardware is chosen on half of the scenarios and judged on the other, so that luck is worth nothing.
+bins' medians falls. Hardware is chosen on half of the scenarios and judged on the other, so that luck is worth nothing
+in the mean; told is a number that is worth more than whenever it is shuffled over the scenarios, many times.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,7 +28,7 @@ from uwopt.solvers.explain.robustness import matters
 Array = NDArray[np.float64]
 BINS = 3
 LEAST_REL = 0.005  # of the median: what is worth less is not told
-OF_LUCK = 20  # numbers that mean nothing: what is worth no more than the best of them is not told either
+SHUFFLED = 100  # times, of a number over the scenarios: what is worth no more than once so is luck, and not told either
 
 
 @dataclass(frozen=True)
@@ -50,12 +51,22 @@ def worth_of_knowing(problem: Problem, objective: Objective, certain: Certain) -
     def worth_of(number: Array) -> float:
         return 0.5 * sum(gained(values, best, number, certain.asked, chosen=half) for half in (0, 1))
 
-    luck = np.random.default_rng(certain.scenarios.seed).random((OF_LUCK, values.shape[1]))
-    least = max(LEAST_REL * abs(plain), *(worth_of(number) for number in luck))
     of_best = problem, objective, certain.scenarios, certain.best.found
-    told = [(what, part, worth_of(number)) for what, part, number in numbers_of(*of_best)]
-    found = [Worth(*one) for one in told if one[2] > least]
+    told = [(what, part, number, worth_of(number)) for what, part, number in numbers_of(*of_best)]
+    found = [
+        Worth(what, part, worth) for what, part, number, worth in told
+        if worth > LEAST_REL * abs(plain) and is_no_luck(worth_of, number, certain.scenarios.seed)
+    ]  # fmt: skip
     return sorted(found, key=lambda one: -one.worth)
+
+
+def is_no_luck(worth_of: Callable[[Array], float], number: Array, seed: int) -> bool:
+    """Whether a number is worth more than whenever it is shuffled over the scenarios: at most one in 101 is by chance.
+
+    A permutation test; Phipson and Smyth 2010, Stat. Appl. Genet. Mol. Biol. 9:39, for the share.
+    """
+    rng, worth = np.random.default_rng(seed), worth_of(number)
+    return all(worth_of(rng.permutation(number)) < worth for _ in range(SHUFFLED))
 
 
 def gained(values: Array, best: int, number: Array, share: float, *, chosen: int) -> float:
