@@ -30,8 +30,8 @@ if THOROUGH:
         (12, 5): {"window_angle"}, (15, 5): {"backscatter"},
         **dict.fromkeys([(6, 9), (7, 7), (11, 23), (17, 12)], VEILS),
         (6, 6): {"backscatter", "forward_veil"},  # the sun shines
-        (9, 19): {"backscatter", "sunlight"}, (17, 18): {"backscatter", "forward_veil", "sunlight"},
-        (13, 18): VEILS | {"sunlight"},
+        (9, 19): {"backscatter"},  # the sun shines on after the pulse and softens the image, which a result tells
+        (17, 18): {"backscatter", "forward_veil", "sunlight"}, (13, 18): VEILS | {"sunlight"},
     }
 MOST_TOLERANCE = 0.5  # the most that a mission may allow
 RATIOS = (

@@ -199,7 +199,7 @@ def test_sun_and_information_have_points_that_hold(key, monkeypatch):
 
 @pytest.mark.parametrize(
     "key",
-    drawn([7, "all", "counts and mounts"], [3, 7, 24, "all", "dark", "sharp", "counts and mounts"]),
+    drawn([fc.SEVERAL, "all", "counts and mounts"], [3, fc.SEVERAL, 24, "all", "dark", "sharp", "counts and mounts"]),
 )
 @pytest.mark.parametrize("name", ["power", "cost", "snr_db"])
 def test_ends_are_what_the_exact_search_finds(key, name):
@@ -212,8 +212,8 @@ def test_ends_are_what_the_exact_search_finds(key, name):
 def test_the_best_quality_is_on_the_front_however_roughly_it_is_asked(monkeypatch):
     monkeypatch.setattr(front_module, "ROUGH_SEGMENT", 1.0)
     monkeypatch.setattr(front_module, "FRONT_GAP", 1.0)
-    _, front = fc.searched(fc.case_of(7), TRIPLE)
-    found = replace(fc.case_of(7), objective=Objective.of("snr_db")).solve(top=1)[1]
+    _, front = fc.searched(fc.case_of(fc.SEVERAL), TRIPLE)
+    found = replace(fc.case_of(fc.SEVERAL), objective=Objective.of("snr_db")).solve(top=1)[1]
     assert front.values[:, TRIPLE.index("snr_db")].min() == pytest.approx(found.best[0].minimised, rel=1e-6)
 
 
@@ -245,7 +245,7 @@ def test_best_information_is_what_the_exact_search_finds(key):
 # ---------------------------------------------------------------- what must and must not matter
 
 
-@pytest.mark.parametrize("seed", [3, 7, 24])
+@pytest.mark.parametrize("seed", [3, fc.SEVERAL, 24])
 def test_order_of_parts_changes_nothing(seed):
     case, rng = rc.case(seed), np.random.default_rng(seed)
     kinds = ("cameras", "lenses", "ports", "lights")
@@ -263,7 +263,7 @@ def test_order_of_parts_changes_nothing(seed):
     assert other.values.min(axis=0) == pytest.approx(front.values.min(axis=0), rel=1e-9)
 
 
-@pytest.mark.parametrize("seed", [3, 7])
+@pytest.mark.parametrize("seed", [3, fc.SEVERAL])
 def test_more_parts_never_shrink_the_front(seed):
     case, rng = rc.case(seed), np.random.default_rng(seed + 2000)
     optics = small.beam(rng)
@@ -273,7 +273,7 @@ def test_more_parts_never_shrink_the_front(seed):
     )  # fmt: skip
     _, front = fc.front_of(seed, TRIPLE)
     _, other = fc.searched(case, TRIPLE, richer)
-    assert hypervolume(other.values, front.frame) >= front.hypervolume * (1 - 1e-3)
+    not_beaten(other, front.values)  # in its own frame, of which its gap is a share: new parts may widen it a lot
     assert (
         other.values.min(axis=0) <= front.values.min(axis=0) + 1e-9 * np.abs(front.values.min(axis=0))
     ).all()
@@ -310,7 +310,8 @@ def test_a_higher_wanted_snr_never_improves_the_front():
 
 
 @pytest.mark.parametrize(("seed", "names"), drawn(
-    [(7, TRIPLE), (24, ("power", "cost"))], [(seed, n) for seed in (7, 24) for n in (TRIPLE, ("power", "cost"))]
+    [(7, TRIPLE), (24, ("power", "cost"))],
+    [(seed, n) for seed in (fc.SEVERAL, 24) for n in (TRIPLE, ("power", "cost"))],
 ))  # fmt: skip
 def test_pymoo_never_finds_more_than_the_bound(seed, names):
     search, front = fc.front_of(seed, names)

