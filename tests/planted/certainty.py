@@ -456,6 +456,13 @@ DEFECTS = (
         test="tests/solvers/test_confidence_deciding.py::test_a_limit_is_moved_as_far_as_its_number_reaches",
     ),
     Defect(
+        name="no larger battery is thought of where energy is short",
+        file=f"{ROOM}/deciding.py",
+        old="FARTHEST if OF_BATTERY in wanted else 1.0",
+        new="1.0",
+        test="tests/solvers/test_confidence_deciding.py::test_a_battery_is_as_large_as_the_cameras_draw_may_be",
+    ),
+    Defect(
         name="a proof keeps to itself what it takes for granted",
         file=f"{ROOM}/summary.py",
         old="if problem.effects.veils:",

@@ -81,6 +81,27 @@ def test_a_limit_is_moved_as_far_as_its_number_reaches(short_of_power: Sought) -
     assert change * 0.98 <= float(made.needed) - asked <= change * 1.15
 
 
+def test_a_battery_is_as_large_as_the_cameras_draw_may_be() -> None:
+    """As above, in ten hours: the energy grows with the draw, whatever share of a battery may be used."""
+    lamp_w = sought_of(one(wanted=FAST)).outcome.best[0].power_w - 3.0
+    camera = {"power_w": between(LOW, MODE, HIGH), "read_noise_e": between(1.9, 2.0, 2.1)}
+
+    def of_battery(wh: float) -> Sought:
+        vehicle = {"duration_h": 10.0, "battery_wh": wh, "supply": "battery"}
+        return sought_of(one(wanted=FAST, camera=camera, vehicle=vehicle))
+
+    usable_w = of_battery(1e4).problem.duration.mean_power_limit_w  # of 1 kW
+    asked = 1e4 * (lamp_w + 4.2) / usable_w
+    sought = of_battery(asked)
+    one_, scenarios = seen(sought, 0.9)
+    assert one_.held < 0.9 and one_.outcomes.missed(one_.stop)
+    told = {made.name: made for made in would_hold(
+        sought.problem, sought.search.objective, one_, scenarios, 0.9, NEVER)}  # fmt: skip
+    change = asked * (quantile(0.9) - 4.2) / (lamp_w + 4.2)
+    assert told["battery_wh"].unit == "wh" and told["battery_wh"].asked == pytest.approx(asked)
+    assert change * 0.98 <= float(told["battery_wh"].needed) - asked <= change * 1.15
+
+
 def test_less_signal_to_noise_holds_where_the_floor_is_dark() -> None:
     """A floor of 0.4 to 1.6 times its reflectance and a lamp that can give no more: what is told holds as counted."""
     light = {"dim_levels": (1.0,), "flux_lm": 3000.0}

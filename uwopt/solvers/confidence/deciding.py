@@ -42,6 +42,7 @@ OF_LUCK = 20  # numbers that mean nothing: what tells no more than the most tell
 #: What gives a lamp's light room, where too little or too much of it is what is missed first.
 FOR_LIGHT = ("min_snr_db", "min_snr_red_db", "min_contrast", "max_gain_db", "max_blur_px")
 ALTITUDE = "altitude_m"
+BATTERY, OF_BATTERY = "battery_wh", "energy_wh"  # what holds too little where that is missed
 FARTHEST = 4.0  # times as much, or as little
 FARTHEST_DB = 20.0
 NEAREST = 0.75  # of the altitude that is asked
@@ -135,7 +136,8 @@ def nearest(asked: float, far: float, holds: Callable[[float], bool]) -> float:
 def moves(mission: Mission, missed: Iterable[str]) -> Iterator[tuple[str, str, float, float, Any]]:
     """Key, unit, what is asked, a value far from it that asks for less, and the mission with a value.
 
-    Of requirements those that are missed; at last the altitude, which eases most of them.
+    Of requirements those that are missed, the battery where it holds too little; at last the altitude, which eases most
+    of them.
     """
     wanted = {key for name in missed for key in (FOR_LIGHT if name == "light" else (name,))}
     for name, (section, key, _) in RELAXABLE.items():
@@ -152,14 +154,15 @@ def moves(mission: Mission, missed: Iterable[str]) -> Iterator[tuple[str, str, f
             return with_limit(mission, section, key, asked, value)
 
         yield key, unit, asked, far, with_value
-    values = {view.vehicle.altitude_m for view in mission.views}
-    if len(values) == 1 and (altitude := values.pop()):
-        varied, there = VariedMission(mission, {}), Varied(ALTITUDE, "vehicle", ALTITUDE, ())
+    for key, share in ((BATTERY, FARTHEST if OF_BATTERY in wanted else 1.0), (ALTITUDE, NEAREST)):
+        values = {getattr(view.vehicle, key) for view in mission.views}
+        if share != 1.0 and len(values) == 1 and (asked := values.pop()):
+            varied, there = VariedMission(mission, {}), Varied(key, "vehicle", key, ())
 
-        def lowered(value: float) -> Mission:
-            return varied.with_values({there: value})
+            def of_vehicle(value: float, varied: VariedMission = varied, there: Varied = there) -> Mission:
+                return varied.with_values({there: value})
 
-        yield ALTITUDE, split_unit(ALTITUDE)[1], altitude, rounded_away(NEAREST * altitude, altitude), lowered
+            yield key, split_unit(key)[1], asked, rounded_away(share * asked, asked), of_vehicle
 
 
 def held_with(
