@@ -317,7 +317,7 @@ class FrontSearch:
             left, least_w[possible], self.trade.bound_within(left, left.full_power_w), np.arange(len(left))
         )
         open_ = possible[self.points.may_be_new(best)]
-        bounds = self.trade.first_bounds(some.take(open_))
+        bounds = self.trade.first_bounds(some.take(open_), least_w[open_])
         if bounds is not None:
             curves = Curves(self.trade, some.take(open_), bounds)
             open_ = open_[self._drawn_in(curves)[1] if closely else self.points.are_open(curves)]

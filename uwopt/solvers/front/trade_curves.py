@@ -238,12 +238,13 @@ class Trade:
 
     # ------------------------------------------------------------ bounds
 
-    def first_bounds(self, some: Hopeful) -> Answers | None:
+    def first_bounds(self, some: Hopeful, least_w: Array | None = None) -> Answers | None:
         """What no settings can beat at some limits of power; None: nothing is impossible.
 
-        (n * LIMITS) answers, the least power of each design among the limits.
+        (n * LIMITS) answers, the least power of each design among the limits. `least_w` : (n,) [W] that power's
+        bound, where it is known.
         """
-        least_w = self.least_power_bound(some)
+        least_w = self.least_power_bound(some) if least_w is None else least_w
         alive = np.nonzero(np.isfinite(least_w))[0]
         if len(alive) == 0:
             return None
@@ -281,16 +282,13 @@ class Trade:
 
     def bounds_within(self, some: Hopeful, limits_w: Array) -> Array:
         """`bound_within` at several limits of each design, (n, k), nan: none; what no limit changes is found once."""
-        if some.sunlit or self.quality in (None, "contrast"):
-            columns = []
-            for limit_w in limits_w.T:
-                new = np.nonzero(np.isfinite(limit_w))[0]
-                column = np.full(len(some), np.nan)
-                if len(new):
-                    column[new] = self.bound_within(some.take(new), limit_w[new])
-                columns.append(column)
-            return np.stack(columns, axis=1)
-        return self._most_quality(some, limits_w * ABOVE)
+        if not some.sunlit and self.quality not in (None, "contrast"):
+            return self._most_quality(some, limits_w * ABOVE)
+        row, column = np.nonzero(np.isfinite(limits_w))  # side by side: what cells cost is calls more than columns
+        bounds = np.full(limits_w.shape, np.nan)
+        if len(row):
+            bounds[row, column] = self.bound_within(some.take(row), limits_w[row, column])
+        return bounds
 
     def most_snr_db(self, some: Hopeful, limit_w: Array) -> Array:
         """SNR that no settings within a power, (n,) or (n, k), exceed; -inf: there are none."""
