@@ -565,6 +565,13 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/solvers/test_trade_curves.py::test_first_bounds_of_information_cover_what_is_tried",
     ),
     Defect(
+        name="designs in the sun are bounded within each other's limits of power",
+        file="uwopt/solvers/front/trade_curves.py",
+        old="bounds[row, column] = self.bound_within(some.take(row), limits_w[row, column])",
+        new="bounds[row, column] = self.bound_within(some.take(row), np.sort(limits_w[row, column]))",
+        test="tests/solvers/test_trade_curves.py::test_designs_in_the_sun_are_bounded_together_as_each_alone_within_each_limit",
+    ),
+    Defect(
         name="curves of a front guess no settings between those of two limits",
         file="uwopt/solvers/front/curves.py",
         old="(a.design[low] == design) & (a.design[high] == design)",

@@ -101,6 +101,19 @@ def test_first_bounds_of_information_cover_what_is_tried(key):
         assert_covered(curves, power, quality, 1e-6)
 
 
+def test_designs_in_the_sun_are_bounded_together_as_each_alone_within_each_limit():
+    search, designs = designs_of("sun", "snr_db")
+    assert len(designs) > 1
+    some = Hopeful.joined(designs)
+    bounds = search.trade.first_bounds(some, search.trade.least_power_bound(some))
+    assert len(np.unique(bounds.bound)) > 2  # -inf at the least power, and what differs
+    for d, alone in enumerate(designs):
+        begin, *limits = np.nonzero(bounds.design == d)[0]
+        assert bounds.limit_w[begin] == pytest.approx(search.trade.least_power_bound(alone)[0], rel=1e-12)
+        expected = [search.trade.bound_within(alone, bounds.limit_w[[at]])[0] for at in limits]
+        assert bounds.bound[limits] == pytest.approx(expected, rel=1e-12)
+
+
 def over_found(key: str, bound_of) -> np.ndarray:
     """Bounds of information by what settings reach within the same limits of power."""
     search, designs = designs_of(key, "information")
