@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from uwopt.catalog.interfaces import fed_v
+
 
 def cells_of(part_id: str) -> dict[str, str]:
     """The cells of a part of the catalogue as they stand in its table; none of a part of one's own."""
@@ -17,8 +19,6 @@ def cells_of(part_id: str) -> dict[str, str]:
 
 def supply_volts(part_id: str) -> str:
     """The voltage that a part is fed with in words, `12 to 24 V`; empty where the catalogue does not state it."""
-    from uwopt.catalog.interfaces import fed_v
-
     cells = cells_of(part_id)
     low, high = (cells.get(name, "") for name in ("supply_v_min", "supply_v_max"))
     interface = cells.get("interface", "")
