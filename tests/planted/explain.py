@@ -15,6 +15,14 @@ ROUNDS = "tests/solvers/test_in_rounds.py"
 
 DEFECTS = (
     Defect(
+        name="what gives together is looked for by the brightest design alone",
+        file="uwopt/solvers/explain/together.py",
+        old="if not MAY_PASS[name]], lit, [*names]):",
+        new="if not MAY_PASS[name]], [*names]):",
+        test="tests/solvers/test_soon_known.py"
+        "::test_what_gives_together_is_found_where_the_brightest_takes_too_long",
+    ),
+    Defect(
         name="the share that was searched with is told where a design reaches more",
         file="uwopt/solvers/explain/together.py",
         old="        for values in (reached, fewer):\n",

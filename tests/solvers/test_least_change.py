@@ -51,13 +51,16 @@ FILES = {
 }
 
 
-@pytest.fixture(scope="module")
-def parts(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def written(folder: Path) -> Path:
     """A folder with one camera, two lenses, two ports and one lamp."""
-    folder = tmp_path_factory.mktemp("parts")
     for name, text in FILES.items():
         (folder / f"{name}.csv").write_text(text, encoding="utf-8")
     return folder
+
+
+@pytest.fixture(scope="module")
+def parts(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return written(tmp_path_factory.mktemp("parts"))
 
 
 @pytest.fixture(scope="module")

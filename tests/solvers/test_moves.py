@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from test_least_change import FILES, mission
+from test_least_change import mission, written
 
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError
@@ -28,11 +28,7 @@ POWER = Objective.of("power")
 
 @pytest.fixture(scope="module")
 def parts(tmp_path_factory: pytest.TempPathFactory) -> Any:
-    """A folder with one camera, two lenses, two ports and one lamp."""
-    folder = tmp_path_factory.mktemp("parts")
-    for name, text in FILES.items():
-        (folder / f"{name}.csv").write_text(text, encoding="utf-8")
-    return folder
+    return written(tmp_path_factory.mktemp("parts"))
 
 
 def fits(wanted: Mission, catalog: Catalog) -> bool:

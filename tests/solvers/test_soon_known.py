@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 import yaml
-from test_least_change import FILES, mission
+from test_least_change import mission, written
 
 from uwopt.api.common import prepared
 from uwopt.catalog.catalogue import Catalog
@@ -22,8 +22,8 @@ from uwopt.solvers.explain.infeasible import why_nothing
 from uwopt.solvers.explain.least_change import same_hardware
 from uwopt.solvers.explain.relaxed import Relaxer
 from uwopt.solvers.explain.singles import Singles
-from uwopt.solvers.explain.together import least_set
-from uwopt.solvers.explain.trials import Trials
+from uwopt.solvers.explain.together import first_of_all, least_set
+from uwopt.solvers.explain.trials import BRIGHT, Trials
 from uwopt.solvers.recommend import Sought, seek
 
 POWER = Objective.of("power")
@@ -32,11 +32,7 @@ JOBS = Path(__file__).resolve().parents[2] / "problems" / "jobs"
 
 @pytest.fixture(scope="module")
 def parts(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with few parts."""
-    folder = tmp_path_factory.mktemp("parts")
-    for name, text in FILES.items():
-        (folder / f"{name}.csv").write_text(text, encoding="utf-8")
-    return folder
+    return written(tmp_path_factory.mktemp("parts"))
 
 
 @pytest.fixture(scope="module")
@@ -87,6 +83,21 @@ def test_clearer_water_is_found_by_few_searches_where_imagers_are_few(monkeypatc
     proof = certificate(known.selection, known.problem, known.outcome, POWER)
     trials = Trials(wanted, catalog, POWER, "allow", Deadline(12.0, lambda: float(searches[0])), like=known)
     assert [move.name for move in why_nothing(trials, proof).moves] == ["water"]
+
+
+def test_what_gives_together_is_found_where_the_brightest_takes_too_long(parts, catalog, monkeypatch):
+    """Without swath and pixel any design fits, 0 dB asked; the brightest of all is never known."""
+    wanted = mission(parts, min_swath_m=9.0, max_gsd_mm=1e-3)
+    seek_one = Relaxer.seek
+
+    def slow(self: Relaxer, mission: Mission, goal: Objective, freed: set[str], **more: Any) -> Sought:
+        late = {"deadline": Deadline(0.0, lambda: 1.0)} if goal is BRIGHT else {}
+        return seek_one(self, mission, goal, freed, **more | late)
+
+    monkeypatch.setattr(Relaxer, "seek", slow)
+    trials = Trials(wanted, catalog, POWER, "never")
+    found = first_of_all(trials, ["min_snr", "min_swath_m", "max_gsd_mm"])
+    assert found is not None and found.outcome.best
 
 
 def test_limits_that_give_together_are_drawn_in_as_far_as_their_hardware_reaches(parts, catalog):

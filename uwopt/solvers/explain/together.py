@@ -300,8 +300,12 @@ def drawn_in(trials: Trials, asked: dict[str, float], found: Sought) -> tuple[li
 
 
 def first_of_all(trials: Trials, names: Collection[str]) -> Sought | None:
-    """A design that fits where many requirements are dropped: of imagers that fit if there are any, else of all."""
-    for some in ([name for name in names if not MAY_PASS[name]], [*names]):
+    """A design that fits where many requirements are dropped: of imagers that fit if there are any, else of all.
+
+    Without an SNR to keep the brightest is looked for, which takes longer than any: that is dropped last.
+    """
+    lit = [name for name in names if name != "min_snr"]
+    for some in ([name for name in names if not MAY_PASS[name]], lit, [*names]):
         found = trials.seek_without(set(some)) if some else None
         if found is not None and found.outcome.best:
             return found
