@@ -112,10 +112,10 @@ def replayed() -> Callable[[Any, Any], tuple[Replay, dict[str, Any]]]:
 
 @pytest.fixture
 def undoubted(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Tell nothing beside the proof: doubts are half of a solve's time, and most tests look at the optimum alone."""
+    """Tell nothing beside the proof: the rest is most of a solve's time, and most tests look at the optimum alone."""
     from uwopt.api import solving
 
-    monkeypatch.setattr(solving, "doubts", lambda *given: None)
+    monkeypatch.setattr(solving, "doubted", lambda made, *given: made)
 
 
 @pytest.fixture(scope="module")
