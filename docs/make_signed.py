@@ -59,7 +59,7 @@ What a result does not tell does not pass.
 | corner | blur disc of the defocus at the corner | at most 2 px |
 | stop | f-number over the lens's widest | one stop or more, or a lens of one opening |
 | colour | white balance of the weakest channel | at most x 4; black and white passes |
-| depth | least depth rating over the depth asked | 1.1 or more |
+| depth | least depth rating over the deepest scene | 1.1 or more |
 | reserve | requirements on the images met with nothing in hand, where it was not counted how often they hold | none |
 | certain | scenarios of what is uncertain in which settings meet every requirement | 90 % or more |
 | bad ends | what is asked, with estimated numbers at their bad ends | still met |
@@ -148,7 +148,7 @@ def colour(result: Result, design: Design) -> Line:
 def depth(result: Result, design: Design) -> Line:
     """Depth rating over depth."""
     found = [m for s in design.scenes for m in s.margins if m.requirement.startswith("depth_rating_m")]
-    asked = max((m.limit - m.reserve for m in found if m.limit), default=0.0)
+    asked = max(float(scene["depth_m"]) for scene in result.mission["scenes"])
     ratings = [m.value for m in found if m.value is not None]
     if not ratings or asked <= 0:
         return Line("depth", not found, "unknown" if found else "not asked")

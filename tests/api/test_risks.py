@@ -203,11 +203,11 @@ def test_scene_is_named_where_there_are_several(calm: Result) -> None:
     assert only(with_scene(calm, first, other)).because.endswith("in wall")
 
 
-def test_rating_with_less_than_a_tenth_in_hand_is_told(calm: Result) -> None:
-    assert only(with_margin(calm, margin("depth_rating_m (q)", 109.0, 100.0, ">=", "m"))).because.startswith(
-        "q "
-    )
-    assert risks_of(with_margin(calm, margin("depth_rating_m (q)", 111.0, 100.0, ">=", "m"))) == []
+def test_rating_with_less_than_a_tenth_over_the_deepest_scene_is_told(calm: Result) -> None:
+    at_100m = replace(calm, mission={**calm.mission, "scenes": [{**calm.mission["scenes"][0], "depth_m": 100.0}]})
+    tight = only(with_margin(at_100m, margin("depth_rating_m (q)", 109.0, 100.0, ">=", "m")))
+    assert tight.because.startswith("q ") and tight.figure == "109 m against 100 m"
+    assert risks_of(with_margin(at_100m, margin("depth_rating_m (q)", 111.0, 111.0, ">=", "m"))) == []  # as asked for
 
 
 def test_lens_at_its_widest_is_told(calm: Result) -> None:

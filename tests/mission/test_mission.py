@@ -60,7 +60,7 @@ def test_the_example_loads_as_it_stands():
     mission = load_mission(EXAMPLE)
     assert mission.scenes[0].water == "II"
     assert mission.vehicle.light_count == (1, 4)
-    assert (mission.asked_depth_m, mission.required_depth_m) == (100, 125)  # a quarter in hand, by good practice
+    assert (mission.asked_depth_m, mission.required_depth_m) == (100, 100)  # a rating is taken as it stands
     assert mission.requirements.min_snr == pytest.approx(31.6227766)  # 10^(30/20), by table
     assert mission.base_dir == EXAMPLE.parent
 

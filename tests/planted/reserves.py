@@ -77,6 +77,13 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{RESERVES}::test_depth_rating_is_asked_for_with_its_reserve[given0-50.0]",
     ),
     Defect(
+        name="a rating that is given gets a reserve of its own again",
+        file="uwopt/mission/mission.py",
+        old="if self.limits.depth_rating_m is not None:",
+        new="if False:",
+        test=f"{RESERVES}::test_depth_rating_is_asked_for_with_its_reserve[given1-100.0]",
+    ),
+    Defect(
         name="a margin does not say its reserve",
         file="uwopt/objectives/requirements.py",
         old='yield MarginRows("max_blur_px", value, limit, "<=", "px", where, reserve=kept)',

@@ -44,12 +44,13 @@ ASKED = {
     "max_airy_px": "sharpness against diffraction", "lamp_clear_m": "room between lamps and view",
     "lamp_beside_port_m": "room between lamps and port", "lamps_apart_m": "room between lamps",
 }  # fmt: skip
-#: Ends of the ranges that settings may have, and what a setting with room left can mend.
+#: Ends of the ranges that settings may have, what a setting with room left can mend, and what another rule tells.
 OF_SETTINGS = (
     "f_number_min", "f_number_max", "gain_min", "gain_max", "max_exposure_ms", "min_exposure_ms", "light_level_max",
     "light_level", "max_pulse_ms", "min_pulse_ms", "light_duty", "light_rate", "shutter_open_ms", "common_f_number",
     "common_focus_m", "nearest_focus_m", "frame_rate", "frame_interval_s", "overlap", "saturation_fraction",
     "cost", "lens_stop_down", "max_gain_db", "fixed_f_number", "fixed_exposure_ms", "fixed_gain", "fixed_dim_frac",
+    "depth_rating_m",
 )  # fmt: skip
 NOTHING_IN_HAND = 0.02  # of a limit
 #: Ends of the depth of field, and what uses up the little that is in hand there.
@@ -139,13 +140,16 @@ def nothing_in_hand(result: Result, design: Design) -> Weighed:
 
 
 def shallow(result: Result, design: Design) -> Weighed:
-    """A depth rating that is used up."""
+    """A depth rating that is used up by the deepest scene."""
+    deepest_m = max((float(scene.get("depth_m") or 0.0) for scene in result.mission.get("scenes") or []), default=0.0)
     for margin in margins(design):
-        left = room(margin) if margin.satisfied and stem_of(margin.requirement) == "depth_rating_m" else None
-        if left is not None and left < DEPTH_IN_HAND:
+        if not margin.satisfied or stem_of(margin.requirement) != "depth_rating_m" or margin.value is None:
+            continue
+        if deepest_m > 0.0 and margin.value < deepest_m * (1.0 + DEPTH_IN_HAND):
             part = margin.requirement.partition(" (")[2].rstrip(")")
             because = f"{part or 'a part'} is rated for little more than the depth of the mission"
-            yield 62.0, Risk("a part may not stand the pressure", because, against_limit(margin))
+            figure = " against ".join(format_quantity(depth_m, "m") for depth_m in (margin.value, deepest_m))
+            yield 62.0, Risk("a part may not stand the pressure", because, figure)
 
 
 # ---------------------------------------------------------------- water and lamps

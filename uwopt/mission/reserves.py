@@ -41,8 +41,8 @@ class Reserve(Section):
     )
     depth: Annotated[float, Field(ge=1, le=10), NUMBER] | None = Field(
         default=None,
-        description="depth rating over the depth that it is asked for, recommended 1.25; decides whatever is refused, "
-        "and left out it is 1, or 1.1 with refuse: depth",
+        description="depth rating over the deepest scene, recommended 1.25; decides whatever is refused, and left out "
+        "it is 1, or 1.1 with refuse: depth; limits.depth_rating_m is a rating and taken as it stands",
     )
     tilt_deg: Annotated[float, Field(ge=0, le=30), NUMBER] = Field(
         default=0.0,

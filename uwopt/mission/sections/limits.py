@@ -57,8 +57,8 @@ class Limits(Section):
     )
     depth_rating_m: Annotated[float, Field(ge=0, le=11_000), NUMBER] | None = Field(
         default=None,
-        description="depth that ports and lights must be rated for, in metres; the deepest scene "
-        "unless given",
+        description="depth that ports and lights must be rated for, in metres, as it stands; the deepest scene "
+        "with its reserve (reserve.depth) unless given",
     )
     data_rate_mb_s: Positive | None = Field(
         default=None, description="highest data rate in megabytes (10^6 byte) per second"
