@@ -10,7 +10,8 @@ import pytest
 from uwopt.model import beam as beams
 from uwopt.model.imaging import Lamps, PortShape, lamp_light
 from uwopt.model.path_table import build_path_table
-from uwopt.model.veil.wide import floor_spots, kernel_shares, least_within, mean_wide_gain, wide_gain
+from uwopt.model.veil.spots import floor_spots
+from uwopt.model.veil.wide import kernel_shares, least_within, mean_wide_gain, wide_gain
 
 POINT = PortShape(is_dome=True, outer_radius_m=0.0, thickness_m=0.0, n_glass=1.5, gap_m=0.0, n_water=1.34)
 LAMP = {"near": 0.5, "all": 0.2}
@@ -29,27 +30,39 @@ def table() -> Any:
     )  # fmt: skip
 
 
+def aimed(tilt_deg: float) -> tuple[float, float, float]:
+    return 0.0, float(np.sin(np.deg2rad(tilt_deg))), float(np.cos(np.deg2rad(tilt_deg)))
+
+
 def lamps(tilt: float) -> Lamps:
     return Lamps((0.1,), (0.7,), (-0.2,), ((0.0, float(np.sin(tilt)), float(np.cos(tilt))),), (1.0,))
 
 
-def by_cells(u: float, v: float, *, lamp: Lamps, beam: Any, shape: PortShape, range_m: float) -> float:
+class Cells:
     """The same by equal cells of the plane, 2 cm wide."""
-    edge = np.arange(-9.0, 9.0, 0.02) + 0.01
-    x, y = np.meshgrid(edge, edge, indexing="ij")
-    z = range_m + shape.slope * x
-    lit, lamp_m, _ = lamp_light(x, y, lamps=lamp, index=0, beam=beam, range_m=range_m, slope=shape.slope)
-    far = np.sqrt(x * x + y * y + (z + shape.outer_radius_m) ** 2)
-    cosine = (u * x + v * y + z + shape.outer_radius_m) / far / np.sqrt(1 + u * u + v * v)
-    facing = (z + shape.outer_radius_m - shape.slope * x) / far / np.hypot(1, shape.slope)
-    r = far - shape.outer_radius_m
-    left = np.exp(-LAMP["all"] * r) - np.exp(-LAMP["near"] * r)
-    once, twice = TURNS / np.expm1(TURNS), 0.5 * TURNS**2 / np.expm1(TURNS)
-    parts = {16: 0.85 * once, 2: 0.15 * once, 8: twice, 4: 1.0 - once - twice}
-    kernel = sum(part * (n + 1) / (2 * np.pi) * np.maximum(cosine, 0.0) ** n for n, part in parts.items())
-    area = 0.02**2 * np.hypot(1, shape.slope)
-    total = float((kernel * lit * np.exp(-K_LAMP * lamp_m) * left * facing / far**2).sum())
-    return total * area / (1 + u * u + v * v) ** 2
+
+    def __init__(
+        self, *, lamp: Lamps, beam: Any, shape: PortShape, range_m: float, cell_m: float = 0.02,
+        along_m: tuple[float, float] = (-9.0, 9.0), across_m: tuple[float, float] = (-9.0, 9.0),
+    ):  # fmt: skip
+        middles = (np.arange(low, high, cell_m) + 0.5 * cell_m for low, high in (along_m, across_m))
+        x, y = np.meshgrid(*middles, indexing="ij")
+        z = range_m + shape.slope * x
+        lit, lamp_m, _ = lamp_light(x, y, lamps=lamp, index=0, beam=beam, range_m=range_m, slope=shape.slope)
+        far = np.sqrt(x * x + y * y + (z + shape.outer_radius_m) ** 2)
+        facing = (z + shape.outer_radius_m - shape.slope * x) / far / np.hypot(1, shape.slope)
+        r = far - shape.outer_radius_m
+        left = np.exp(-LAMP["all"] * r) - np.exp(-LAMP["near"] * r)
+        area = cell_m**2 * np.hypot(1, shape.slope)
+        self.sent = lit * np.exp(-K_LAMP * lamp_m) * left * facing / far**2 * area
+        self.ray = np.stack([x, y, z + shape.outer_radius_m]) / far
+
+    def seen(self, u: float, v: float) -> float:
+        cosine = np.tensordot([u, v, 1.0], self.ray, axes=1) / np.sqrt(1 + u * u + v * v)
+        once, twice = TURNS / np.expm1(TURNS), 0.5 * TURNS**2 / np.expm1(TURNS)
+        parts = {16: 0.85 * once, 2: 0.15 * once, 8: twice, 4: 1.0 - once - twice}
+        kernel = sum(part * (n + 1) / (2 * np.pi) * np.maximum(cosine, 0.0) ** n for n, part in parts.items())
+        return float((kernel * self.sent).sum()) / (1 + u * u + v * v) ** 2
 
 
 @pytest.mark.parametrize("name", BEAMS)
@@ -58,10 +71,45 @@ def test_spots_of_equal_flux_sum_to_the_floor(name: str, tilt: float, slope: flo
     shape = POINT._replace(slope=slope, outer_radius_m=radius)
     setting: dict[str, Any] = dict(beam=BEAMS[name], shape=shape, range_m=2.0)
     spots = floor_spots(lamps=lamps(tilt), **setting)
+    cells = Cells(lamp=lamps(tilt), **setting)
     for at in ((0.0, 0.0), (0.5, -0.6)):
-        expected = by_cells(*at, lamp=lamps(tilt), **setting)
+        expected = cells.seen(*at)
         found = wide_gain(*map(np.asarray, at), spots=spots, shape=shape, table=table(), shares=SHARES)
         assert found == pytest.approx(expected, rel=5e-4 if name == "disc" else 5e-5)  # cells cross the disc's edge
+
+
+FAR_ASIDE = {  # beam, heights aside, tilt: up to what 1.5 m aside at 0.4 m are
+    "lobe of 40 deg, 2 heights": (beams.cosine_power_beam(np.deg2rad(80)), 2.0, -32.0),
+    "lobe of 15 deg": (beams.cosine_power_beam(np.deg2rad(30)), 3.75, -37.5),
+    "lobe of 40 deg": (beams.cosine_power_beam(np.deg2rad(80)), 3.75, -37.5),
+    "lobe of 60 deg": (beams.cosine_power_beam(np.deg2rad(120)), 3.75, -37.5),
+    "lobe of 75 deg, aimed at the image": (beams.cosine_power_beam(np.deg2rad(150)), 3.75, -75.0),
+    "disc of 72 deg": (beams.disc_beam(np.deg2rad(72)), 3.75, -37.5),
+    "disc of 74 deg, 1.2 heights": (beams.disc_beam(np.deg2rad(74)), 1.17, -49.0),
+    "disc that ends in the image": (beams.disc_beam(np.deg2rad(40)), 1.0, 0.0),
+    "cone that ends in the image": (beams.cone_beam(np.deg2rad(48)), 3.4, -26.0),
+    "cone of 80 deg": (beams.cone_beam(np.deg2rad(80)), 3.75, -37.5),
+}
+
+
+@pytest.mark.parametrize("name", FAR_ASIDE)
+@pytest.mark.parametrize("half", [(0.1, 0.07), (0.4, 0.3)])
+def test_lamps_far_aside_send_what_sums_over_the_floor_say(name: str, half: tuple[float, float]) -> None:
+    """Means and a corner, by cells of 6 cm from 2 m; the lamps' own spots alone are up to 80 % off."""
+    beam, aside, tilt = FAR_ASIDE[name]
+    lamp = Lamps((0.0,), (2.0 * aside,), (0.0,), (aimed(tilt),), (1.0,))
+    setting: dict[str, Any] = dict(beam=beam, shape=POINT, range_m=2.0)
+    cells = Cells(lamp=lamp, cell_m=0.06, along_m=(-12.0, 12.0), across_m=(-12.0, 2.0 * aside + 10.0), **setting)
+    spots = floor_spots(lamps=lamp, **setting)
+    seen: dict[str, Any] = dict(spots=spots, shape=POINT, table=table(), shares=SHARES)
+    nodes, weights = np.polynomial.legendre.leggauss(4)
+    expected = sum(
+        a * b / 4.0 * cells.seen(half[0] * u, half[1] * v)
+        for u, a in zip(nodes, weights, strict=True) for v, b in zip(nodes, weights, strict=True)
+    )
+    assert mean_wide_gain(*np.array([half]).T, **seen)[0] == pytest.approx(expected, rel=0.025)
+    corner = half[0], -half[1]
+    assert wide_gain(*map(np.asarray, corner), **seen) == pytest.approx(cells.seen(*corner), rel=0.04)
 
 
 def test_the_kernel_sends_all_light_somewhere() -> None:

@@ -7,6 +7,7 @@ from planted.defect import Defect
 SPECTRA = "uwopt/forward/spectra.py"
 FULL = "tests/evaluation/test_full_physics.py"
 TABLES = "tests/forward/test_multiple.py"
+WIDE = "tests/model/test_wide.py"
 MONTE_CARLO = "tests/test_multiple_scattering.py"
 FLOOR_LOBE = "        beam = problem.floor_lobe(scene_index, lighting.optics, lighting.mount, range_m)\n"
 
@@ -121,10 +122,31 @@ DEFECTS = (
     ),
     Defect(
         name="a spot of the floor counts alike from wherever it is seen",
-        file="uwopt/model/veil/wide.py",
-        old="seen = share * flux[meets] * cosine / np.square(far_m)",
-        new="seen = share * flux[meets] / np.square(far_m)",
+        file="uwopt/model/veil/spots.py",
+        old="seen = np.maximum(floor.normal @ place, 0.0) / far_m / np.square(far_m)",
+        new="seen = 1.0 / np.square(far_m)",
         test=f"{FULL}::test_mean_veils_under_smooth_lobes[all orders, dome]",
+    ),
+    Defect(
+        name="a lamp far aside has no spots where the camera looks",
+        file="uwopt/model/veil/spots.py",
+        old="chosen = (by_light,) if",
+        new="chosen = (by_light,) if True or",
+        test=f"{WIDE}::test_lamps_far_aside_send_what_sums_over_the_floor_say[half0-lobe of 60 deg]",
+    ),
+    Defect(
+        name="spots of lamp and camera count the same light twice",
+        file="uwopt/model/veil/spots.py",
+        old="by_sight.times(1.0 - of_sight)",
+        new="by_sight.times(1.0 - 0.0 * of_sight)",
+        test=f"{WIDE}::test_lamps_far_aside_send_what_sums_over_the_floor_say[half0-lobe of 40 deg, 2 heights]",
+    ),
+    Defect(
+        name="where a disc ends between the camera's spots it goes on",
+        file="uwopt/model/veil/spots.py",
+        old="inside = inside * covered_share(cos_angle.reshape(grid), edge).ravel()",
+        new="inside = inside * 1.0",
+        test=f"{WIDE}::test_lamps_far_aside_send_what_sums_over_the_floor_say[half0-cone that ends in the image]",
     ),
     Defect(
         name="the bound of the forward veil forgets what comes from elsewhere",

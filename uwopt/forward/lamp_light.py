@@ -39,7 +39,8 @@ from uwopt.model.image_mean import (
 from uwopt.model.imaging import Lamps, local_gain, local_gains
 from uwopt.model.veil.mean import mean_backscatter
 from uwopt.model.veil.ray import backscatter_gain
-from uwopt.model.veil.wide import Spots, floor_spots, mean_wide_gain, wide_gain
+from uwopt.model.veil.spots import Spots, floor_spots
+from uwopt.model.veil.wide import mean_wide_gain, wide_gain
 from uwopt.tolerances import ROUND
 
 if TYPE_CHECKING:

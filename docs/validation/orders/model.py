@@ -18,7 +18,8 @@ from uwopt.model.path_table import PathTable, build_path_table
 from uwopt.model.veil.geometry import Scatterer
 from uwopt.model.veil.mean import mean_backscatter
 from uwopt.model.veil.ray import backscatter_gain
-from uwopt.model.veil.wide import floor_spots, kernel_shares, mean_wide_gain, wide_gain
+from uwopt.model.veil.spots import floor_spots
+from uwopt.model.veil.wide import kernel_shares, mean_wide_gain, wide_gain
 from uwopt.model.water import illumination_attenuation_per_m
 
 from .cases import PLACES, TALLIES, Case

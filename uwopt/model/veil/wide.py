@@ -11,25 +11,22 @@ the more often light has turned on its way; of what comes from elsewhere the sha
     k = q_1 (0.85 k_16 + 0.15 k_2) + q_2 k_8 + (1 - q_1 - q_2) k_4,   k_n = (n + 1) / (2 pi) cos^n
     q_i = x^i / (i! (e^x - 1)),   x = (K_near - K_all) d
 
-The floor under a lamp is taken as spots of equal flux, light by light of its lobe, so that no integral over the floor
-has to follow the lobe's flank: E d Omega' = Phi cos(theta_c) / r_c^2 for a spot that gets the flux Phi. The spots are
-the same for all images of one port, and the kernel so wide that a few nodes over an image give its mean.
+The floor under a lamp is taken as spots (`veil.spots`), so that no integral over the floor has to follow the lobe's
+flank: E d Omega' = Phi cos(theta_c) / r_c^2 for a spot that gets the flux Phi. The spots are the same for all images of
+one port, and the kernel so wide that a few nodes over an image give its mean.
 """
 
 from __future__ import annotations
 
-from functools import lru_cache
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from uwopt.model import beam as beams
 from uwopt.model import port
 from uwopt.model.fineness import scaled
 from uwopt.model.image_mean import gauss
-from uwopt.model.imaging import Lamps, PortShape, field_loss
+from uwopt.model.imaging import PortShape, field_loss
 from uwopt.model.path_table import PathTable, log_transmissions_anywhere
+from uwopt.model.veil.spots import Spots
 
 Array = NDArray[np.float64]
 
@@ -37,62 +34,14 @@ POWERS = (2, 4, 8, 16)  # n of the kernels: each the square of the one before
 ONCE = {16: 0.85, 2: 0.15}  # of light that turned once: most from nearby, and a long tail
 TWICE, OFTEN = 8, 4
 FEW = 1e-9  # turns, below which all of it turned once
-RINGS, AZIMUTHS = 10, 16  # of a lobe: shares of its flux, and azimuths
-WIDE_LOBE_RAD, FINER_WIDE = float(np.deg2rad(55.0)), 2.0  # half power; so many times as many of wider lobes
 IMAGE_NODES, LARGE_NODES = 6, 8  # a side
 LARGE_TANGENT = 0.6  # of the half of a side, from which an image is large
-CROWDING = 2  # power by which rings crowd
-CDF_ANGLES = 4001
-LEAST_DESCENT = 0.1  # cosine from the floor's normal of rays that count as never meeting it
 REACH = 12.0  # altitudes to which tables of water's loss should go for these spots
 AT_ONCE = 2_000_000  # pairs of pixel and spot
 #: Of `least_within`, from these tangents in water of the corner on: cells a side of the image's quarter, nodes a side
 CELLS = {0.0: (1, 8), 0.35: (2, 8), 0.65: (3, 10), 1.1: (4, 14)}
 WITHIN_AT_ONCE = 256  # images
 MOST_CURVED = 1.0 / 16.0  # of (n - 1) times a cell's squared radius; see `least_within`
-
-
-class Spots(NamedTuple):
-    """The lit floor as the camera sees it, (n,) each."""
-
-    direction: Array  # (3, n) unit vectors from the camera, vehicle frame
-    share: Array  # flux of the spot per lumen, times cos(theta_c) / r_c^2 [1/m^2]
-    lamp_m: Array
-    camera_m: Array
-
-
-@lru_cache(maxsize=1024)  # the same in all water and for all images: 10 kB a lighting, port and altitude
-def floor_spots(
-    *, lamps: Lamps, beam: beams.Beam, shape: PortShape, range_m: float, fineness: float = 1.0
-) -> Spots:  # fmt: skip
-    """Where the light of lamps falls on the plane z = range_m + slope x, and how large it is seen from the camera.
-
-    lamps, beam, shape, range_m : as in `imaging.local_gain`; one port. Rays that never meet the plane are left out.
-    fineness : factor on rings and azimuths of each lobe
-    """
-    if beams.half_power_angle_rad(beam) > WIDE_LOBE_RAD:  # little of their light may fall into an image
-        fineness = FINER_WIDE * fineness
-    angle, flux = _rings(beam, scaled(RINGS, fineness))
-    n_round = scaled(AZIMUTHS, fineness)
-    azimuth = 2.0 * np.pi * (np.arange(n_round) + 0.5) / n_round
-    sine = np.sin(angle)[:, None]
-    local = np.stack(np.broadcast_arrays(sine * np.cos(azimuth), sine * np.sin(azimuth), np.cos(angle)[:, None]))
-    local, flux = local.reshape(3, -1), np.repeat(flux / n_round, n_round)
-    behind_m = float(shape.outer_radius_m) if shape.is_dome else 0.0
-    normal = np.array([-shape.slope, 0.0, 1.0]) / np.hypot(1.0, shape.slope)
-    parts = []
-    for x, y, z, aim, share in zip(lamps.x_m, lamps.y_m, lamps.z_m, lamps.aim, lamps.share, strict=True):
-        ray = _frame(aim) @ local
-        descent = normal @ ray
-        meets = descent > LEAST_DESCENT
-        height_m = (range_m + shape.slope * x - z) * normal[2]
-        lamp_m = height_m / descent[meets]
-        place = np.array([[x], [y], [z + behind_m]]) + lamp_m * ray[:, meets]
-        far_m = np.sqrt(np.square(place).sum(axis=0))
-        cosine = np.maximum(normal @ place, 0.0) / far_m
-        seen = share * flux[meets] * cosine / np.square(far_m)
-        parts.append((place / far_m, seen, lamp_m, np.maximum(far_m - behind_m, 0.0)))
-    return Spots(*(np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True)))
 
 
 def kernel_shares(turns: ArrayLike) -> Array:
@@ -296,23 +245,3 @@ class _Sums:
 def _bend(along: Array, across: Array, index: Array) -> Array:
     """Tangent in air over that in water; 1 where the index is."""
     return np.asarray(port.bend(np.square(along) + np.square(across), n=index))
-
-
-@lru_cache(maxsize=256)
-def _rings(beam: beams.Beam, count: int) -> tuple[Array, Array]:
-    """Angles from the axis at Gauss nodes of the flux within, crowded towards the lobe's tail, and the flux of each."""
-    angle = np.linspace(0.0, np.pi / 2, CDF_ANGLES)
-    per_angle = 2.0 * np.pi * np.sin(angle) * beams.intensity_per_sr(np.cos(angle), beam)
-    within = np.concatenate([[0.0], np.cumsum(0.5 * (per_angle[1:] + per_angle[:-1]) * np.diff(angle))])
-    nodes, weights = gauss(count)
-    left = 0.5 * (1.0 - nodes)
-    share, slope = 1.0 - left**CROWDING, CROWDING * left ** (CROWDING - 1)
-    return np.interp(share * within[-1], within, angle), weights * slope * within[-1]
-
-
-def _frame(aim: tuple[float, float, float]) -> Array:
-    """Matrix whose last column is the aim, the others square to it."""
-    z = np.array(aim)
-    x = np.cross([0.0, 1.0, 0.0] if abs(z[1]) < 0.9 else [1.0, 0.0, 0.0], z)
-    x /= np.sqrt(np.square(x).sum())
-    return np.stack([x, np.cross(z, x), z], axis=1)
