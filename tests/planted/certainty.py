@@ -553,4 +553,25 @@ DEFECTS = (
         new="range_m=scene.range_m[:, : len(camera)])",
         test=f"{BANDS}[level-anywhere-False]",
     ),
+    Defect(
+        name="light is worked out in clearer and murkier waters where no reading leaves them open",
+        file=f"{ROOM}/scenarios.py",
+        old="drawn_states(waters.left_open_by(doubt), seed",
+        new="drawn_states(doubt, seed",
+        test=f"{DRAWS}::test_no_light_is_worked_out_in_waters_that_are_all_the_same",
+    ),
+    Defect(
+        name="a reading is taken for exact",
+        file=f"{ROOM}/waters.py",
+        old='"clarity": doubt.clarity and any(',
+        new='"clarity": doubt.clarity and not any(',
+        test=f"{DRAWS}::test_no_light_is_worked_out_in_waters_that_are_all_the_same",
+    ),
+    Defect(
+        name="a panel is searched that leaves more than time allows to count",
+        file=f"{ROOM}/proof.py",
+        old="best.held > OFTEN",
+        new="best.held > 1.0",
+        test=f"{PROOF}::test_a_panel_of_the_easiest_scenarios_is_not_searched_where_much_fits_into_it",
+    ),
 )

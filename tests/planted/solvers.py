@@ -768,8 +768,15 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="one hardware may be listed twice",
         file="uwopt/solvers/exact/ranking.py",
-        old="rest = [f for f in self.best if self._ids(f) != own] if same else list(self.best)",
+        old="rest = [f for f in self.best if f is not same]",
         new="rest = list(self.best)",
+        test=f"{CERTIFICATE}test_runners_up_have_other_hardware",
+    ),
+    Defect(
+        name="a list that is set anew is taken for the one before",
+        file="uwopt/solvers/exact/ranking.py",
+        old="if self._listed is not self.best:",
+        new="if False:",
         test=f"{CERTIFICATE}test_runners_up_have_other_hardware",
     ),
     Defect(

@@ -239,11 +239,15 @@ def test_more_than_a_tie_is_no_tie() -> None:
 
 
 def test_runners_up_have_other_hardware() -> None:
-    """Of one hardware only the best number of lamps is listed, and only so many in all."""
+    """Of one hardware only the best number of lamps is listed, and only so many in all; what has left may return."""
     ranking, design = ranked(top=2)
     for camera, value in ((0, 12.0), (0, 11.0), (1, 13.0), (0, 14.0), (2, 12.5)):
         ranking._insert(replace(design, camera=camera, minimised=value))
     assert [(found.camera, found.minimised) for found in ranking.best] == [(0, 11.0), (2, 12.5)]
+    ranking._insert(replace(design, camera=1, minimised=12.0))
+    ranking.best = [replace(found, imager=7) for found in ranking.best]  # as who brings them into another order does
+    ranking._insert(replace(design, camera=0, minimised=10.0))
+    assert [(found.camera, found.minimised) for found in ranking.best] == [(0, 10.0), (1, 12.0)]
 
 
 def test_the_last_place_is_what_must_be_beaten() -> None:

@@ -14,6 +14,7 @@ from uwopt.mission.doubt import Doubt
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.candidates import worse_problem
 from uwopt.solvers.confidence.draws import drawn_parts, even_points, probabilities, triangular
+from uwopt.solvers.confidence.ends import EndScenarios
 from uwopt.solvers.confidence.panels import panel_of
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.summary import wilson
@@ -134,6 +135,30 @@ def test_particles_of_many_states_are_those_of_the_scene_in_each() -> None:
     apart = [waters.at(state)[0].particles_per_m() for state in states]
     assert np.ptp([column.max() for column in apart]) > 0.0
     np.testing.assert_allclose(seen, apart, rtol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("scene", "tables", "read"),
+    [
+        ({"water": "II"}, {False, True}, False),  # both tables have the type, which is no reading
+        ({"water": None, "visibility_m": 12.0}, {False, True}, True),
+        ({"water": None, "c_per_m": 0.3}, {False, True}, True),
+    ],
+)
+def test_no_light_is_worked_out_in_waters_that_are_all_the_same(
+    scene: dict[str, object], tables: set[bool], read: bool
+) -> None:
+    """What a state is told apart by makes another water; with its ends nothing else does."""
+    problem = one(wanted={"min_snr_db": 20.0}, scenes=[scene]).problem()
+    drawn = Scenarios.drawn(problem.mission, problem.scenes, Doubt(), seed=0, count=64)
+    ends = EndScenarios.of(problem.mission, problem.scenes, Doubt())
+    for scenarios in (drawn, ends):
+        assert {state.other_table for state in scenarios.states} == tables
+        assert any(state.clarity for state in scenarios.states) is read
+    clear, murky = (
+        drawn.waters.at(WaterState(other_table=False, clarity=end, lamp_leg=0.0, floor=1.0))[0] for end in (-1.0, 1.0)
+    )
+    assert bool(np.ptp([clear.attenuation_per_m, murky.attenuation_per_m], axis=0).max() > 0.0) is read
 
 
 def test_known_waters_ask_for_what_a_mission_asks() -> None:

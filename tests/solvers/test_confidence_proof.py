@@ -24,13 +24,13 @@ from uwopt.solvers.confidence import polish as polish_module
 from uwopt.solvers.confidence import proof as proof_module
 from uwopt.solvers.confidence import search as search_module
 from uwopt.solvers.confidence.counted import Counted, best_of, names, rank
-from uwopt.solvers.confidence.outcomes import groups_of, outcomes_of_each
+from uwopt.solvers.confidence.outcomes import Outcomes, groups_of, outcomes_of_each
 from uwopt.solvers.confidence.panels import anchors_of, best_scene, least_covered, panel_of
 from uwopt.solvers.confidence.polish import Glance, polish
 from uwopt.solvers.confidence.proof import Prover
 from uwopt.solvers.confidence.scenarios import Scenarios, SomeScenarios
 from uwopt.solvers.confidence.screen import bounds_of
-from uwopt.solvers.confidence.search import Certain, can_be_proven
+from uwopt.solvers.confidence.search import Certain, can_be_proven, unheard
 from uwopt.solvers.confidence.summary import counted, proof_told, wilson
 from uwopt.solvers.confidence.together import Together
 from uwopt.solvers.exact.imagers import fitting_pairs
@@ -443,3 +443,13 @@ def test_of_random_catalogues_too(seed: int, monkeypatch: pytest.MonkeyPatch) ->
     assert best is not None and (best.held >= SHARE) == certain.enough
     if certain.enough:
         assert certain.best.quantile(0.5) == pytest.approx(best.quantile(0.5), rel=0.005)
+
+
+@pytest.mark.parametrize(("held", "hopeless"), [(0.57, True), (0.4, False)])
+def test_a_panel_of_the_easiest_scenarios_is_not_searched_where_much_fits_into_it(held: float, hopeless: bool) -> None:
+    """Nothing holds in nine of ten: what holds in more than half tells that too much is left to count."""
+    value = np.where(np.arange(100) < round(100 * held), 5.0, np.inf)[None, :]
+    anything: Any = None
+    surest = Counted(anything, Outcomes(np.array([2.0]), value, {}), 0)
+    prover = Prover(anything, anything, anything, 0.9, [surest], NEVER, unheard)
+    assert prover._is_hopeless(anything, np.inf) is hopeless

@@ -31,15 +31,17 @@ class EndScenarios(Scenarios):
     @staticmethod
     def of(mission: Mission, scenes: Sequence[SceneOptics], doubt: Doubt) -> EndScenarios:
         """All of them, each once."""
-        tables = (False, True) if doubt.other_water_table > 0.0 else (False,)
-        clarity = ENDS if doubt.clarity and any(scene.clarity for scene in scenes) else (0.0,)
+        waters = Waters.of(mission, scenes)
+        left_open = waters.left_open_by(doubt)
+        tables = (False, True) if left_open.other_water_table > 0.0 else (False,)
+        clarity = ENDS if left_open.clarity else (0.0,)
         legs = ENDS if doubt.lamp_leg and any(scene.scattering for scene in scenes) else (0.0,)
         floors = tuple(dict.fromkeys(doubt.floor))
         foci = tuple(dict.fromkeys(doubt.focus))
         rows = list(product(product(tables, clarity, legs, floors), range(PORT_VARIANTS), foci))
         states = [WaterState(*water, doubt.beyond_band) for water, _, _ in rows]
         port, focus = np.array([variant for _, variant, _ in rows]), np.array([share for _, _, share in rows])
-        return EndScenarios(doubt, 0, len(rows), states, Waters.of(mission, scenes), port, focus)
+        return EndScenarios(doubt, 0, len(rows), states, waters, port, focus)
 
     def ports(self, part: Part) -> list[Any]:
         """A port at its bad end, with each end of its radius."""

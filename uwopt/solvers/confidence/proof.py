@@ -35,6 +35,7 @@ Progress = Callable[[float, str], None]
 MOST_LISTED = 800  # hardware that a panel leaves: of more the best by its values
 PANEL_S = 5.0  # that its search may last where there is a limit: of what takes longer too much is left to prove
 HOPELESS = 0.5  # of its median that the best known is better by in the panel, which then leaves what is twice as bad
+OFTEN = 0.5  # of the scenarios, in which the surest holds where nothing holds as often as asked
 FEW = 100_000  # combinations, of which a panel may leave a large share
 MOST_VARIANTS = 64  # numbers, mounts and orientations
 A_SCREEN = 160  # hardware that is bounded before what is left of it is counted
@@ -118,10 +119,14 @@ class Prover:
         return NoneBetter(self._total, excluded, dropped, counted, min(self.ceiling, beyond, waits))
 
     def _is_hopeless(self, panel: Problem, ceiling: float) -> bool:
-        """Whether a panel, in which the best known is far better than it is, leaves more than time allows to count."""
+        """Whether a panel leaves more than time allows to count.
+
+        It does where the best known is far better in it than it is; where none is known that holds as often as asked,
+        if the surest holds so often that much else fits into the panel, which is as easy as the easiest scenarios.
+        """
         best = best_of(self.tried, self.share)
         if best is None or not np.isfinite(ceiling):
-            return False
+            return best is not None and best.held > OFTEN
         found, parts = best.found, self.problem.parts
         port = parts.ports[found.port].enclosure_id
         lists: dict[str, list[Any]] = {

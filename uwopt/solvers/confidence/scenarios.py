@@ -53,9 +53,9 @@ class Scenarios:
     ) -> Scenarios:  # fmt: skip
         """Draw them; `like`: others of the same mission, scenes and doubt, whose waters are known."""
         port = shuffled(seed, "port", count) * PORTS // count
-        states = drawn_states(doubt, seed, count, has_band=any(map(may_leave_band, scenes)))
         focus = triangular(probabilities(seed, "focus", count), doubt.focus[0], 1.0, doubt.focus[1])
         waters = Waters.of(mission, scenes) if like is None else like.waters
+        states = drawn_states(waters.left_open_by(doubt), seed, count, has_band=any(map(may_leave_band, scenes)))
         responses = {} if like is None else like.responses
         return Scenarios(doubt, seed, count, states, waters, port, focus, responses=responses)
 

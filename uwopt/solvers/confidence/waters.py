@@ -81,6 +81,17 @@ class Waters:
         """Of all scenes of a mission."""
         return Waters([KnownWaters(mission, mission.scene_view(index), scene) for index, scene in enumerate(scenes)])
 
+    def left_open_by(self, doubt: Doubt) -> Doubt:
+        """A doubt without what no scene leaves open: clarity where no reading tells it, a table where there is but one.
+
+        Else light would be worked out in waters that are all the same.
+        """
+        known = [nodes for nodes in self.nodes_of if not nodes.scene.paper]
+        return doubt.model_copy(update={
+            "clarity": doubt.clarity and any(nodes.scene.clarity is not None for nodes in known),
+            "other_water_table": doubt.other_water_table if any(nodes.other_table() for nodes in known) else 0.0,
+        })  # fmt: skip
+
     def seen_by(self, mission: Mission, scenes: Sequence[SceneOptics]) -> Waters:
         """The same waters for a mission that asks for other things in these scenes; light that is known is kept."""
         made = Waters.of(mission, scenes)

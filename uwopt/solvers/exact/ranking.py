@@ -66,11 +66,12 @@ class Ranking:
         self.problem, self.imagers, self.top, self.ceiling = problem, imagers, top, ceiling
         self.best: list[Found] = []
         self.known_ids: dict[tuple[int, int, int, int], tuple[str, ...]] = {}
+        self._listed, self._by_ids = self.best, dict[tuple[str, ...], Found]()
 
     def among(self, imagers: Imagers) -> Self:
         """The same, for designs of other imagers to enter; what was found stays."""
         made = copy(self)
-        made.imagers = imagers
+        made.imagers, made._by_ids = imagers, dict(self._by_ids)
         return made
 
     def threshold(self) -> float:
@@ -160,15 +161,22 @@ class Ranking:
     def _insert(self, design: Found) -> None:
         """Put a design in its place; of equal hardware only the better stays."""
         parts, own = self.problem.parts, self._ids(design)
-        same = [f for f in self.best if self._ids(f) == own]
-        if same and not comes_before(design, same[0], parts):
+        same = self._of_ids(own)
+        if same is not None and not comes_before(design, same, parts):
             return
-        rest = [f for f in self.best if self._ids(f) != own] if same else list(self.best)
+        rest = [f for f in self.best if f is not same]
         ahead = design.minimised - 4.0 * TIE * abs(design.minimised)  # none of these is passed
         first = bisect_left(rest, ahead, key=lambda f: f.minimised)
         place = next((n for n in range(first, len(rest)) if comes_before(design, rest[n], parts)), len(rest))
         rest.insert(place, design)
         self.best = rest[: self.top]
+        self._by_ids[own], self._listed = design, self.best
+
+    def _of_ids(self, own: tuple[str, ...]) -> Found | None:
+        """The best design of these parts, if one was listed: what is worse than one that has left never enters."""
+        if self._listed is not self.best:  # it was set anew
+            self._listed, self._by_ids = self.best, {self._ids(f): f for f in self.best}
+        return self._by_ids.get(own)
 
     def _ids(self, design: Found) -> tuple[str, ...]:
         """Ids of a design's parts, kept: long lists ask for them often."""
