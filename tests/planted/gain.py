@@ -5,6 +5,7 @@ from __future__ import annotations
 from planted.defect import Defect
 
 CAP = "tests/api/test_gain_cap.py"
+YIELDING = "tests/api/test_yielding.py"
 
 DEFECTS = (
     Defect(
@@ -62,5 +63,26 @@ DEFECTS = (
         old="np.asarray(ratio_to_db(np.maximum(settings.gain, 1e-300)))",
         new="np.asarray(settings.gain)",
         test="tests/objectives/test_margin_limits.py::test_requirement_is_missed_just_outside_its_limit[max_gain_db]",
+    ),
+    Defect(
+        name="good practice gives way though a mission says otherwise",
+        file="uwopt/mission/yielding.py",
+        old="if is_wanted(mission.practice) and _is_kept(mission, one))",
+        new="if is_wanted(mission.practice))",
+        test=f"{YIELDING}::test_what_a_mission_says_itself_does_not_give_way",
+    ),
+    Defect(
+        name="all of good practice gives way where one key is enough",
+        file="uwopt/api/yielding.py",
+        old="few, enough = 0, len(known)  # so many of the first do not do, and so many do",
+        new="return known",
+        test=f"{YIELDING}::test_a_reserve_that_nothing_keeps_gives_way_and_is_told_first",
+    ),
+    Defect(
+        name="good practice that gave way is not told",
+        file="uwopt/api/solving.py",
+        old="warnings=[*notes, *result.warnings, *yielded])",
+        new="warnings=[*result.warnings, *yielded])",
+        test=f"{YIELDING}::test_a_reserve_that_nothing_keeps_gives_way_and_is_told_first",
     ),
 )

@@ -67,7 +67,8 @@ MUCH_ESTIMATED = 0.3  # of the price
 
 #: Weights of notes by code; of those that are not named, the last. 0: another rule tells it, or it is no risk.
 NOTES = {
-    "not_settable": 95.0, "no_image": 90.0, "dark_image": 77.0, "lamp_in_view": 68.0, "measure_the_camera": 62.0,
+    "not_settable": 95.0, "practice_yields": 92.0,
+    "no_image": 90.0, "dark_image": 77.0, "lamp_in_view": 68.0, "measure_the_camera": 62.0,
     BREATHING: 0.0, "better_unsettable": 24.0, "snr_instead": 0.0,
     "colour_left_open": 0.0, "uneven_light": 0.0, "pattern": 0.0, "tolerance": 0.0, "interrupted": 0.0, "time": 0.0,
 }  # fmt: skip

@@ -38,6 +38,7 @@ from uwopt.api.search_notes import (
 )
 from uwopt.api.searching import searched
 from uwopt.api.timing import STAGES, timed
+from uwopt.api.yielding import gives_way, yield_notes
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import Deadline
 from uwopt.errors import MissionError
@@ -47,6 +48,7 @@ from uwopt.forward.assembly import Generic, load_catalog
 from uwopt.forward.effects import Influence
 from uwopt.mission.doubt import CENTRAL
 from uwopt.mission.mission import Mission
+from uwopt.mission.yielding import Yield, with_yields
 from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.goal import goal_of, taken_instead
 from uwopt.objectives.objective import Objective
@@ -119,7 +121,8 @@ def solve(
     tolerance : largest error of a figure, a share: integrals are taken as coarsely as it allows
     quick : leave out how firm the answer is, and second opinions
     first : called with the result as soon as its recommendation is proven, before all that is told beyond the proof
-    explain : where nothing fits, also say why and what would help
+    explain : where nothing fits, let give way what good practice has filled in, as little of it as possible, with a
+        warning; where nothing fits even so, say why and what would help
     """
     start, since_s, deadline = time.perf_counter(), time.process_time(), Deadline.after(seconds)
     for_search = deadline if seconds is None else deadline.at_most(SEARCH_SHARE * seconds)
@@ -143,6 +146,13 @@ def solve(
         (sought, alternative), measured = search_within(
             tolerance, search, goal, paper=paper, sunlit=sunlit, deadline=deadline
         )
+    given_way: tuple[Yield, ...] = ()
+    if not sought.outcome.best and (alternative or sought).outcome.complete and explain and not every_price:
+        with timed(timing, "practice", progress):
+            given_way = gives_way(wanted, catalog, alternative or sought, for_search, progress)
+        if given_way:
+            wanted = with_yields(wanted, given_way)
+            sought, alternative = search(sought.problem.fineness)
     result = base_result("solve", wanted, goal, sought.problem)
     if not sought.outcome.best:
         result = infeasible_result(
@@ -156,7 +166,8 @@ def solve(
         )
         assert result.recommendation is not None
         yielded = gain_warnings(wanted, sought, result.recommendation)
-        result = replace(result, warnings=[*result.warnings, *yielded])
+        notes = yield_notes(given_way, result.recommendation)
+        result = replace(result, warnings=[*notes, *result.warnings, *yielded])
         if every_price and central.outcome.complete and not interrupted(result):
             result = priced(result, central, goal, timing, deadline, progress, since_s)
         elif ranges and central.outcome.complete and not interrupted(result):

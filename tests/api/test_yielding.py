@@ -1,0 +1,82 @@
+"""Good practice that nothing meets in full gives way, as little as possible, and what a mission says itself never."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import pytest
+
+import uwopt
+from uwopt.api.risks import risks_of
+from uwopt.api.yielding import PRACTICE_YIELDS
+from uwopt.mission.mission import load_mission
+from uwopt.mission.yielding import YIELDS, with_yields, yields_of
+
+HARDWARE = {
+    "cameras": ["flir-bfs-u3-120s4m"], "lenses": ["kowa-lm8*"], "lights": ["generic-lamp-flood-20000lm"],
+    "generic": "allow", "host": "none", "rest": "none", "housing": "none", "spacers": "none",
+}  # fmt: skip
+RESERVE = {"depth": 1.0, "tilt_deg": 0.0}
+
+
+def survey(min_snr_db: float, **more: Any) -> dict[str, Any]:
+    """One lamp over a floor, with good practice in its reserves alone."""
+    return {
+        "practice": "recommended", "confidence": "central", "physics": "paper",
+        "scene": {"water": "II", "seafloor": 0.2, "depth_m": 30},
+        "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.3, "light_count": 1, "lamp_supply": "any"},
+        "requirements": {
+            "overlap": 0.3, "max_blur_px": 1.0, "min_snr_db": min_snr_db, "snr_at": "mean", "dof_at": "axis",
+            "lens_stop_down": 0.5, "min_uniformity": 0, "refuse": [], "min_mtf_half_nyquist": 0,
+        },
+        "catalog": HARDWARE, "reserve": RESERVE | more,
+    }  # fmt: skip
+
+
+@cache
+def brightest_db() -> float:
+    """What the hardware reaches with the other reserves kept."""
+    mission = survey(0.0, snr_db=0.0, max_gain_db=None) | {"objective": "snr_db"}
+    return float(uwopt.solve(mission, top=1, quick=True).objective.value or 0.0)
+
+
+def given_way(result: Any) -> list[str]:
+    """The keys that are told to have given way."""
+    return [note.path for note in result.warnings if note.code == PRACTICE_YIELDS]
+
+
+def test_a_reserve_that_nothing_keeps_gives_way_and_is_told_first() -> None:
+    result = uwopt.solve(survey(brightest_db() - 1.0), top=1, quick=True)  # 1 dB is there, 3 dB are to be kept
+    assert given_way(result) == ["reserve.snr_db"]
+    assert result.mission["reserve"]["snr_db"] == 0.0 and result.mission["reserve"]["blur"] == 0.2
+    assert risks_of(result)[0].what.startswith("nothing meets all of good practice; what has given way: no signal")
+
+
+def test_what_is_kept_does_not_give_way() -> None:
+    assert given_way(uwopt.solve(survey(brightest_db() - 4.0), top=1, quick=True)) == []
+
+
+def test_what_a_mission_says_itself_does_not_give_way() -> None:
+    result = uwopt.solve(survey(brightest_db() - 1.0, snr_db=2.0, blur=0.1, swath=0.2, dof=0.2), top=1, quick=True)
+    assert result.status == "infeasible" and result.infeasible is not None
+
+
+def test_an_explanation_tells_of_good_practice_in_full() -> None:
+    result = uwopt.solve(survey(brightest_db() - 1.0), top=1, quick=True, every_price=True)
+    assert result.status == "infeasible"
+
+
+def test_bare_missions_have_nothing_that_gives_way() -> None:
+    assert yields_of(load_mission(survey(20.0) | {"practice": "bare"})) == ()
+
+
+@pytest.mark.parametrize("one", YIELDS, ids=lambda one: one.path)
+def test_each_key_gives_way_alone(one: Any) -> None:
+    """The weaker mission asks for less of that key, and is otherwise the same."""
+    plain = {key: value for key, value in survey(20.0).items() if key not in ("reserve", "physics")}
+    full = load_mission(plain | {"requirements": {"overlap": 0.3, "min_snr_db": 20, "min_swath_m": 1}})
+    assert one in yields_of(full)
+    weaker = with_yields(full, [one])
+    assert set(yields_of(full)) - set(yields_of(weaker)) == {one}
+    assert weaker.practice == "recommended" and weaker.requirements.min_snr_db == 20

@@ -1,0 +1,67 @@
+"""A mission that nothing meets with all of good practice: what of it gives way, as little as possible, and its note."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Collection
+
+from uwopt.api.common import Progress
+from uwopt.catalog.catalogue import Catalog
+from uwopt.deadline import Deadline
+from uwopt.forward.assembly import Generic
+from uwopt.mission.mission import Mission
+from uwopt.mission.yielding import Yield, with_yields, yields_of
+from uwopt.results.design import Design, Note
+from uwopt.solvers.explain.relaxed import ANY
+from uwopt.solvers.recommend import Sought, seek
+
+YIELD_S = 20.0  # of the processor, for what has to give way
+PRACTICE_YIELDS = "practice_yields"
+
+
+def gives_way(
+    mission: Mission, catalog: Catalog, sought: Sought, deadline: Deadline, progress: Progress | None
+) -> tuple[Yield, ...]:
+    """What of good practice has to give way so that something fits; nothing where that is not enough.
+
+    They give way in their order until something fits; then all but the last come back one by one, the latest first, as
+    far as something still fits. So no key that has given way could be kept beside those that are kept.
+    """
+    patience = deadline.at_most(YIELD_S) if deadline.left_s < YIELD_S else Deadline.after(YIELD_S, time.process_time)
+    lifted = mission.without_gain_cap
+    generic: Generic = "never" if mission.catalog.generic == "never" else "allow"
+
+    def fits(given_way: Collection[Yield]) -> bool:
+        weaker = with_yields(lifted, given_way)
+        found = seek(
+            weaker, catalog, ANY, generic=generic, top=1, deadline=patience, enough=True, like=sought.problem
+        )
+        return bool(found.outcome.best)
+
+    known = yields_of(mission)
+    if progress is not None and known:
+        progress(0.0, "what of good practice has to give way")
+    if not known or not fits(known):
+        return ()
+    few, enough = 0, len(known)  # so many of the first do not do, and so many do
+    while enough - few > 1 and not patience.passed():
+        middle = (few + enough) // 2
+        few, enough = (few, middle) if fits(known[:middle]) else (middle, enough)
+    given_way = known[:enough]
+    for one in reversed(known[: enough - 1]):
+        rest = tuple(other for other in given_way if other is not one)
+        if not patience.passed() and fits(rest):
+            given_way = rest
+    return given_way
+
+
+def yield_notes(given_way: Collection[Yield], winner: Design) -> list[Note]:
+    """What has given way, and what the frame's darkest places get where the SNR holds in the mean."""
+    if not given_way:
+        return []
+    text = "nothing meets all of good practice; what has given way: " + "; ".join(one.words for one in given_way)
+    reached = [scene.figures.get("snr_db_p05") for scene in winner.as_set.scenes]
+    known = [float(value) for value in reached if value is not None]
+    if known and any(one.key == "snr_at" for one in given_way):
+        text += f" (95 % of which reach {min(known):.0f} dB)"
+    return [Note(PRACTICE_YIELDS, ", ".join(one.path for one in given_way), text)]

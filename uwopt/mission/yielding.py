@@ -1,0 +1,79 @@
+"""What of good practice gives way where nothing meets all of it: keys that it has filled in, never what a mission says.
+
+Instruments that have worked at sea seldom keep all of it at once: corners of a wide frame get less light by the fourth
+power of a cosine, so that an SNR of the whole frame is a few decibels more than the same of its mean.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from typing import Any
+
+from uwopt.mission.mission import Mission
+from uwopt.mission.practice import LEAST_UNIFORMITY, RECOMMENDED_KEYS, is_wanted
+from uwopt.mission.reserves import RECOMMENDED_RESERVE
+
+WHITE_BALANCE = "white_balance"
+
+
+@dataclass(frozen=True)
+class Yield:
+    """One key that good practice fills in, and what it is where it gives way."""
+
+    section: str
+    key: str
+    kept: Any  # by good practice
+    instead: Any
+    words: str  # what is then held no more
+
+    @property
+    def path(self) -> str:
+        """The key with its section."""
+        return f"{self.section}.{self.key}"
+
+
+def _reserve(key: str, words: str) -> Yield:
+    return Yield("reserve", key, RECOMMENDED_RESERVE[key], 0.0, words)
+
+
+def _asked(key: str, instead: Any, words: str) -> Yield:
+    return Yield("requirements", key, RECOMMENDED_KEYS["requirements"][key], instead, words)
+
+
+#: What gives way first, first: what is kept in hand, then colour, then what is asked of the frame's darkest places.
+YIELDS: tuple[Yield, ...] = (
+    _reserve("swath", "no swath is kept in hand"),
+    _reserve("dof", "no depth of field is kept in hand"),
+    _reserve("blur", "no motion blur is kept in hand"),
+    _reserve("snr_db", "no signal to noise is kept in hand"),
+    Yield("requirements", "refuse", WHITE_BALANCE, None, "one colour channel is amplified more than fourfold"),
+    _asked("snr_at", "mean", "the signal to noise holds in the image's mean, not over the frame"),
+    _asked("dof_at", "axis", "the depth of field holds on the axis, not in the corners"),
+    _asked("lens_stop_down", 0.0, "the lens need not be stopped down"),
+    Yield("requirements", "min_uniformity", LEAST_UNIFORMITY, 0.0, "the darkest place of the floor may be dark"),
+)
+
+
+def yields_of(mission: Mission) -> tuple[Yield, ...]:
+    """What may give way in a mission, the first to do so first: where good practice is wanted, what is as it has it."""
+    return tuple(one for one in YIELDS if is_wanted(mission.practice) and _is_kept(mission, one))
+
+
+def _is_kept(mission: Mission, one: Yield) -> bool:
+    section = getattr(mission, one.section)
+    if one.key == "refuse":
+        return WHITE_BALANCE in section.refuse and section.max_white_balance is None
+    return bool(getattr(section, one.key) == one.kept)
+
+
+def with_yields(mission: Mission, given_way: Collection[Yield]) -> Mission:
+    """The mission in which these have given way."""
+    data = {"requirements": mission.to_dict()["requirements"], "reserve": mission.reserve.model_dump(mode="json")}
+    for one in given_way:
+        place = data[one.section]
+        if one.key == "refuse":
+            place[one.key] = [word for word in place[one.key] if word != WHITE_BALANCE]
+        else:
+            place[one.key] = one.instead
+    return mission.with_changes(**data)
