@@ -41,12 +41,25 @@ BENCH_S = 1.0  # for all suites together; they end when it is spent, whatever th
 AGAIN = re.compile(r"^uwopt solve (problems/reef-mosaic.yaml --(audit|solver|tolerance)|my-survey.yaml)")
 INIT = "uwopt init my-survey.yaml"
 SOME_LENSES = "  lenses: [kowa-lm6, kowa-lm8, thorlabs]\n"
-NARROWED = {  # a file that chooses from few cameras and lenses once a command has run, its choice and the new one
-    AS_PROCESS: (
-        "problems/reef-mosaic.yaml", '  cameras: ["flir", "allied*", "basler"]\n',
-        "  cameras: [avt-alvium-1800-c-234m]\n",
-    ),
-    INIT: ("my-survey.yaml", '  cameras: ["*"]\n', "  cameras: [basler-a2a2464-77umpro]\n"),
+DEEP = (
+    "  cameras: [avt-alvium-1800-c-235m]\n  lenses: [tamron-m112fm12, fujinon-cf12za-1s]\n"
+    "  ports: [generic-dome-bk7-100mm]\n  lights: [generic-flash-50j]\n"
+)
+#: Files that choose from few parts once a command has run: where each says what it chooses from, and what it says then.
+NARROWED = {
+    AS_PROCESS: {
+        "problems/reef-mosaic.yaml": (
+            '  cameras: ["flir", "allied*", "basler"]\n', "  cameras: [avt-alvium-1800-c-234m]\n" + SOME_LENSES,
+        ),
+        "problems/jobs/deep-auv.yaml": ("  generic: allow\n", "  generic: allow\n" + DEEP),
+    },
+    INIT: {
+        "my-survey.yaml": (
+            '  cameras: ["*"]\n',
+            "  cameras: [basler-a2a2464-77umpro]\n  ports: [generic-dome-acrylic]\n  lights: [generic-flash-50j]\n"
+            + SOME_LENSES,
+        ),
+    },
 }  # fmt: skip
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
@@ -138,19 +151,21 @@ def done(folder: Path, unhurried: None) -> dict[str, Done]:
     """All commands of the pages, run in the order in which they stand.
 
     One is a process of its own, all of them are before a release; a benchmark takes the time that it is given. By
-    default the mission that `init` writes chooses from some makers, so does the reef's once it was solved as it is,
-    and a front may miss a hundredth of its volume.
+    default the mission that `init` writes and the deep one choose from few parts, so does the reef's once it was solved
+    as it is, and a front may miss a hundredth of its volume.
     """
     lines = [line for line in commands() if line.startswith(("uwopt ", "python "))]
     if find_spec("openpyxl") is None:  # an environment of before: what makes workbooks cannot run there
         lines = [line for line in lines if not line.startswith(("uwopt tender ", "uwopt quotes "))]
     found: dict[str, Done] = {}
+    narrowed = drawn(NARROWED, {})
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         patch.setattr(bench_run, "QUICK_S", BENCH_S)
         if not THOROUGH:  # each suite has tests of its own
             patch.setattr(bench_run, "MODULES", {name: bench_run.MODULES[name] for name in SOME_SUITES})
-        patch.setattr(specification, "HALVINGS", drawn(1, specification.HALVINGS))
+        for name, few in (("HALVINGS", 1), ("STEPS", 3), ("SHARES", 2)):
+            patch.setattr(specification, name, drawn(few, getattr(specification, name)))
         patch.setattr(front_search, "FRONT_GAP", drawn(1e-2, front_search.FRONT_GAP))
         for line in lines:
             text, _, target = line.partition(" > ")
@@ -161,11 +176,10 @@ def done(folder: Path, unhurried: None) -> dict[str, Done]:
                 patch.setattr(solving, "doubts", lambda *given: None)
             apart = THOROUGH or program != "uwopt" or line == AS_PROCESS
             found[line] = as_process(program, arguments, folder) if apart else within_tests(arguments)
-            if line in NARROWED and not THOROUGH:
-                name, choice, some = NARROWED[line]
+            for name, (choice, some) in narrowed.get(line, {}).items():
                 text = (folder / name).read_text(encoding="utf-8")
                 assert choice in text
-                (folder / name).write_text(text.replace(choice, some + SOME_LENSES), encoding="utf-8")
+                (folder / name).write_text(text.replace(choice, some), encoding="utf-8")
             if target:
                 (folder / target.strip()).write_text(found[line].out, encoding="utf-8")
     return found
