@@ -27,6 +27,7 @@ from uwopt.objectives.goal import goal_of
 from uwopt.report.page.whatif import whatif_html
 from uwopt.report.text.whatif_tables import opening
 from uwopt.results.whatif import WhatIf
+from uwopt.solvers.confidence import search
 from uwopt.solvers.warm.searches import Warm
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
@@ -38,6 +39,7 @@ FEW: dict[str, Any] = {
     "lights": ["arctic-rays-dragonfish-mini-strobe-65deg*"],
     "generic": "never",
 }
+ONE_VIEW = {"lenses": FEW["lenses"][1:], "ports": FEW["ports"][:1]}
 SPEEDS = {"speed_m_s": [0.3, 0.45, 0.6, 1.05, 1.3]}
 
 
@@ -120,7 +122,7 @@ def test_spider_moves_one_quantity_at_a_time():
         "practice": "bare", "scene": {"water": "II", "seafloor": "coral", "depth_m": 30},
         "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.5, "light_baseline_m": 0.8, "light_count": 2},
         "requirements": {"frame_interval_s": 2.0, "min_snr_db": 30.0},
-        "catalog": FEW | {"cameras": FEW["cameras"][1:]},
+        "catalog": FEW | ONE_VIEW | {"cameras": FEW["cameras"][1:]},
     })  # fmt: skip
     table = uwopt.whatif(mission, spider=True)
     lines = {line.key: line for line in table.spider}
@@ -280,9 +282,11 @@ def test_with_certainty_an_interruption_keeps_what_is_known(monkeypatch):
     assert table.status == "interrupted" and [point.values for point in table.points] == [[0.3]]
 
 
-def test_with_certainty_the_points_are_what_solve_recommends():
+def test_with_certainty_the_points_are_what_solve_recommends(monkeypatch):
     """The second has the light and the hardware of the first; `solve` starts anew."""
-    base = VariedMission(reef(doubt={"scenarios": 64, "other_water_table": 0.0}), {})
+    monkeypatch.setattr(search, "FRESH", 256)
+    few = load_mission(PROBLEMS / "reef-mosaic.yaml").to_dict()["catalog"] | FEW | ONE_VIEW
+    base = VariedMission(reef(doubt={"scenarios": 64, "other_water_table": 0.0}, catalog=few), {})
     table = uwopt.whatif(base.base, {"speed_m_s": [0.3, 0.5]}, confidence=0.7)
     point = table.points[1]
     cold = uwopt.solve(base.with_values({base.varied("speed_m_s", "0.3,1"): 0.5}), confidence=0.7, quick=True)
