@@ -16,7 +16,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from uwopt.errors import SolverError
 from uwopt.solvers.calibration.light import MURKIEST, ShotLight
@@ -150,7 +150,7 @@ def half_widths(jacobian: Array, residuals: Array, net_dn: Array) -> Array:
         return np.full(p, np.inf)
     scaled = np.linalg.inv((jacobian / size).T @ (jacobian / size))
     spread = np.sqrt(variance * np.diag(scaled)) / size
-    return np.asarray(student.ppf(0.5 * (1.0 + LEVEL), n - p) * spread)
+    return np.asarray(stdtrit(n - p, 0.5 * (1.0 + LEVEL)) * spread)
 
 
 def outliers(light: ShotLight, net_dn: Array, free: list[Name]) -> Array:
