@@ -269,6 +269,7 @@ class _Integrand:
         self.share = share / share.sum(axis=-1, keepdims=True)
         self.k_lamp = np.broadcast_to(np.asarray(k_lamp, dtype=float), steps.shape)
         self.c_camera = np.broadcast_to(np.asarray(c_camera, dtype=float), steps.shape)
+        self._slopes: dict[Boxes, tuple[FloatArray, FloatArray]] = {}
         self.excess: FloatArray | None = None  # c - k, where only what is scattered forward counts
         if k_camera is not None:
             excess = self.c_camera - np.asarray(k_camera, dtype=float)
@@ -289,6 +290,11 @@ class _Integrand:
 
     def slopes(self, boxes: Boxes) -> tuple[FloatArray, FloatArray]:
         """Mean attenuations (batch,) of the light that is left at the far corner."""
+        if boxes not in self._slopes:
+            self._slopes[boxes] = self._slopes_of(boxes)
+        return self._slopes[boxes]
+
+    def _slopes_of(self, boxes: Boxes) -> tuple[FloatArray, FloatArray]:
         with np.errstate(divide="ignore"):
             exponent = np.log(self.share) - self.k_lamp * boxes[0][1] - self.c_camera * boxes[1][1]
         if self.excess is not None:
