@@ -18,7 +18,7 @@ DEFECTS = (
     Defect(
         name="intervals of test shots are one standard error",
         file=FIT,
-        old="return np.asarray(student.ppf(0.5 * (1.0 + LEVEL), n - p) * spread)",
+        old="return np.asarray(stdtrit(n - p, 0.5 * (1.0 + LEVEL)) * spread)",
         new="return np.asarray(spread)",
         test=f"{FITS}::test_intervals_hold_the_truth_as_often_as_they_say",
     ),
