@@ -203,6 +203,16 @@ def test_scene_is_named_where_there_are_several(calm: Result) -> None:
     assert only(with_scene(calm, first, other)).because.endswith("in wall")
 
 
+def test_housings_that_float_are_told_with_their_ballast(calm: Result) -> None:
+    def weighing(in_water_kg: float | None) -> Result:
+        totals = replace(design_of(calm).totals, mass_water_kg=in_water_kg)
+        return replace(calm, design=replace(design_of(calm), totals=totals))
+
+    told = only(weighing(-6.0))
+    assert told.what == "the cameras float and need ballast" and told.figure == "6.00 kg of ballast in water"
+    assert [risks_of(weighing(kg)) for kg in (-0.4, 0.0, 3.0, None)] == [[]] * 4
+
+
 def test_rating_with_less_than_a_tenth_over_the_deepest_scene_is_told(calm: Result) -> None:
     at_100m = replace(calm, mission={**calm.mission, "scenes": [{**calm.mission["scenes"][0], "depth_m": 100.0}]})
     tight = only(with_margin(at_100m, margin("depth_rating_m (q)", 109.0, 100.0, ">=", "m")))

@@ -244,4 +244,11 @@ DEFECTS = (
         new="for choice in zip(*ends.values())]",
         test="tests/solvers/test_specification.py::test_every_end_is_tried_with_every_other",
     ),
+    Defect(
+        name="ballast is not asked for",
+        file="uwopt/api/risks.py",
+        old="weight_kg < -BUOYANT_KG",
+        new="weight_kg < -1e9",
+        test="tests/api/test_risks.py::test_housings_that_float_are_told_with_their_ballast",
+    ),
 )

@@ -62,6 +62,7 @@ EVEN, VERY_UNEVEN = 0.3, 0.1  # darkest place against the mean
 SEEN_PX = 2.0  # a blur, skew or coloured edge wider than this is seen
 STEADY_DEG = 3.0  # as well as a lamp's direction is kept on a vehicle
 DEPTH_IN_HAND = 0.1
+BUOYANT_KG = 0.5  # that a mount and its screws weigh in water; beyond it ballast is needed (assumed)
 MOST_GAIN_DB = RECOMMENDED_RESERVE["max_gain_db"]
 MUCH_ESTIMATED = 0.3  # of the price
 
@@ -151,6 +152,15 @@ def shallow(result: Result, design: Design) -> Weighed:
             because = f"{part or 'a part'} is rated for little more than the depth of the mission"
             figure = " against ".join(format_quantity(depth_m, "m") for depth_m in (margin.value, deepest_m))
             yield 62.0, Risk("a part may not stand the pressure", because, figure)
+
+
+def floats(result: Result, design: Design) -> Weighed:
+    """Housings that displace more than they weigh."""
+    weight_kg = design.totals.mass_water_kg
+    if weight_kg is not None and weight_kg < -BUOYANT_KG:
+        because = "the housings displace more water than they weigh, lamps not counted; ballast is no part of the order"
+        figure = f"{format_quantity(-weight_kg, 'kg')} of ballast in water"
+        yield 33.0, Risk("the cameras float and need ballast", because, figure)
 
 
 # ---------------------------------------------------------------- water and lamps
@@ -344,9 +354,9 @@ def noted(result: Result, design: Design) -> Weighed:
 
 
 RULES: Sequence[Callable[[Result, Design], Weighed]] = (
-    missed, uncertain, at_bad_ends, nothing_in_hand, shallow, in_other_water, lamps_off, uneven, seen_in_the_image,
-    smeared_subjects, weak_colours, wide_open, high_gain, held_back, price, to_be_made, maybe_withdrawn, idle_lamps,
-    better_elsewhere, noted,
+    missed, uncertain, at_bad_ends, nothing_in_hand, shallow, floats, in_other_water, lamps_off, uneven,
+    seen_in_the_image, smeared_subjects, weak_colours, wide_open, high_gain, held_back, price, to_be_made,
+    maybe_withdrawn, idle_lamps, better_elsewhere, noted,
 )  # fmt: skip
 
 
