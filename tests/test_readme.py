@@ -19,7 +19,7 @@ import yaml
 from thorough import THOROUGH, drawn
 from typer.testing import CliRunner
 
-from uwopt.api import solving
+from uwopt.api import doubting
 from uwopt.api.common import NOT_MODELLED
 from uwopt.bench import run as bench_run
 from uwopt.cli import status as cli_status
@@ -173,7 +173,7 @@ def done(folder: Path, unhurried: None) -> dict[str, Done]:
             if not THOROUGH and AGAIN.search(
                 line
             ):  # the same answer by other means: its doubts are known by then
-                patch.setattr(solving, "doubts", lambda *given: None)
+                patch.setattr(doubting, "doubts_of", lambda *given: {})
             apart = THOROUGH or program != "uwopt" or line == AS_PROCESS
             found[line] = as_process(program, arguments, folder) if apart else within_tests(arguments)
             for name, (choice, some) in narrowed.get(line, {}).items():

@@ -35,7 +35,12 @@ class _Spent(threading.local):
     spent_s = 0.0
 
 
-_SPENT = _Spent()
+@dataclass
+class _Processor:
+    before_s: float = 0.0  # of a process that this one is a copy of
+
+
+_SPENT, _PROCESSOR = _Spent(), _Processor()
 
 
 def spend(work: Work, count: int = 1) -> None:
@@ -46,6 +51,21 @@ def spend(work: Work, count: int = 1) -> None:
 def effort_s() -> float:
     """What this thread has spent since it began [s of a common machine]."""
     return _SPENT.spent_s
+
+
+def add_effort(seconds: float) -> None:
+    """Count what was worked out elsewhere for this thread, or take it off again."""
+    _SPENT.spent_s += seconds
+
+
+def processor_s() -> float:
+    """What this process has taken of the processor, with what it is a copy of until it was made [s]."""
+    return _PROCESSOR.before_s + time.process_time()
+
+
+def go_on_from(seconds: float) -> None:
+    """Let the processor's clock go on, in a copy, from where it was."""
+    _PROCESSOR.before_s = seconds - time.process_time()
 
 
 class OutOfTimeError(Exception):
@@ -87,6 +107,10 @@ class Deadline:
     def at_most(self, seconds: float) -> Deadline:
         """This deadline, or one in so many seconds if that is sooner; what is left out is told to neither's caller."""
         return Deadline(min(self.end_s, self.clock() + seconds), self.clock)
+
+    def or_after(self, seconds: float, clock: Callable[[], float]) -> Deadline:
+        """This deadline; where nobody has set one, one in so many seconds of a clock."""
+        return Deadline.after(seconds, clock) if math.isinf(self.end_s) else self
 
     def but_for(self, share: float) -> Deadline:
         """So much sooner by a share of the time left; what is left out is told to the same caller."""

@@ -14,7 +14,7 @@ from effects_cases import random_mission, random_system
 from thorough import drawn
 
 import uwopt
-from uwopt.api import solving
+from uwopt.api import doubting
 from uwopt.api.accuracy import estimator_of
 from uwopt.api.common import prepared
 from uwopt.api.evaluating import scene_settings
@@ -249,7 +249,7 @@ def test_evaluation_within_a_tolerance_is_that_near_to_the_finest(tolerance: flo
 
 
 def test_a_search_tells_gap_and_residual_and_within_a_tolerance_errors(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(solving, "doubts", lambda *given: None)  # the residual is that of a second opinion
+    monkeypatch.setattr(doubting, "doubts_of", lambda *given: {})  # the residual is that of a second opinion
     monkeypatch.setattr(prices, "prices", lambda *given: [])
     mission = load_mission(REEF).with_changes(physics="full")
     plain = uwopt.solve(mission)

@@ -19,6 +19,7 @@ import pytest
 from typer.testing import CliRunner
 
 import uwopt
+from uwopt.api import doubting
 from uwopt.api import solving as api
 from uwopt.api.evaluating import evaluate
 from uwopt.catalog.edition import AS_OF, EDITION
@@ -266,11 +267,14 @@ def test_interruption_before_a_result_is_status_130(monkeypatch: pytest.MonkeyPa
     assert "interrupted" in done.stderr and done.stdout == ""
 
 
-@pytest.mark.parametrize("stage", ["doubts", "second_opinions", "estimator_of_search", "design_of"])
+@pytest.mark.parametrize(
+    ("where", "stage"),
+    [(doubting, "told_together"), (doubting, "second_opinions"), (api, "estimator_of_search"), (api, "design_of")],
+)
 def test_interruption_after_the_proof_keeps_what_is_proven(
-    stage: str, monkeypatch: pytest.MonkeyPatch
+    where: Any, stage: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    work, calls = getattr(api, stage), []
+    work, calls = getattr(where, stage), []
 
     def once_interrupted(*args: Any, **kwargs: Any) -> Any:
         calls.append(args)
@@ -278,7 +282,7 @@ def test_interruption_after_the_proof_keeps_what_is_proven(
             raise KeyboardInterrupt
         return work(*args, **kwargs)
 
-    monkeypatch.setattr(api, stage, once_interrupted)
+    monkeypatch.setattr(where, stage, once_interrupted)
     done = run("solve", MISSION, "--physics", "paper", "--accuracy", "--json")
     assert done.exit_code == 130
     result = json.loads(done.stdout)

@@ -185,8 +185,8 @@ DEFECTS = (
     Defect(
         name="how long certainty may take is told by a clock that goes with the machine",
         file="uwopt/api/certainty.py",
-        old="else Deadline.after(CERTAINTY_S, effort_s)",
-        new='else Deadline.after(CERTAINTY_S, __import__("time").process_time)',
+        old="deadline.or_after(CERTAINTY_S, effort_s)",
+        new='deadline.or_after(CERTAINTY_S, __import__("time").process_time)',
         test="tests/api/test_confidence.py::test_what_is_recommended_holds_and_can_be_set",
     ),
     Defect(

@@ -114,8 +114,9 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{TESTS}test_rounding_ends_with_the_time",
     ),
     Defect(
-        name="doubts take as long as they like", file="uwopt/api/solving.py",
-        old="doubts(sought, goal, winner, patience, choice)", new="doubts(sought, goal, winner, deadline, choice)",
+        name="doubts take as long as they like", file="uwopt/api/doubting.py",
+        old="doubts_of(sought, winner, goal, patience, choice)",
+        new="doubts_of(sought, winner, goal, deadline, choice)",
         test="tests/api/test_patience.py::test_doubts_beyond_patience_are_left_out_and_told[0.0-True]",
     ),
 )  # fmt: skip

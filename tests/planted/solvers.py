@@ -14,6 +14,7 @@ DOUBT = "tests/solvers/test_robustness.py::"
 FRAME = "tests/solvers/test_over_frame.py::"
 RELAXED = "tests/solvers/test_relaxed.py"
 LEAST = "tests/solvers/test_least_change.py"
+BESIDE = "tests/solvers/test_beside.py"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
@@ -1038,26 +1039,54 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="doubts are all or none",
-        file="uwopt/api/solving.py",
-        old='within("other waters", lambda: in_other_waters(sought, goal, deadline), none)',
-        new="in_other_waters(sought, goal, deadline)",
+        file="uwopt/api/doubting.py",
+        old="return {name: partial(deadline.within, *of) for name, of in each.items()}",
+        new="return {name: partial(deadline.in_time, of[1]) for name, of in each.items()}",
         test="tests/test_deadline.py::test_doubts_that_are_known_when_time_ends_are_told",
     ),
     Defect(
         name="who is in a hurry waits for doubts",
         file="uwopt/api/solving.py",
-        old="return (made if quick else doubted(",
-        new="return (doubted(",
+        old="ToTell(sought, doubts=not quick,",
+        new="ToTell(sought, doubts=True,",
         test="tests/test_deadline.py::test_quick_leaves_doubts_out_and_nothing_else",
+    ),
+    Defect(
+        name="works beside each other wait for one another",
+        file="uwopt/solvers/beside.py",
+        old="made |= queue.done(works, lists, begins)\n        for copy in copies:\n            made |= copy.answer()",
+        new="for copy in copies:\n            made |= copy.answer()\n        made |= queue.done(works, lists, begins)",
+        test=f"{BESIDE}::test_two_works_run_at_once_in_two_processes",
+    ),
+    Defect(
+        name="what a copy leaves out is not told",
+        file="uwopt/solvers/beside.py",
+        old="one.extend(new)",
+        new="one.extend(())",
+        test=f"{BESIDE}::test_what_is_made_counted_and_appended_is_that_of_works_in_order",
+    ),
+    Defect(
+        name="a copy's processor begins anew",
+        file="uwopt/solvers/beside.py",
+        old="go_on_from(begun_s)",
+        new="go_on_from(0.0)",
+        test=f"{BESIDE}::test_a_copys_processor_clock_goes_on_where_it_was",
+    ),
+    Defect(
+        name="copies of an interrupted process work on",
+        file="uwopt/solvers/beside.py",
+        old="        for copy in copies:\n            copy.end()",
+        new="        del copies",
+        test=f"{BESIDE}::test_an_interrupted_process_leaves_no_copy",
     ),
     Defect(
         name="a recommendation waits for its doubts",
         file="uwopt/api/solving.py",
         old="""    if first is not None:
         first(with_risks(made))
-    return (made if quick else doubted(made, sought, goal, timing, deadline, progress, solver, choice)), sought
+    return doubted(made, sought, goal, timing, deadline, progress, solver, choice, wanted), sought
 """,
-        new="""    made = made if quick else doubted(made, sought, goal, timing, deadline, progress, solver, choice)
+        new="""    made = doubted(made, sought, goal, timing, deadline, progress, solver, choice, wanted)
     if first is not None:
         first(with_risks(made))
     return made, sought

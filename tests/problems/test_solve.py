@@ -15,7 +15,7 @@ import pytest
 from thorough import drawn
 
 import uwopt
-from uwopt.api import solving
+from uwopt.api import doubting
 from uwopt.api.common import prepared
 from uwopt.forward.assembly import load_catalog
 from uwopt.objectives.objective import Objective
@@ -107,7 +107,7 @@ def test_mission_is_solved_and_its_claims_hold(
 ) -> None:
     mission = PROBLEMS / f"{name}.yaml"
     if physics == "full" and name not in DOUBTED:
-        monkeypatch.setattr(solving, "doubts", lambda *given: None)
+        monkeypatch.setattr(doubting, "doubts_of", lambda *given: {})
     result = uwopt.solve(mission, physics=physics, audit=N_ATTACKED)
     best = result.recommendation
     assert best is not None

@@ -79,7 +79,7 @@ def with_confidence(
     before : what is recommended for a mission that differs in a few keys: its waters and its hardware are known
     """
     asked, report, proven = sought.problem.mission.confidence, progress or unheard, sought.outcome
-    patience = deadline if math.isfinite(deadline.end_s) else Deadline.after(CERTAINTY_S, effort_s)
+    patience = deadline.or_after(CERTAINTY_S, effort_s)
     sold, certain, surer = sought, None, None
     like = None if before is None else waters_of(before, sought.problem)
     with timed(timing, "certainty", progress):
@@ -277,8 +277,7 @@ def eased(problem: Problem, goal: Objective, known: Confidence, choice: Certain,
 
     if known.enough or known.asked == ENDS:
         return known
-    timed = math.isfinite(deadline.end_s)
-    deadline = deadline.at_most(EASED_S) if timed else Deadline.after(EASED_S, effort_s)
+    deadline = deadline.or_after(EASED_S, effort_s).at_most(EASED_S)
     told = would_hold(problem, goal, choice.best, choice.scenarios, choice.asked, deadline)
     return replace(known, would_hold=told)
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-import time
 from dataclasses import replace
 
 from uwopt.api.common import Progress, Source
@@ -11,7 +9,7 @@ from uwopt.api.floats import own_float_rules
 from uwopt.api.searching import leaves_out_generic
 from uwopt.api.timing import STAGES
 from uwopt.api.varied import SHARP, Switches, Systems, VariedGrid
-from uwopt.deadline import NEVER, Deadline, OutOfTimeError
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError, processor_s
 from uwopt.errors import MissionError
 from uwopt.forward.assembly import Generic
 from uwopt.mission.mission import Mission
@@ -48,8 +46,7 @@ def range_prices(
     if result.recommendation is None:
         return []
     base = VariedMission(mission, {})
-    if math.isinf(deadline.end_s):
-        deadline = Deadline.after(PRICES_S, time.process_time)
+    deadline = deadline.or_after(PRICES_S, processor_s)
     systems, warm = Systems(goal_of(base.base)), Warm(deadline)
     if sought is not None:
         warm.take(sought)

@@ -6,8 +6,6 @@ import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
-from typing import TYPE_CHECKING, Any
 
 from uwopt.api.accuracy import (
     Searched,
@@ -25,6 +23,7 @@ from uwopt.api.common import (
     selection_warnings,
     time_warnings,
 )
+from uwopt.api.doubting import ToTell, doubted
 from uwopt.api.floats import own_float_rules
 from uwopt.api.risks import with_risks
 from uwopt.api.search_notes import (
@@ -37,10 +36,10 @@ from uwopt.api.search_notes import (
     patience_warnings,
 )
 from uwopt.api.searching import searched
-from uwopt.api.timing import STAGES, timed
+from uwopt.api.timing import timed
 from uwopt.api.yielding import gives_way, yield_notes
 from uwopt.catalog.catalogue import Catalog
-from uwopt.deadline import Deadline
+from uwopt.deadline import Deadline, processor_s
 from uwopt.errors import MissionError
 from uwopt.evaluation.breathing import breathing_notes
 from uwopt.evaluation.influences import influences_of
@@ -52,7 +51,6 @@ from uwopt.mission.yielding import Yield, with_yields
 from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.goal import goal_of, taken_instead
 from uwopt.objectives.objective import Objective
-from uwopt.results.basis import Knee, Price
 from uwopt.results.design import Design, Note
 from uwopt.results.result import Result
 from uwopt.solvers.exact.certificate import certificate
@@ -68,14 +66,9 @@ from uwopt.solvers.settable.rounding import given_of
 from uwopt.tolerances import PROVEN_GAP_REL
 from uwopt.units import format_quantity
 
-if TYPE_CHECKING:
-    from uwopt.solvers.confidence.search import Certain
-
 EXPLAIN_S = 9.0  # of the processor, for a mission that nothing meets and what would help, where no time is given
-EQUAL = "which systems are equal within the estimates"
 EXPLAIN_SHARE = 0.4  # of the time that the search took, where that is more
 LEAST_EXPLAIN_S = 5.0  # for what would help, however long the search took: in less hardly any is found
-DOUBTS_S = 6.0  # of the processor, for how firm a proven answer is, likewise
 SEARCH_SHARE = 0.9  # of the time that is given: the rest is for settings that can be set
 SOLVERS = ("exact", "casadi", "nlopt", "bonmin")
 First = Callable[[Result], None]  # takes a result whose recommendation is proven and not yet doubted
@@ -124,7 +117,7 @@ def solve(
     explain : where nothing fits, let give way what good practice has filled in, as little of it as possible, with a
         warning; where nothing fits even so, say why and what would help
     """
-    start, since_s, deadline = time.perf_counter(), time.process_time(), Deadline.after(seconds)
+    start, since_s, deadline = time.perf_counter(), processor_s(), Deadline.after(seconds)
     for_search = deadline if seconds is None else deadline.at_most(SEARCH_SHARE * seconds)
     if solver not in SOLVERS:
         raise MissionError(f"solver {solver!r} is not one of {', '.join(SOLVERS)}")
@@ -162,16 +155,15 @@ def solve(
     else:
         central = sought
         result, sought = found_result(
-            result, goal, sought, alternative, timing, deadline, progress, solver=solver, quick=quick, first=first
-        )
+            result, goal, sought, alternative, timing, deadline, progress, solver=solver, first=first,
+            wanted=ToTell(sought, doubts=not quick, ranges=ranges and not every_price, alternatives=alternatives),
+        )  # fmt: skip
         assert result.recommendation is not None
         yielded = gain_warnings(wanted, sought, result.recommendation)
         notes = yield_notes(given_way, result.recommendation)
         result = replace(result, warnings=[*notes, *result.warnings, *yielded])
         if every_price and central.outcome.complete and not interrupted(result):
             result = priced(result, central, goal, timing, deadline, progress, since_s)
-        elif ranges and central.outcome.complete and not interrupted(result):
-            result = with_ranges(result, central, timing, deadline, progress)
         if measured is None and accuracy and not interrupted(result):
             try:
                 estimator = estimator_of_search(sought, goal, deadline)
@@ -186,22 +178,6 @@ def solve(
             accuracy=plain_accuracy(measured, tolerance or math.inf, result.certificate, result.solvers),
             warnings=[*result.warnings, *accuracy_warnings(measured, tolerance or math.inf)],
         )
-    if (
-        alternatives
-        and result.recommendation is not None
-        and sought.outcome.complete
-        and not interrupted(result)
-    ):
-        from uwopt.solvers.explain.alternatives import beside_best
-
-        try:
-            with timed(timing, "alternatives", progress):
-                counted = result.confidence
-                least = None if counted is None else counted.central_objective
-                told = beside_best(sought.selection, sought.search, goal, result.recommendation, deadline, least)
-            result = replace(result, alternatives=told)
-        except KeyboardInterrupt:  # what is proven is not lost
-            result = replace(result, warnings=[*result.warnings, *cut_warnings()])
     if audit:
         result = audited(result, sought, goal, audit, wanted.seed, timing, deadline)
     timing.update({f"search_{name}": value for name, value in sought.outcome.timing_s.items()})
@@ -222,7 +198,7 @@ def found_result(
     progress: Progress | None,
     *,
     solver: str,
-    quick: bool = False,
+    wanted: ToTell,
     first: First | None = None,
 ) -> tuple[Result, Sought]:
     """A result with a recommendation, and the search with what is recommended at its head.
@@ -296,21 +272,7 @@ def found_result(
         return made, sought
     if first is not None:
         first(with_risks(made))
-    return (made if quick else doubted(made, sought, goal, timing, deadline, progress, solver, choice)), sought
-
-
-def with_ranges(
-    made: Result, sought: Sought, timing: dict[str, float], deadline: Deadline, progress: Progress | None
-) -> Result:
-    """A result with the systems that take over where a binding requirement becomes stricter, in time."""
-    from uwopt.api.pricing import range_prices
-
-    try:
-        with timed(timing, "ranges", progress):
-            prices = range_prices(sought.problem.mission, made, deadline=deadline, progress=progress, sought=sought)
-        return replace(made, prices=prices)
-    except KeyboardInterrupt:  # what is proven is not lost
-        return replace(made, warnings=[*made.warnings, *cut_warnings()])
+    return doubted(made, sought, goal, timing, deadline, progress, solver, choice, wanted), sought
 
 
 def priced(
@@ -320,8 +282,8 @@ def priced(
     """A result with what every requirement costs, in time; `since_s`: of the processor, when it was asked."""
     from uwopt.api.pricing import every_price
 
-    left_s = max(EXPLAIN_S - (time.process_time() - since_s), LEAST_EXPLAIN_S)
-    patience = deadline if math.isfinite(deadline.end_s) else Deadline.after(left_s, time.process_time)
+    left_s = max(EXPLAIN_S - (processor_s() - since_s), LEAST_EXPLAIN_S)
+    patience = deadline.or_after(left_s, processor_s)
     cut: list[Note] = []
     with timed(timing, "prices", progress):
         prices, complete = every_price(made, sought, goal, patience, progress)
@@ -339,100 +301,10 @@ def status_of(*, proven: bool, exact: bool) -> str:
     return "optimal" if exact else "feasible"
 
 
-def doubted(
-    made: Result, sought: Sought, goal: Objective, timing: dict[str, float], deadline: Deadline,
-    progress: Progress | None, solver: str, choice: Certain | None,
-) -> Result:  # fmt: skip
-    """A result with how firm it is, what more power and money would buy, and second opinions, in time.
-
-    choice : of hardware that holds in the doubt, where it was made so
-    """
-    from uwopt.solvers.explain.knee import knee
-    from uwopt.solvers.explain.prices import prices
-
-    winner, cut = made.recommendation, False
-    assert winner is not None
-    patience = deadline if math.isfinite(deadline.end_s) else Deadline.after(DOUBTS_S, time.process_time)
-    doubt: dict[str, Any] | None = None
-    opinions: list[dict[str, Any]] = []
-    bought: Knee | None = None
-    costs: list[Price] = []
-    counted = made.confidence
-    try:
-        if counted is not None and choice is not None and not counted.enough:
-            from uwopt.api.certainty import eased
-
-            with timed(timing, "eased", progress):
-                counted = eased(sought.problem, goal, counted, choice, deadline)
-        with timed(timing, "robustness", progress):
-            doubt = doubts(sought, goal, winner, patience, choice)
-        if goal.quality:
-            with timed(timing, "knee", progress):
-                bought = deadline.within(STAGES["knee"], lambda: knee(sought, goal, deadline), None)
-        with timed(timing, "second_opinion", progress):
-            slow = deadline if solver != "exact" else patience  # what is asked for by name takes its time
-            opinions = slow.within("second opinions", lambda: second_opinions(sought, goal, solver, slow), [])
-        with timed(timing, "prices", progress):
-            costs = patience.within(STAGES["prices"], lambda: prices(sought, goal, winner, opinions, patience), [])
-    except KeyboardInterrupt:  # what is proven is not lost
-        cut = True
-    notes = cut_warnings() if cut else []
-    if patience is not deadline:
-        notes += patience_warnings(patience, DOUBTS_S)
-    return replace(
-        made, confidence=counted, robustness=doubt, knee=bought, solvers=opinions, prices=costs,
-        warnings=[*made.warnings, *notes],
-    )  # fmt: skip
-
-
 def proven_line(winner: Design, goal: Objective, currency: str) -> str:
     """The recommendation in a line, for who waits for its doubts."""
     value = format_quantity(winner.objective_value, goal.unit(currency), 4)
     return f"proven best: {' + '.join(part.id for part in winner.hardware.named.values())}, {goal.name} {value}"
-
-
-def doubts(
-    sought: Sought, goal: Objective, winner: Design, deadline: Deadline, choice: Certain | None = None
-) -> dict[str, Any] | None:
-    """What the estimates, the choice of water table and the lamps' places could change."""
-    from uwopt.solvers.confidence.search import tied_with_best
-    from uwopt.solvers.explain.equals import equals
-    from uwopt.solvers.explain.lamp_places import polished_mount, tilt_tolerance
-    from uwopt.solvers.explain.robustness import robustness
-    from uwopt.solvers.explain.waters import in_other_waters
-
-    found = deadline.within("how firm the answer is", lambda: robustness(sought, goal, deadline=deadline), None)
-    if found is None:
-        return None
-    within, none = deadline.within, list[dict[str, Any]]()
-    tied = None if choice is None else partial(tied_with_best, sought.problem, choice)
-    return {
-        **found,
-        "equal": within(EQUAL, lambda: equals(sought, goal, deadline, tied), none),
-        "waters": within("other waters", lambda: in_other_waters(sought, goal, deadline), none),
-        "tilt": within("how far lamps may lean", lambda: tilt_tolerance(sought, winner, goal, deadline), None),
-        "outside_certificate": within(
-            "lamps between the grid's places", lambda: polished_mount(sought, goal, deadline), None
-        ),
-    }
-
-
-def second_opinions(sought: Sought, goal: Objective, solver: str, deadline: Deadline) -> list[dict[str, Any]]:
-    """The winner's settings solved again by continuous solvers, compared by objective."""
-    from uwopt.solvers.continuous import opinions
-
-    if solver == "bonmin":
-        return [opinions.mixed_opinion(sought, goal, max_seconds=min(opinions.BONMIN_S, deadline.left_s))]
-    methods = {"exact": ("casadi",), "casadi": ("casadi",), "nlopt": ("slsqp", "cobyla", "global")}[solver]
-    if not opinions.smooth(sought, goal):
-        return opinions.aperture_opinions(sought, sought.outcome.best[0], goal)
-    few = sought.outcome.best[:1] if solver == "exact" else sought.outcome.best
-    made = []
-    for found in few:
-        for method in methods:
-            deadline.check()
-            made.append(opinions.opinion(sought, found, goal, method, deadline))
-    return made
 
 
 def infeasible_result(
@@ -450,9 +322,9 @@ def infeasible_result(
     generic: Generic = "allow" if with_generic else "never"
     why, notes = None, interruption_warnings(used)
     if used.outcome.complete and explain:
-        spent_s = time.process_time() - since_s
+        spent_s = processor_s() - since_s
         left_s = max(EXPLAIN_S - spent_s, LEAST_EXPLAIN_S, EXPLAIN_SHARE * spent_s)
-        patience = deadline if math.isfinite(deadline.end_s) else Deadline.after(left_s, time.process_time)
+        patience = deadline.or_after(left_s, processor_s)
         trials = Trials(mission, catalog, goal, generic, patience, progress, used)
         with timed(timing, "explanation"):
             why = why_nothing(trials, proof)

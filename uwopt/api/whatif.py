@@ -12,7 +12,7 @@ from uwopt.api.floats import own_float_rules
 from uwopt.api.search_notes import patience_warnings
 from uwopt.api.timing import timed
 from uwopt.api.varied import At, Switches, Systems, VariedGrid
-from uwopt.deadline import Deadline
+from uwopt.deadline import Deadline, processor_s
 from uwopt.errors import MissionError
 from uwopt.forward.scene_checks import check_physical
 from uwopt.mission.doubt import CENTRAL
@@ -160,7 +160,7 @@ class Work:
         if self.certain:  # between points another search would have to count
             return [Switches(grid, self.deadline, self.say).coarse(k, a, b) for k, a, b in grid.changes()]
         by_itself = math.isfinite(self.deadline.end_s)
-        patience = self.deadline if by_itself else Deadline.after(SWITCHES_S, time.process_time)
+        patience = self.deadline if by_itself else Deadline.after(SWITCHES_S, processor_s)
         before = grid.warm.n_searches
         made = Switches(grid, patience, self.say).all()
         self.n_searches += grid.warm.n_searches - before

@@ -144,6 +144,7 @@ def solve_command(
     """Find the best system of the catalogue for a mission, and prove it."""
     from uwopt.report.text.console import ProgressBar
     from uwopt.report.write import check_folder
+    from uwopt.solvers.beside import cores
 
     limit_s = checked_seconds(seconds)
     deadline = Deadline.after(limit_s)
@@ -151,7 +152,7 @@ def solve_command(
     if out is not None:
         check_folder(out)
     begun: list[Result] = []
-    with ProgressBar(quiet=quiet) as bar:
+    with ProgressBar(quiet=quiet) as bar, cores():
         from uwopt.api import solving as api
 
         def first(result: Result) -> None:

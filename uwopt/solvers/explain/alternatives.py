@@ -15,7 +15,7 @@ import numpy as np
 
 from uwopt.catalog.choose import Selection
 from uwopt.catalog.records import Part
-from uwopt.deadline import NEVER, Deadline
+from uwopt.deadline import NEVER, Deadline, effort_s
 from uwopt.forward.problem import Problem
 from uwopt.objectives.axes import Axes
 from uwopt.objectives.objective import Objective
@@ -31,7 +31,7 @@ from uwopt.tolerances import TIE
 
 KINDS = ("camera", "light")
 MOST_MAKERS = 12  # of a kind
-LONGEST_S = 5.0  # for all of them: what is not reached by then is left out
+LONGEST_S = 5.0  # of work, or where time is given of that: what is not reached by then is left out
 
 
 def beside_best(
@@ -90,7 +90,7 @@ def told(
 ) -> list[OtherMaker]:  # fmt: skip
     """One entry a maker whose parts are not shown; `first`: the search of all, which may have listed imagers."""
     problem, every = first.problem, first.every_imager
-    patience, out = deadline.at_most(LONGEST_S), []
+    patience, out = deadline.or_after(LONGEST_S, effort_s).at_most(LONGEST_S), []
     for kind, maker, mask in other_makers(selection, problem, shown):
         item = OtherMaker(kind, maker)
         if mask is None:

@@ -1,0 +1,148 @@
+"""Works done side by side make what they make one after another, whoever does them and whatever becomes of a copy."""
+
+from __future__ import annotations
+
+import os
+import select
+import signal
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+import uwopt
+from uwopt.deadline import effort_s, processor_s, spend
+from uwopt.errors import SolverError
+from uwopt.solvers import beside
+from uwopt.solvers.beside import cores, side_by_side
+
+WAIT_S = 100.0  # for what never comes if works are not done side by side
+copied = pytest.mark.skipif(not beside.COPIES, reason="this system makes no copies of a process")
+
+
+@pytest.fixture(autouse=True)
+def every_machine_has_two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(beside, "usable_cores", lambda: 2)
+
+
+def in_two_processes(work: Callable[[], Any]) -> list[Any]:
+    """What a work makes here and in a copy: each waits until the other has begun."""
+    (from_one, by_one), (from_two, by_two) = os.pipe(), os.pipe()
+
+    def met(own: int, other: int) -> Any:
+        os.write(own, b"!")
+        if not select.select([other], [], [], WAIT_S)[0]:
+            raise TimeoutError
+        return work()
+
+    try:
+        with cores():
+            return side_by_side([lambda: met(by_one, from_two), lambda: met(by_two, from_one)])
+    finally:
+        for one in (from_one, by_one, from_two, by_two):
+            os.close(one)
+
+
+@copied
+def test_two_works_run_at_once_in_two_processes() -> None:
+    ids = in_two_processes(os.getpid)
+    assert len(set(ids)) == 2 and os.getpid() in ids
+    with pytest.raises(ChildProcessError):
+        os.waitpid(-1, os.WNOHANG)  # no copy is left
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_what_is_made_counted_and_appended_is_that_of_works_in_order(count: int) -> None:
+    told: list[str] = []
+
+    def work(number: int) -> int:
+        spend("views", number)
+        told.append(f"work {number}")
+        return number * number
+
+    before_s = effort_s()
+    with cores(count):
+        made = side_by_side([lambda number=number: work(number) for number in range(5)], lists=[told])  # type: ignore[misc]
+    assert made == [0, 1, 4, 9, 16]
+    assert told == [f"work {number}" for number in range(5)]
+    assert effort_s() - before_s == pytest.approx(0.0045 * 10)
+
+
+def test_nobody_is_copied_unless_the_caller_says_so() -> None:
+    assert set(side_by_side([os.getpid] * 4)) == {os.getpid()}
+
+
+def test_copies_make_no_copies() -> None:
+    with cores(2):
+        inner = side_by_side([lambda: (os.getpid(), set(side_by_side([os.getpid] * 4)))] * 2)
+    assert all(pids == {pid} or pid == os.getpid() for pid, pids in inner)
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_the_first_fault_is_raised(count: int) -> None:
+    def fail(text: str) -> None:
+        raise SolverError(text)
+
+    with cores(count), pytest.raises(SolverError, match="second"):
+        side_by_side([int, lambda: fail("second"), lambda: fail("third")])
+
+
+@copied
+def test_the_work_of_a_copy_that_is_ended_is_done_here() -> None:
+    here = os.getpid()
+
+    def work() -> int:
+        if os.getpid() != here:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return os.getpid()
+
+    with cores(2):
+        assert side_by_side([work] * 4) == [here] * 4
+
+
+@copied
+def test_what_cannot_be_sent_is_made_here() -> None:
+    with cores(2):
+        made = side_by_side([lambda: lambda: 1, lambda: lambda: 2])
+    assert [one() for one in made] == [1, 2]
+
+
+@copied
+def test_an_interrupted_process_leaves_no_copy() -> None:
+    here = os.getpid()
+
+    def work() -> None:
+        if os.getpid() == here:
+            raise KeyboardInterrupt
+        select.select([], [], [], WAIT_S)
+
+    with cores(2), pytest.raises(KeyboardInterrupt):
+        side_by_side([work] * 2)
+    with pytest.raises(ChildProcessError):
+        os.waitpid(-1, os.WNOHANG)
+
+
+@copied
+def test_a_copys_processor_clock_goes_on_where_it_was() -> None:
+    before_s = processor_s()
+    assert min(in_two_processes(processor_s)) >= before_s > 0.0
+
+
+PARTS: dict[str, Any] = {
+    "scene": {"water": "II", "seafloor": 0.2, "depth_m": 30}, "practice": "bare",
+    "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.3, "light_count": [1, 4]},
+    "requirements": {"overlap": 0.3, "max_blur_px": 1.0, "min_snr_db": 10},
+    "catalog": {"cameras": ["flir-bfs-u3-120s4m"], "lenses": ["kowa"], "lights": ["bigblue"], "generic": "never"},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("confidence", ["central", 0.9])
+def test_a_result_does_not_tell_how_many_cores_worked_on_it(confidence: str | float) -> None:
+    def told(count: int) -> dict[str, Any]:
+        with cores(count):
+            result = uwopt.solve(PARTS, confidence=confidence, top=2, ranges=True, alternatives=True)
+        return {name: value for name, value in vars(result).items() if name not in ("timing_s", "solvers")}
+
+    one = told(1)
+    assert one["robustness"] and one["alternatives"] and one["prices"]
+    assert one == told(2)

@@ -1,0 +1,177 @@
+"""Work side by side: in copies of this process, so that every core of the machine is of use.
+
+The works are handed out one by one to whoever is free, this process or a copy; what a copy makes is sent back. Copies
+are made only inside `with cores(n)`, as the command line does: of a process with other threads, as a notebook or a
+server has them, a copy may wait for ever for what one of these held. Where copies are not made, or the system makes
+none well (only Linux does: on macOS a copy's libraries may fail), the works are done one after another.
+
+Works must not need each other, nor tell a progress bar of theirs. What they count (`deadline.effort_s`) and append to
+`lists` counts here too, so that nobody can tell from the answer where it was worked out.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import pickle
+import signal
+import sys
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from contextvars import ContextVar
+from typing import Any, Never
+
+from uwopt.deadline import add_effort, effort_s, go_on_from, processor_s
+
+MOST_CORES = 4  # each copy may need a few hundred MB
+COPIES = "linux" in sys.platform  # whether the system makes copies of a process that work
+_CORES: ContextVar[int] = ContextVar("cores", default=1)
+
+
+@contextlib.contextmanager
+def cores(count: int | None = None) -> Iterator[None]:
+    """Where works are done on so many cores; None: on as many as this process may use, up to four."""
+    wanted = min(usable_cores() if count is None else count, MOST_CORES)
+    token = _CORES.set(wanted if COPIES else 1)
+    try:
+        yield
+    finally:
+        _CORES.reset(token)
+
+
+def usable_cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if COPIES else os.cpu_count() or 1
+
+
+def side_by_side(
+    works: Sequence[Callable[[], Any]], *, lists: Sequence[list[Any]] = (), begins: Callable[[int], object] = int
+) -> list[Any]:
+    """What each of these makes, in their order; those that last longest are best named first.
+
+    What a work raises is raised here, that of the first such work. `lists`: what the works append to, in order.
+    `begins`: called with the number of each work that this process does.
+    """
+    if len(works) < 2 or _CORES.get() < 2:
+        values = []
+        for number, work in enumerate(works):
+            begins(number)
+            values.append(work())
+        return values
+    queue = _Queue(len(works))
+    copies = [_Copy(works, queue, lists) for _ in range(min(_CORES.get(), len(works)) - 1)]
+    made: dict[int, _Done] = {}
+    try:
+        made |= queue.done(works, lists, begins)
+        for copy in copies:
+            made |= copy.answer()
+    finally:
+        queue.close()
+        for copy in copies:
+            copy.end()
+    for place, work in enumerate(works):
+        if place not in made:  # of a copy that the system has ended
+            made[place] = _Done.of(work, lists)
+    for one in (made[place] for place in range(len(works))):
+        one.take_over(lists)
+    return [made[place].value for place in range(len(works))]
+
+
+class _Done:
+    """What a work made or raised, what it appended to some lists, and the effort that it counted."""
+
+    def __init__(self, value: Any, fault: Exception | None, added: list[list[Any]], spent_s: float):
+        self.value, self.fault, self.added, self.spent_s = value, fault, added, spent_s
+
+    @classmethod
+    def of(cls, work: Callable[[], Any], lists: Sequence[list[Any]]) -> _Done:
+        """Do a work; what it appends is taken off the lists again, for `take_over` to append in order."""
+        sizes, before_s = [len(one) for one in lists], effort_s()
+        value, fault = None, None
+        try:
+            value = work()
+        except Exception as raised:
+            fault = raised
+        spent_s = effort_s() - before_s
+        add_effort(-spent_s)
+        added = [one[size:] for one, size in zip(lists, sizes, strict=True)]
+        for one, size in zip(lists, sizes, strict=True):
+            del one[size:]
+        return cls(value, fault, added, spent_s)
+
+    def take_over(self, lists: Sequence[list[Any]]) -> None:
+        """Count and append it here, and raise what was raised."""
+        add_effort(self.spent_s)
+        for one, new in zip(lists, self.added, strict=True):
+            one.extend(new)
+        if self.fault is not None:
+            raise self.fault
+
+
+class _Queue:
+    """The numbers of works that nobody has begun: a pipe from which this process and its copies take one at a time."""
+
+    def __init__(self, count: int):
+        self._source, sink = os.pipe()
+        os.write(sink, bytes(range(count)))
+        os.close(sink)
+
+    def done(
+        self, works: Sequence[Callable[[], Any]], lists: Sequence[list[Any]], begins: Callable[[int], object] = int
+    ) -> dict[int, _Done]:
+        """Do works until none is left."""
+        made = {}
+        while number := os.read(self._source, 1):
+            begins(number[0])
+            made[number[0]] = _Done.of(works[number[0]], lists)
+        return made
+
+    def close(self) -> None:
+        """Let go of the pipe."""
+        os.close(self._source)
+
+
+class _Copy:
+    """A copy of this process that does works from the queue, and sends what they made."""
+
+    def __init__(self, works: Sequence[Callable[[], Any]], queue: _Queue, lists: Sequence[list[Any]]):
+        self._source, sink = os.pipe()
+        begun_s = processor_s()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)  # of other threads: the progress bar's, which waits
+            self._process = os.fork()
+        if not self._process:
+            self._work(works, queue, lists, sink, begun_s)
+        os.close(sink)
+
+    def _work(
+        self, works: Sequence[Callable[[], Any]], queue: _Queue, lists: Sequence[list[Any]], sink: int,
+        begun_s: float,
+    ) -> Never:  # fmt: skip
+        """What the copy does: it returns nowhere, runs no handler of its end and writes to no stream."""
+        status = 1
+        try:
+            signal.signal(signal.SIGINT, signal.SIG_IGN)  # whom a person interrupts ends its copies
+            os.close(self._source)
+            _CORES.set(1)
+            go_on_from(begun_s)
+            with os.fdopen(sink, "wb") as stream:
+                pickle.dump(queue.done(works, lists), stream)
+            status = 0
+        finally:
+            os._exit(status)
+
+    def answer(self) -> dict[int, _Done]:
+        """What it made, once it has; nothing where it could not send it."""
+        with os.fdopen(self._source, "rb", closefd=False) as stream:
+            try:
+                return dict(pickle.load(stream))
+            except (EOFError, pickle.UnpicklingError):
+                return {}
+
+    def end(self) -> None:
+        """End it, done or not."""
+        os.close(self._source)
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(self._process, signal.SIGKILL)
+        os.waitpid(self._process, 0)
