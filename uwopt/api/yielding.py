@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Collection
 
 from uwopt.api.common import Progress
 from uwopt.catalog.catalogue import Catalog
-from uwopt.deadline import Deadline
+from uwopt.deadline import Deadline, processor_s
 from uwopt.forward.assembly import Generic
 from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import Yield, with_yields, yields_of
@@ -27,7 +26,7 @@ def gives_way(
     They give way in their order until something fits; then all but the last come back one by one, the latest first, as
     far as something still fits. So no key that has given way could be kept beside those that are kept.
     """
-    patience = deadline.at_most(YIELD_S) if deadline.left_s < YIELD_S else Deadline.after(YIELD_S, time.process_time)
+    patience = deadline.at_most(YIELD_S) if deadline.left_s < YIELD_S else Deadline.after(YIELD_S, processor_s)
     lifted = mission.without_gain_cap
     generic: Generic = "never" if mission.catalog.generic == "never" else "allow"
 
