@@ -17,12 +17,26 @@ from pathlib import Path
 import import_plan as plan
 import pytest
 
+from uwopt.api.timing import STAGES
 from uwopt.units import UNIT_SUFFIXES
 
 ROOT, PACKAGE, MODULES = plan.ROOT, plan.PACKAGE, plan.MODULES
 name_of, tree_of, imports_of = plan.name_of, plan.tree_of, plan.imports_of
 MODEL = sorted((PACKAGE / "model").rglob("*.py"))
 DATA = "uwopt/catalog/data/"
+
+# ---------------------------------------------------------------- words
+
+
+def test_each_stage_that_tells_its_progress_has_words():
+    """`timed(times, name, progress)` looks the name up, where a person waits."""
+    calls = [node for path in MODULES for node in ast.walk(tree_of(path)) if isinstance(node, ast.Call)]
+    named = [
+        ast.literal_eval(call.args[1]) for call in calls
+        if isinstance(call.func, ast.Name) and call.func.id == "timed" and len(call.args) == 3
+    ]  # fmt: skip
+    assert len(named) > 8 and set(named) <= set(STAGES)
+
 
 # ---------------------------------------------------------------- imports
 

@@ -80,3 +80,10 @@ def test_each_key_gives_way_alone(one: Any) -> None:
     weaker = with_yields(full, [one])
     assert set(yields_of(full)) - set(yields_of(weaker)) == {one}
     assert weaker.practice == "recommended" and weaker.requirements.min_snr_db == 20
+
+
+def test_who_waits_is_told_what_for() -> None:
+    """As the command line does: in a process without its bar this stage had no words."""
+    told: list[str] = []
+    uwopt.solve(survey(brightest_db() - 1.0), top=1, quick=True, progress=lambda share, what: told.append(what))
+    assert "what of good practice has to give way" in told

@@ -8,6 +8,7 @@ from typing import Any
 
 #: What a person reads while a stage lasts that does not tell how far it is.
 STAGES = {
+    "practice": "what of good practice has to give way",
     "certainty": "in how many scenarios hardware holds",
     "eased": "what asked less would make certain enough",
     "knee": "what more power and money would buy",

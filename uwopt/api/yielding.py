@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from uwopt.api.common import Progress
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import Deadline, processor_s
 from uwopt.forward.assembly import Generic
@@ -19,7 +18,7 @@ PRACTICE_YIELDS = "practice_yields"
 
 
 def gives_way(
-    mission: Mission, catalog: Catalog, sought: Sought, deadline: Deadline, progress: Progress | None
+    mission: Mission, catalog: Catalog, sought: Sought, deadline: Deadline
 ) -> tuple[Yield, ...]:
     """What of good practice has to give way so that something fits; nothing where that is not enough.
 
@@ -38,8 +37,6 @@ def gives_way(
         return bool(found.outcome.best)
 
     known = yields_of(mission)
-    if progress is not None and known:
-        progress(0.0, "what of good practice has to give way")
     if not known or not fits(known):
         return ()
     few, enough = 0, len(known)  # so many of the first do not do, and so many do
