@@ -574,4 +574,11 @@ DEFECTS = (
         new="best.held > 1.0",
         test=f"{PROOF}::test_a_panel_of_the_easiest_scenarios_is_not_searched_where_much_fits_into_it",
     ),
+    Defect(
+        name="who looks at much hardware sees a darker floor",
+        file=f"{ROOM}/scenarios.py",
+        old="AS_KNOWN = WaterState(other_table=False, clarity=0.0, lamp_leg=0.0, floor=1.0)",
+        new="AS_KNOWN = WaterState(other_table=False, clarity=0.0, lamp_leg=0.0, floor=0.8)",
+        test=f"{PROOF}::test_a_glance_sees_nearly_what_is_counted",
+    ),
 )

@@ -270,6 +270,20 @@ def test_some_scenarios_are_those_of_all() -> None:
     assert all(port is parts.ports[0] for port in some.ports(parts.ports[0]))
 
 
+def test_a_glance_sees_nearly_what_is_counted() -> None:
+    """Its light is of few colours and coarse integrals, its ports and beams are central; the water is that of each."""
+    sought, certain = known()
+    best, places = certain.best, np.arange(0, certain.scenarios.count, 5)
+    some = SomeScenarios.among(certain.scenarios, places)
+    stops = None if best.f_number is None else [best.f_number]
+    objective = sought.search.objective
+    glance = outcomes_of_each(sought.problem, [best.found], objective, some, f_numbers=stops)[0].value[0]
+    counted_there = best.outcomes.value[best.stop][places]
+    both = np.isfinite(glance) & np.isfinite(counted_there)
+    assert both.mean() > 0.8
+    assert glance[both] == pytest.approx(counted_there[both], rel=0.02)
+
+
 def test_a_proof_tells_what_it_takes_for_granted() -> None:
     """Of lamps in water that scatters: what is sent back, and the focus; strict is only what no bound discarded."""
     sought, certain = known()

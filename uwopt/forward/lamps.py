@@ -129,12 +129,20 @@ def mirrored(lamps: Lamps) -> bool:
 
 
 def relative_spectrum(key: tuple[str, Curve | None], wavelength_nm: Array) -> Array:
-    """A light's relative spectrum on the grid: the user's own curve, or a named one."""
-    name, curve = key
+    """A light's relative spectrum on the grid: the user's own curve, or a named one. Not to be written to."""
+    return _relative_spectrum(*key, np.asarray(wavelength_nm, float).tobytes())
+
+
+@lru_cache(maxsize=1024)  # waters of one grid, some hundred in the doubt, share it: 1 kB each
+def _relative_spectrum(name: str, curve: Curve | None, wavelength_nm: bytes) -> Array:
     if curve is not None:
-        return resample_power(wavelength_nm, table_nm=np.array(curve.x), table_values=np.array(curve.y))
-    known = spectra.light_spectrum(name)
-    return resample_power(wavelength_nm, table_nm=known.wavelength_nm, table_values=known.value)
+        table_nm, values = np.array(curve.x), np.array(curve.y)
+    else:
+        known = spectra.light_spectrum(name)
+        table_nm, values = known.wavelength_nm, known.value
+    made = resample_power(np.frombuffer(wavelength_nm), table_nm=table_nm, table_values=values)
+    made.setflags(write=False)
+    return made
 
 
 def luminous_weight(scene: SceneOptics, item: LightOptics) -> Array:

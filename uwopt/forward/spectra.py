@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from copy import copy
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any, Literal
 
 import numpy as np
@@ -62,7 +62,19 @@ def efficiency_on_grid(curve: Curve, wavelength_nm: Array) -> Array:
     """One channel on the grid, held beyond its ends; steps between two points count by where they lie.
 
     A filter's edge is often steeper than the grid: read at the points alone it would be half a step off.
+    Not to be written to.
     """
+    return _efficiency_on_grid(curve, np.asarray(wavelength_nm, float).tobytes())
+
+
+@lru_cache(maxsize=1024)  # waters of one grid, some hundred in the doubt, share it: 1 kB each
+def _efficiency_on_grid(curve: Curve, grid_nm: bytes) -> Array:
+    made = _read_on_grid(curve, np.frombuffer(grid_nm))
+    made.setflags(write=False)
+    return made
+
+
+def _read_on_grid(curve: Curve, wavelength_nm: Array) -> Array:
     at_nm, values = np.array(curve.x), np.array(curve.y)
     if np.diff(at_nm).min(initial=np.inf) >= np.diff(wavelength_nm).max():
         return resample(wavelength_nm, table_nm=at_nm, table_values=values, outside="hold")

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from uwopt.catalog.parts.doubts import doubtful, each_with, taken_as
 from uwopt.catalog.records import Light, Part, Quantity, exact
+from uwopt.forward.problem import Problem
 from uwopt.forward.scene import SceneOptics
 from uwopt.mission.doubt import Doubt
 from uwopt.mission.mission import Mission
@@ -29,6 +30,7 @@ BEAM_FACTS = frozenset({"beam_angle_deg"})
 #: Of the logarithm of a field's tangent: images whose light changes alike with the water. Of fields that differ seven
 #: times as much, that of the whole image changes alike within 1 %, that of its darkest pixels within 3 %.
 SAME_FIELD = 0.2
+AS_KNOWN = WaterState(other_table=False, clarity=0.0, lamp_leg=0.0, floor=1.0)
 ROUGH = 2  # of what tells images apart, the first: the waters, and the colours that a sensor sees
 
 
@@ -72,6 +74,10 @@ class Scenarios:
     def rough(self) -> bool:
         """Whether light changes with the water as in any image of as many colours."""
         return False
+
+    def lit_in(self, problem: Problem) -> Problem:
+        """A problem with the water as it is known, in which light is worked out."""
+        return problem
 
     @property
     def colours(self) -> set[tuple[str, ...]]:
@@ -191,6 +197,10 @@ class SomeScenarios(Scenarios):
     def rough(self) -> bool:
         """It does: this is to look at much hardware."""
         return True
+
+    def lit_in(self, problem: Problem) -> Problem:
+        """Roughly."""
+        return problem.in_scenes(self.waters.kept(AS_KNOWN, roughly=True))
 
     @cached_property
     def nodes(self) -> tuple[Any, ...]:

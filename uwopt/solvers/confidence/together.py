@@ -148,7 +148,8 @@ class Together:
         The light of each is worked out in the water as it is known, and scaled as one of its image changes with the
         water.
         """
-        known = self._beyond(self._lit(self.problem, objective, deadline), objective)
+        as_known = self.scenarios.lit_in(self.problem)
+        known = self._beyond(self._lit(as_known, objective, deadline), objective)
         states = [self.scenarios.states[k] for k in self.scenario]
         responses = self._responses(objective, deadline)
         made = []
