@@ -220,9 +220,11 @@ def test_places_that_a_window_shows_aside_are_bounded(power: int, half: tuple[fl
 
 
 def test_spots_tell_what_finer_ones_do_for_lobes_of_any_width() -> None:
-    """No more than the search's margin of 7 % below, lamps up to 1.25 heights off the axis."""
+    """No more than 3 % below, lamps up to 4 heights off the axis: the search's margin is 4 %."""
     worst = 0.0
-    for half_deg, aside, tilt in ((20, 1.0, 0.0), (50, 1.0, 0.0), (70, 0.2, 0.0), (70, 1.0, -0.4), (70, 1.25, -0.4)):
+    for half_deg, aside, tilt in (
+        (20, 1.0, 0.0), (50, 1.0, 0.0), (70, 0.2, 0.0), (70, 1.0, -0.4), (70, 1.25, -0.4), (60, 4.0, -0.6)
+    ):  # fmt: skip
         beam = beams.cosine_power_beam(np.deg2rad(half_deg))
         lamp = Lamps((0.0,), (2.0 * aside,), (0.0,), ((0.0, float(np.sin(tilt)), float(np.cos(tilt))),), (1.0,))
         coarse, fine = (

@@ -113,12 +113,11 @@ DEFECTS = (
         "test_what_comes_from_elsewhere_counts_in_the_bound_of_means_alone",
     ),
     Defect(
-        name="lamps that graze the floor count as lamps over it",
-        file="uwopt/solvers/exact/least_veil.py",
-        old="np.where(far_m < self._lit_m(nearest_m), most, np.inf)",
-        new="most",
-        test="tests/solvers/test_least_veil.py::"
-        "test_lamps_that_graze_the_floor_have_no_bound_of_what_comes_from_elsewhere",
+        name="the search's bound stands over lamps far aside whose veil is too low",
+        file="uwopt/model/veil/spots.py",
+        old="        parts += [spots.times(np.asarray(share)) for spots in chosen]",
+        new="        parts += [by_light.times(np.asarray(share))]",
+        test="tests/solvers/test_least_veil.py::test_no_image_has_less_veil_than_its_bound",
     ),
     Defect(
         name="a spot of the floor counts alike from wherever it is seen",

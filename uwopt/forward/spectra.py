@@ -38,7 +38,7 @@ TINY = 1e-300  # in place of a sum of weights that is zero: a black floor, a bli
 LARGEST_EXPONENT = 600.0  # of a veil over what it veils: exp(709) is the last that a float holds
 PATH_CELLS = 8  # a side of all pairs of ways, in the least veil over them: of those to the camera, short near ones
 NEAR_MARGIN = 0.999  # of the bound of the forward veil, for tables of the loss that it is worked out with
-WIDE_MARGIN = 0.93  # of what comes from elsewhere: its spots and nodes tell up to 6 % too little of what is bounded
+WIDE_MARGIN = 0.96  # of what comes from elsewhere: its spots and nodes tell up to 3 % too little of what is bounded
 
 
 def efficiency_curve(curves: dict[str, Curve], wavelength_nm: Array, *, channel: str | None = None) -> Array:
@@ -312,7 +312,9 @@ class Contraction:
         """
         scene = self.scene
         lowest = min(lowest_m, nearest_m) * 0.999
-        reach_m = self.reach_m if part != "wide" else (WIDE_REACH * float(scene.range_m[-1]),) * 2
+        reach_m = self.reach_m
+        if part == "wide":
+            reach_m = max(WIDE_REACH * float(scene.range_m[-1]), reach_m[0]), WIDE_REACH * float(scene.range_m[-1])
         key = ("table", *self.key(spectrum, efficiency, channel), reach_m, lowest, nearest_m, part, range_m)
         if key not in scene.cache:
             spend("loss tables")

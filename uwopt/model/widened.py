@@ -18,8 +18,8 @@ lobe stands beside the water's loss of all that is not turned far, exp(-K r) wit
     I_l exp(b r (chi_l - 1 + s_K))
 
 What turns by less than the last order resolves, half a degree, keeps the lamp's own shape, edges included; the rest is
-a smooth halo. For light on the floor r is the way to it along the axis. Backscatter comes from all along the way, and
-there the lobe goes with the distance from the lamp: a place is a point of a sphere about it,
+a smooth halo. For light on the floor r is the way straight to it, whatever the lamp's tilt. Backscatter comes from all
+along the way, and there the lobe goes with the distance from the lamp: a place is a point of a sphere about it,
 
     w = sqrt(1 - s^2 sin^2(psi)) - s cos(psi),   sin(alpha) = w sin(psi),   e = s + w - 1
 

@@ -56,7 +56,7 @@ class Bounds:
         self.problem, self.objective, self.imagers, self.tables = tables.problem, objective, imagers, tables
         self.searched = np.ones(len(self.problem.parts.lights), bool) if lights is None else lights
         self.limits = self.problem.mission.limits
-        self.veils = LeastVeil(self.problem, imagers, tables.lightings)
+        self.veils = LeastVeil(self.problem, imagers)
         self.light_tables: list[LampChoices] = (
             [LampChoices.of(self.problem, lighting, self.searched) for lighting in tables.lightings]
             if like is None

@@ -29,18 +29,16 @@ from uwopt.solvers.exact.lightings import Lighting
 from uwopt.tolerances import ROUND
 
 Array = NDArray[Any]
-GRAZING = 9.0  # lamps farther aside than so many of their heights: little of their light counts as meeting the floor
-FAR_ASIDE = 1.25  # heights off the axis: from farther, few of the spots that stand for a lamp's light are in an image
 SIDE_STEP, ASIDE_STEP = 0.02, 0.02  # of a side's logarithm, and of the share by which places lie aside
 STEPS = 4  # from the smallest to the largest image that a row stands for
 WORTH = 0.1  # of the light near its way: less from elsewhere, a third of it the image's own, is not worth its bound
 
 
 class LeastVeil:
-    """Bounds of the veil of some imagers under some lightings."""
+    """Bounds of the veil of some imagers."""
 
-    def __init__(self, problem: Problem, imagers: Imagers, lightings: Sequence[Lighting]):
-        self.problem, self.imagers, self.lightings = problem, imagers, lightings
+    def __init__(self, problem: Problem, imagers: Imagers):
+        self.problem, self.imagers = problem, imagers
         self._within: dict[int, Array] = {}
 
     def least(self, scene_index: int, lightings: Sequence[Lighting], rows: Array, altitude: int) -> Array:
@@ -80,9 +78,8 @@ class LeastVeil:
             smallest, largest = ends[0], ends[-1]
             aside, farther_m = self._aside(scene_index, largest)
             lost = float(self.problem.contractions[scene_index].near_leg_per_m().max()) * farther_m
-            kept = np.where(np.isfinite(aside), self._passed(scene_index, largest) * np.exp(-lost), 0.0)
-            sent = self._sent(scene_index, smallest, largest, np.where(np.isfinite(aside), aside, 0.0))
-            self._within[scene_index] = sent * kept[:, None]
+            kept = self._passed(scene_index, largest) * np.exp(-lost)
+            self._within[scene_index] = self._sent(scene_index, smallest, largest, aside) * kept[:, None]
         return self._within[scene_index]
 
     def _sent(self, scene_index: int, smallest: Views, largest: Views, aside: Array) -> Array:
@@ -118,7 +115,7 @@ class LeastVeil:
 
     def _aside(self, scene_index: int, view: Views) -> tuple[Array, Array]:
         """By how much farther aside than a ray from the middle of its window an image's corner falls, at most, and how
-        much longer the way to there from the middle is [m]; inf where lamps stand too far aside to say.
+        much longer the way to there from the middle is [m].
 
         Aside of its middle a ray leaves a window by e tan a + t tan g: over tan w that grows no more than tan a does.
         """
@@ -133,17 +130,7 @@ class LeastVeil:
         most = np.where(self._is_dome, 0.0, most)
         beside_m = most * nearest_m * corner / at_corner
         far_m = 0.5 * np.hypot(view.footprint_along_m[:, -1], view.footprint_across_m[:, -1])
-        return np.where(far_m < self._lit_m(nearest_m), most, np.inf), beside_m * far_m / np.hypot(far_m, nearest_m)
-
-    def _lit_m(self, range_m: float) -> float:
-        """How far off the axis light of every lamp meets the floor steeply enough; 0 where one stands too far aside."""
-        reach_m = [np.inf]
-        for lighting in self.lightings:
-            one = lighting.mount.lamps(self.problem.count_range[1])
-            for x, y, z in zip(one.x_m, one.y_m, one.z_m, strict=True):
-                aside_m, height_m = float(np.hypot(x, y)), range_m - z
-                reach_m.append(GRAZING * height_m - aside_m if aside_m <= FAR_ASIDE * height_m else 0.0)
-        return min(reach_m)
+        return most, beside_m * far_m / np.hypot(far_m, nearest_m)
 
     def _passed(self, scene_index: int, view: Views) -> Array:
         """What a flat window passes in the image's corner over what it passes on the axis."""
