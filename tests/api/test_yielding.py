@@ -9,9 +9,11 @@ import pytest
 
 import uwopt
 from uwopt.api.risks import risks_of
-from uwopt.api.yielding import PRACTICE_YIELDS
 from uwopt.mission.mission import load_mission
 from uwopt.mission.yielding import YIELDS, with_yields, yields_of
+from uwopt.report.page.page import opening, status_words
+from uwopt.report.text.short import GAVE_WAY, verdict_lines
+from uwopt.results.design import PRACTICE_YIELDS
 
 HARDWARE = {
     "cameras": ["flir-bfs-u3-120s4m"], "lenses": ["kowa-lm8*"], "lights": ["generic-lamp-flood-20000lm"],
@@ -51,6 +53,16 @@ def test_a_reserve_that_nothing_keeps_gives_way_and_is_told_first() -> None:
     assert given_way(result) == ["reserve.snr_db"]
     assert result.mission["reserve"]["snr_db"] == 0.0 and result.mission["reserve"]["blur"] == 0.2
     assert risks_of(result)[0].what.startswith("nothing meets all of good practice; what has given way: no signal")
+
+
+def test_nobody_reads_on_without_knowing_that_practice_gave_way() -> None:
+    shown: list[Any] = []
+    result = uwopt.solve(survey(brightest_db() - 1.0), top=1, quick=True, first=shown.append)
+    for told in (result, shown[0]):  # and before its doubts
+        assert next(line.plain for line in verdict_lines(told)) == GAVE_WAY
+        assert opening(told)[0].endswith(GAVE_WAY) and status_words(told)[1] == "warn"
+    kept = uwopt.solve(survey(brightest_db() - 4.0), top=1, quick=True)
+    assert GAVE_WAY not in opening(kept)[0] and status_words(kept)[1] == "good"
 
 
 def test_what_is_kept_does_not_give_way() -> None:

@@ -81,8 +81,8 @@ DEFECTS = (
     Defect(
         name="good practice that gave way is not told",
         file="uwopt/api/solving.py",
-        old="warnings=[*notes, *result.warnings, *yielded])",
-        new="warnings=[*result.warnings, *yielded])",
+        old="            *yield_notes(given_way, winner),\n",
+        new="",
         test=f"{YIELDING}::test_a_reserve_that_nothing_keeps_gives_way_and_is_told_first",
     ),
 )

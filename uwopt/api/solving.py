@@ -156,12 +156,12 @@ def solve(
         central = sought
         result, sought = found_result(
             result, goal, sought, alternative, timing, deadline, progress, solver=solver, first=first,
+            given_way=given_way,
             wanted=ToTell(sought, doubts=not quick, ranges=ranges and not every_price, alternatives=alternatives),
         )  # fmt: skip
         assert result.recommendation is not None
         yielded = gain_warnings(wanted, sought, result.recommendation)
-        notes = yield_notes(given_way, result.recommendation)
-        result = replace(result, warnings=[*notes, *result.warnings, *yielded])
+        result = replace(result, warnings=[*result.warnings, *yielded])
         if every_price and central.outcome.complete and not interrupted(result):
             result = priced(result, central, goal, timing, deadline, progress, since_s)
         if measured is None and accuracy and not interrupted(result):
@@ -199,6 +199,7 @@ def found_result(
     *,
     solver: str,
     wanted: ToTell,
+    given_way: Sequence[Yield] = (),
     first: First | None = None,
 ) -> tuple[Result, Sought]:
     """A result with a recommendation, and the search with what is recommended at its head.
@@ -256,6 +257,7 @@ def found_result(
         assumptions=assumptions(sought.problem, best),
         objective=replace(result.objective, value=winner.objective_value),
         warnings=[
+            *yield_notes(given_way, winner),
             *result.warnings,
             *selection_warnings(sought.selection),
             *winner.warnings,

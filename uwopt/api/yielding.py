@@ -9,12 +9,11 @@ from uwopt.deadline import Deadline, processor_s
 from uwopt.forward.assembly import Generic
 from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import Yield, with_yields, yields_of
-from uwopt.results.design import Design, Note
+from uwopt.results.design import PRACTICE_YIELDS, Design, Note
 from uwopt.solvers.explain.relaxed import ANY
 from uwopt.solvers.recommend import Sought, seek
 
 YIELD_S = 20.0  # of the processor, for what has to give way
-PRACTICE_YIELDS = "practice_yields"
 
 
 def gives_way(

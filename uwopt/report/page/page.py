@@ -25,7 +25,7 @@ from uwopt.report.text.knee import knee_blocks
 from uwopt.report.text.layout import Block, Line, fact_lines
 from uwopt.report.text.looked_at import in_figure, in_page, wording
 from uwopt.report.text.prices import price_blocks
-from uwopt.report.text.short import goal_sentence, how_far, short_blocks
+from uwopt.report.text.short import goal_sentence, how_far, practice_sentences, short_blocks
 from uwopt.report.text.verdict import verdict
 from uwopt.results.design import Design
 from uwopt.results.front import FrontResult
@@ -107,7 +107,7 @@ def opening(result: Result | FrontResult) -> tuple[str, str]:
     said = [goal_sentence(result, result.best)]
     if first := fails_first(result.best.as_set):
         said.append(words.as_sentence(first))
-    return words.as_sentence(how_far(result)), " ".join(said)
+    return " ".join([words.as_sentence(how_far(result)), *practice_sentences(result)]), " ".join(said)
 
 
 # ---------------------------------------------------------------- designs and their pictures
@@ -251,11 +251,13 @@ def status_words(result: Result | FrontResult) -> tuple[str, str]:
         "stopped": "warn",
         "interrupted": "warn",
     }
+    text, kind = formats.one_line(result.status, 30), mark.get(result.status, "bad")
     if isinstance(result, Result) and result.confidence is not None:
         known = result.confidence
-        return f"holds in {percent(known.held)}", "good" if known.enough else "bad"
-    text = "best of the catalogue" if result.status == "optimal" else formats.one_line(result.status, 30)
-    return text, mark.get(result.status, "bad")
+        text, kind = f"holds in {percent(known.held)}", "good" if known.enough else "bad"
+    elif result.status == "optimal":
+        text = "best of the catalogue"
+    return text, "warn" if kind == "good" and isinstance(result, Result) and practice_sentences(result) else kind
 
 
 def mission_text(result: Result | FrontResult) -> str:

@@ -34,7 +34,7 @@ from uwopt.report.text.tables import (
     status_style,
 )
 from uwopt.results.basis import Risk
-from uwopt.results.design import COLOUR_LEFT_OPEN, SNR_INSTEAD, BillRow, Design
+from uwopt.results.design import COLOUR_LEFT_OPEN, PRACTICE_YIELDS, SNR_INSTEAD, BillRow, Design
 from uwopt.results.result import Result
 from uwopt.units import format_within
 
@@ -45,6 +45,7 @@ NUMBERS = ("", "The greatest risk", "The two greatest risks", "The three greates
 SHARED_FOCUS = "nearer than what is sharp, on purpose: middle and corners of a curved image share it"
 FIGURES = ("gsd_mm", "swath_m", "snr_db", "dof_m", "frame_rate_hz")
 DEAR = 0.1  # a part's share of the doubt in the price from which a quote is worth asking for
+GAVE_WAY = "Not all of good practice is kept: the risks say what gave way."
 BARE = (
     "Only what the mission says is held: `practice: recommended` in it asks for light and sharpness over the whole "
     "image and for reserves as well."
@@ -130,7 +131,7 @@ def verdict_lines(result: Result) -> list[Line]:
     """What the answer is best in, what images it takes, and what fails first."""
     if result.best is None:
         return []
-    said = [goal_sentence(result, result.best), image_sentence(result.best.as_set)]
+    said = [*practice_sentences(result), goal_sentence(result, result.best), image_sentence(result.best.as_set)]
     if first := fails_first(result.best.as_set):
         said.append(words.as_sentence(first))
     said += [*subject_sentences(result, result.best)]
@@ -138,6 +139,11 @@ def verdict_lines(result: Result) -> list[Line]:
     if result.command == "solve" and result.mission.get("practice") == "bare":
         said.append(BARE)
     return [sentence(text) for text in said]
+
+
+def practice_sentences(result: Result) -> list[str]:
+    """That some of good practice gave way, where it did: nobody should read on without knowing."""
+    return [GAVE_WAY] if any(note.code == PRACTICE_YIELDS for note in result.warnings) else []
 
 
 def subject_sentences(result: Result, design: Design) -> Iterator[str]:
