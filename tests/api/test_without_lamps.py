@@ -78,6 +78,17 @@ def test_lamps_are_taken_where_the_sun_does_not_reach(depth_m: float, lamps: boo
     assert (result.best.hardware["light_count"] > 0) is lamps
 
 
+@pytest.mark.parametrize(("depth_m", "lamps"), [(6.0, False), (120.0, True)])
+def test_lamps_are_switched_by_electronics_only_where_there_are_some(depth_m: float, lamps: bool) -> None:
+    counted = {**FEW, "lights": [LIGHT], "accept_unrated": [LIGHT], "rest": "estimate"}
+    best = uwopt.solve(mission([0, 2], depth_m=depth_m) | {"catalog": counted}, quick=True).best
+    assert best is not None and (best.hardware["light_count"] > 0) is lamps
+    assert ("rest-lamp-control" in [row.id for row in best.bom]) is lamps
+    # the sum is that of the bill: what the search counts is what is bought
+    assert best.totals.cost.value == pytest.approx(sum(row.to_buy * (row.unit_price or 0.0) for row in best.bom))
+    assert best.scenes[0].figures["cost"] == pytest.approx(best.totals.cost.value)
+
+
 def test_lamps_evenness_is_nothing_to_the_sun() -> None:
     result = uwopt.solve(mission(0, min_uniformity=1.0))
     assert result.best is not None and result.best.hardware["light_count"] == 0

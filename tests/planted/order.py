@@ -251,4 +251,18 @@ DEFECTS = (
         new="weight_kg < -1e9",
         test="tests/api/test_risks.py::test_housings_that_float_are_told_with_their_ballast",
     ),
+    Defect(
+        name="electronics switch lamps that are not there",
+        file="uwopt/forward/problem.py",
+        old="return np.asarray(bought + burns[light] * self.control[name])",
+        new="return np.asarray(bought + self.control[name])",
+        test="tests/api/test_without_lamps.py::test_lamps_are_switched_by_electronics_only_where_there_are_some[6.0-False]",
+    ),
+    Defect(
+        name="the bill lists electronics of lamps that are not there",
+        file="uwopt/evaluation/bill.py",
+        old="int(not problem.unlit(hw.light))",
+        new="1",
+        test="tests/api/test_without_lamps.py::test_lamps_are_switched_by_electronics_only_where_there_are_some[6.0-False]",
+    ),
 )

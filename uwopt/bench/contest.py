@@ -269,9 +269,8 @@ class LoopGround(Ground):
 
     def _allowed(self, built: CodedHardware) -> Array:
         """What the budgets of cost and mass allow."""
-        problem, limits, lights = self.problem, self.problem.mission.limits, self.problem.lights
-        lamps = problem.lamps_to_buy(built.light, built.count) * lights.limit_price[built.light]
-        cost = self.imagers.limit_cost[built.imager] + lamps
+        problem, limits = self.problem, self.problem.mission.limits
+        cost = self.imagers.limit_cost[built.imager] + problem.lamps_cost(built.light, built.count, "limit_price")
         return np.asarray(
             (cost <= limit(limits.cost) * ROUND)
             & (mass_kg_of(self.search, built) <= limit(limits.mass_kg) * ROUND)

@@ -15,7 +15,7 @@ from uwopt.catalog.interfaces import LINK, does_reach
 from uwopt.catalog.parts.quantity import Quantity
 from uwopt.units import format_number
 
-Per = Literal["system", "camera", "lamp"]
+Per = Literal["system", "camera", "lamp", "lighting"]  # lighting: once, where lamps burn
 DEPTH_CLASSES = ((150.0, "to-150m"), (1000.0, "to-1000m"))
 DEEPEST = "to-6000m"
 DISK_GB = 250.0  # that the price of a computer holds
@@ -75,7 +75,7 @@ def rest_items(needs: RestNeeds) -> tuple[RestItem, ...]:
     if needs.lit:
         made += [
             item("lamp-connection", "connectors and cable of a lamp", "lamp", f"connection-{depth}"),
-            item("lamp-control", "electronics that trigger and dim the lamps", "system", "lamp-control"),
+            item("lamp-control", "electronics that trigger and dim the lamps", "lighting", "lamp-control"),
         ]
     if needs.camera_count > 1:
         name = "electronics that fire the cameras together"

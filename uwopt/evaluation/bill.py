@@ -184,7 +184,7 @@ def beside_parts(problem: Problem, hw: Hardware, spacer_m: float, disks_gb: floa
         made.append((RestItem("spacer-ring", name, "camera", spacer_price(), spacer_mass_g()), cameras))
     lamps = sum(count - owned for kind, _, count, owned in bought(problem, hw) if kind == "light")
     cables = cameras if problem.parts.cameras[hw.camera].tethered else 0
-    numbers = {"system": 1, "camera": cables, "lamp": lamps}
+    numbers = {"system": 1, "camera": cables, "lamp": lamps, "lighting": int(not problem.unlit(hw.light))}
     if disks_gb > 0.0:
         made.append((disk_item(disks_gb), 1))
     return made + [(item, numbers[item.per]) for item in problem.rest if numbers[item.per]]

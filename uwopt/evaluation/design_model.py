@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -418,15 +418,15 @@ class DesignModel(DesignLight):
         n = problem.mission.vehicle.camera_count
         extra_cost, extra_mass, _ = problem.extras
         port = problem.ports.take(np.array([hw.port]))
-        lamps_to_buy = problem.lamps_to_buy(np.array([hw.light]), np.array([hw.count]))
+        lamps = np.array([hw.light]), np.array([hw.count])
 
         def cameras(name: str) -> Array:
             pieces = getattr(self.cameras, name) + getattr(self.lenses, name) + getattr(port, name)
             return np.asarray(n * (pieces + self.rings.get(name, 0.0)))
 
-        def money(name: str) -> Array:
+        def money(name: Literal["price", "limit_price"]) -> Array:
             disks = self.disks_gb * problem.disk_prices[name]
-            return cameras(name) + lamps_to_buy * getattr(self.lights, name) + extra_cost + disks
+            return cameras(name) + problem.lamps_cost(*lamps, name) + extra_cost + disks
 
         mass = cameras("mass_kg") + hw.count * self.lights.mass_kg
         camera_power = problem.carried_power_w(figures.camera_power_w)

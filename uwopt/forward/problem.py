@@ -11,7 +11,7 @@ from copy import copy
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -171,6 +171,7 @@ class Problem:
             setattr(changed, kind, replace(rows, price=rows.limit_price))
         changed.disk_prices = self.disk_prices | {"price": self.disk_prices["limit_price"]}
         changed.spacers = self.spacers | {"price": self.spacers["limit_price"]}
+        changed.control = self.control | {"price": self.control["limit_price"]}
         changed.known_models = {}
         return changed
 
@@ -394,6 +395,18 @@ class Problem:
     def unlit(self, light: int) -> bool:
         """Whether this light stands for no lamp."""
         return self.parts.lights[light].id == NO_LAMP.id
+
+    @cached_property
+    def control(self) -> dict[str, float]:
+        """What is bought once where lamps burn costs, and what of it counts against a budget."""
+        ends = {"price": self.end, "limit_price": limit_end(self.end, self.mission.limits.cost_basis == "high")}
+        return {name: self.rest_price("lighting", end) for name, end in ends.items()}
+
+    def lamps_cost(self, light: Array, count: Array, name: Literal["price", "limit_price"] = "price") -> Array:
+        """What so many lamps cost that are not owned yet, with what switches them, (n,)."""
+        burns = np.array([part.id != NO_LAMP.id for part in self.parts.lights], float)
+        bought = self.lamps_to_buy(light, count) * getattr(self.lights, name)[light]
+        return np.asarray(bought + burns[light] * self.control[name])
 
     def lamps_to_buy(self, light: Array, count: Array) -> Array:
         """How many of `count` lamps are not owned yet."""

@@ -244,13 +244,12 @@ class Judge:
         """Of these imagers of a group."""
         problem, imagers = group.problem, group.imagers
         light, number = group.light[imager], group.count[imager]
-        to_buy = problem.lamps_to_buy(light, number)
         own = [r.take(imager) for r in rows]
         return Judge(
             group, objective, [at_stop(r, stop) for r in own], imager,
             ~np.logical_and.reduce([may_stand_at(r, stop) for r in own]),
-            imagers.cost[imager] + to_buy * problem.lights.price[light],
-            imagers.limit_cost[imager] + to_buy * problem.lights.limit_price[light],
+            imagers.cost[imager] + problem.lamps_cost(light, number),
+            imagers.limit_cost[imager] + problem.lamps_cost(light, number, "limit_price"),
             imagers.mass_kg[imager] + number * problem.lights.mass_kg[light],
         )  # fmt: skip
 

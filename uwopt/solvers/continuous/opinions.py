@@ -176,18 +176,15 @@ def shortlist(sought: Sought) -> list[Found]:
     limits, lights, imagers = problem.mission.limits, problem.lights, sought.search.imagers
     for found in sought.outcome.best:
         light = np.array([found.light])
-        price = float(lights.price[found.light])
-        limit_price = float(lights.limit_price[found.light])
-        had = float(problem.lamps_to_buy(light, np.array([found.count]))[0])
+        had = float(problem.lamps_cost(light, np.array([found.count]))[0])
         for count in range(low, high + 1):
-            lamps = float(problem.lamps_to_buy(light, np.array([count]))[0])
+            number = np.array([count])
             mass = found.mass_kg + (count - found.count) * float(lights.mass_kg[found.light])
-            cost = float(imagers.limit_cost[found.imager]) + lamps * limit_price
+            cost = float(imagers.limit_cost[found.imager] + problem.lamps_cost(light, number, "limit_price")[0])
             fits = cost <= limit(limits.cost) * (1 + 1e-9) and mass <= limit(limits.mass_kg) * (1 + 1e-9)
             if count != found.count and fits:
-                made.append(
-                    replace(found, count=count, cost=found.cost + (lamps - had) * price, mass_kg=mass)
-                )
+                more = float(problem.lamps_cost(light, number)[0]) - had
+                made.append(replace(found, count=count, cost=found.cost + more, mass_kg=mass))
     return made[:MOST_CANDIDATES]
 
 

@@ -48,7 +48,6 @@ class LampChoices:
         light = np.repeat(mine, high - low + 1)
         count = np.tile(np.arange(low, high + 1), len(mine))
         rows = problem.lights.take(light)
-        to_buy = problem.lamps_to_buy(light, count)
         effective = count * rows.full_light * rows.output_factor
         with np.errstate(divide="ignore", invalid="ignore"):
             drawn = np.where(rows.kind == FLASH, rows.pulse_energy_j, rows.full_power_w)
@@ -56,8 +55,8 @@ class LampChoices:
         return LampChoices(
             light,
             count,
-            to_buy * rows.price,
-            to_buy * rows.limit_price,
+            problem.lamps_cost(light, count),
+            problem.lamps_cost(light, count, "limit_price"),
             rows.mass_kg * count,
             effective,
             per_light,

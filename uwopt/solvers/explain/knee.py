@@ -80,6 +80,5 @@ def with_limits(problem: Problem, limits: dict[str, float]) -> Problem:
 def limit_cost_of(sought: Sought, found: Found) -> float:
     """What a design counts against a limit of cost: estimated prices at the end that the mission says."""
     problem = sought.problem
-    lamps = problem.lamps_to_buy(np.array([found.light]), np.array([found.count]))[0]
-    bodies = sought.search.imagers.limit_cost[found.imager]
-    return float(bodies + lamps * problem.lights.limit_price[found.light])
+    lamps = problem.lamps_cost(np.array([found.light]), np.array([found.count]), "limit_price")[0]
+    return float(sought.search.imagers.limit_cost[found.imager] + lamps)

@@ -102,9 +102,8 @@ def values_under(search: Search, imagers: Any, rows: Any, light: Any, optics: in
     problem, limits = search.problem, search.limits
     lighting = next(item for item in search.tables.lightings if item.optics == optics)
     number = np.full(len(rows), problem.count_range[0])
-    to_buy = problem.lamps_to_buy(light, number)
-    cost = imagers.cost[rows] + to_buy * problem.lights.price[light]
-    limit_cost = imagers.limit_cost[rows] + to_buy * problem.lights.limit_price[light]
+    cost = imagers.cost[rows] + problem.lamps_cost(light, number)
+    limit_cost = imagers.limit_cost[rows] + problem.lamps_cost(light, number, "limit_price")
     mass = imagers.mass_kg[rows] + number * problem.lights.mass_kg[light]
     unique, back = np.unique(rows, return_inverse=True)
     lights = [search.tables.exact(i, lighting, unique) for i in range(len(problem.scenes))]

@@ -368,8 +368,7 @@ class Coding:
         """By how much hardware misses what can be told without its light: budgets, and light by its bound."""
         problem, imagers = self.search.problem, self.search.imagers
         limits, lights = problem.mission.limits, problem.lights
-        price = lights.limit_price[built.light]
-        cost = imagers.limit_cost[built.imager] + problem.lamps_to_buy(built.light, built.count) * price
+        cost = imagers.limit_cost[built.imager] + problem.lamps_cost(built.light, built.count, "limit_price")
         capacity = built.count * (lights.full_light * lights.output_factor)[built.light]
         missing = self.nodes.lacking(built.imager, built.lighting, lights.kind[built.light], capacity)
         for value, most in ((cost, limits.cost), (mass_kg_of(self.search, built), limits.mass_kg)):
@@ -405,9 +404,7 @@ def middle(index: Array | int, size: Array | int, top: int) -> Any:
 
 def cost_of(search: Search, built: CodedHardware) -> Array:
     """Price of everything."""
-    lights = search.problem.lights
-    lamps = search.problem.lamps_to_buy(built.light, built.count) * lights.price[built.light]
-    return np.asarray(search.imagers.cost[built.imager] + lamps)
+    return np.asarray(search.imagers.cost[built.imager] + search.problem.lamps_cost(built.light, built.count))
 
 
 def mass_kg_of(search: Search, built: CodedHardware) -> Array:
