@@ -29,7 +29,7 @@ DOUBT = 0.05  # of what walks say of one sun
 NARROW_DEG = 20.0  # of lobes that leave corners dim
 FORMS: dict[str, Form] = {ALL: forms.effective, ONCE: model.single}
 BESIDE: dict[str, Form] = {KEPT: forms.attenuations}
-ASLANT = 29  # a case of light that turns into a hollow phase function
+ASLANT = 29  # a case of light that turns into a hollow phase function, under a narrow lobe that is tilted
 
 
 @cache
@@ -123,6 +123,34 @@ def worst_text() -> str:
 The image mean of backscatter that is off most up to c d = 4 is that of case {case.number} ({case.use}): {common.percent(off['backscatter'])}, σ {100 * doubt:.1f} %;
 {case.phase}, albedo {case.albedo:.2f}, c d {case.thickness:.2f}, a lobe of {case.lobe_half_deg:.0f}°.
 Dim corners, {len(dim)} under lobes up to {NARROW_DEG:g}° with less than {100 * DIM[-1][1]:g} % of the image's mean: {'; '.join(map(span, TALLIES))}."""
+
+
+def slanted_text() -> str:
+    """What the way that widens a tilted lobe changes: one corner, and the means of the half that constants are fitted to."""
+
+    def height(case: Case) -> float:
+        return case.altitude_m
+
+    def along_lobe(case: Case) -> float:
+        return case.altitude_m / float(np.cos(np.deg2rad(case.tilt_deg)))
+
+    def own(case: Case) -> float:
+        """From the lamp to the near corner."""
+        at = case.tangent * case.altitude_m
+        return float(np.sqrt(case.altitude_m**2 + at**2 + (at - case.baseline_m) ** 2))
+
+    def off(row: Light, way: Callable[[Case], float]) -> float:
+        return forms.error(row, forms.over_way(row.case, way(row.case)), "signal")
+
+    (row,) = [row for row in forms.rows_of("held out") if row.case.number == ASLANT and row.place == CORNERS[0]]
+    case = row.case
+    at, slant, axis = (common.percent(off(row, way), 0) for way in (height, own, along_lobe))
+    straight, longer = ([off(one, way) for one in forms.means("fit")] for way in (height, along_lobe))
+    return f"""\
+The signal that is off most in a corner is that of case {case.number}: a lobe of {case.lobe_half_deg:.0f}° tilted by {abs(case.tilt_deg):.0f}° is widened by the lamp's height over
+the floor, {height(case):.2f} m, but its light goes {own(case):.2f} m to the near corner and {along_lobe(case):.2f} m along its axis. By these ways the corner's signal would be
+off by {slant} and {axis} in place of {at}. The model keeps the height: by the way along the axis the fit half's means up to c d = {THIN:g}
+would be off by up to {common.percent(max(longer, key=abs))} ({common.percent(max(straight, key=abs))} now), and one lobe for each place of the floor it does not have."""
 
 
 def aslant_text() -> str:
@@ -347,7 +375,7 @@ lobe's Legendre series comes with exp(b r chi_l) beside its unscattered light, c
 much longer its way is: without it image means of c d 4 to 8 would change by {without(forms.no_farther, 'signal')} (signal) and {without(forms.no_farther, 'veil')} (veil). What turns back falls on the floor again
 from all about, as two streams of even light have it: without it these signals would change by {without(forms.never_again, 'signal')}. Pixels look
 about by scattering on their own way, so that backscatter is widened twice. None of it is fitted but what the table of constants says.
-For light on the floor r is its distance along the axis; for
+For light on the floor r is its distance along the camera's axis; for
 backscatter it is the distance from the lamp of each place on the pixel's ray. One lobe stands for all colours, that of b where the lamps'
 light gets through: against lobes of each wavelength {', '.join(f"{100 * off:.1f} % at {angle:g}°" for off, angle in zip(colours.off_by_angle(), colours.ANGLES_DEG, strict=True))} from the axis of a lobe
 of {colours.LOBE_DEG:g}° in Jerlov's waters up to c d = 4 where they are clearest.
@@ -387,4 +415,5 @@ those of formulas and power laws, which differ by factors. Within 0.0035° the m
 least of three, with light of all orders over single scattering): {cost_text()}.
 
 **What falls short.** {worst_text()}
+{slanted_text()}
 A result says when the water is thicker than c d = 4. Daylight's path radiance is within {path_text()}, not 5 %; under a low sun it depends on where the camera looks, which the model does not know."""
