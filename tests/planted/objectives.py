@@ -167,8 +167,8 @@ DEFECTS = (
     Defect(
         name="extras cost nothing",
         file="uwopt/evaluation/design_model.py",
-        old="+ lamps_to_buy * getattr(self.lights, name) + extra_cost",
-        new="+ lamps_to_buy * getattr(self.lights, name)",
+        old="problem.lamps_cost(*lamps, name) + extra_cost + disks",
+        new="problem.lamps_cost(*lamps, name) + disks",
         test=f"{OUTSIDE}[cost]",
     ),
     Defect(
