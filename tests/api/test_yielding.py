@@ -13,6 +13,7 @@ from uwopt.mission.mission import load_mission
 from uwopt.mission.yielding import YIELDS, with_yields, yields_of
 from uwopt.report.page.page import opening, status_words
 from uwopt.report.text.short import GAVE_WAY, verdict_lines
+from uwopt.report.text.verdict import verdict
 from uwopt.results.design import PRACTICE_YIELDS
 
 HARDWARE = {
@@ -92,6 +93,17 @@ def test_each_key_gives_way_alone(one: Any) -> None:
     weaker = with_yields(full, [one])
     assert set(yields_of(full)) - set(yields_of(weaker)) == {one}
     assert weaker.practice == "recommended" and weaker.requirements.min_snr_db == 20
+
+
+def test_a_front_of_what_gives_way_says_so() -> None:
+    """The same practice gives way as for its best system."""
+    mission = survey(brightest_db() - 1.0)
+    front = uwopt.pareto(mission, objectives=["power", "cost"], solver="exact")
+    assert given_way(front) == ["reserve.snr_db"] and front.mission["reserve"]["snr_db"] == 0.0
+    assert "not all of good practice is kept" in verdict(front)[1].lower()
+    best = uwopt.solve(mission, top=1, quick=True).objective.value
+    assert min(point.values["power"] for point in front.points) == pytest.approx(best, rel=1e-6)
+    assert given_way(uwopt.pareto(survey(brightest_db() - 4.0), objectives=["power", "cost"], solver="exact")) == []
 
 
 def test_who_waits_is_told_what_for() -> None:

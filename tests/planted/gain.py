@@ -79,6 +79,13 @@ DEFECTS = (
         test=f"{YIELDING}::test_a_reserve_that_nothing_keeps_gives_way_and_is_told_first",
     ),
     Defect(
+        name="good practice that gave way is not told of a front",
+        file="uwopt/api/trading.py",
+        old="warnings=[*yield_notes(given_way), *result",
+        new="warnings=[*result",
+        test=f"{YIELDING}::test_a_front_of_what_gives_way_says_so",
+    ),
+    Defect(
         name="good practice that gave way is not told",
         file="uwopt/api/solving.py",
         old="            *yield_notes(given_way, winner),\n",

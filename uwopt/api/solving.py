@@ -142,7 +142,7 @@ def solve(
     given_way: tuple[Yield, ...] = ()
     if not sought.outcome.best and (alternative or sought).outcome.complete and explain and not every_price:
         with timed(timing, "practice", progress):
-            given_way = gives_way(wanted, catalog, alternative or sought, for_search)
+            given_way = gives_way(wanted, catalog, (alternative or sought).problem, for_search)
         if given_way:
             wanted = with_yields(wanted, given_way)
             sought, alternative = search(sought.problem.fineness)

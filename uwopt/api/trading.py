@@ -26,6 +26,7 @@ from uwopt.api.front_found import (
 )
 from uwopt.api.solving import proven_in_full
 from uwopt.api.timing import timed
+from uwopt.api.yielding import gives_way, yield_notes
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import Deadline
 from uwopt.evaluation.design import evaluate_designs
@@ -33,6 +34,7 @@ from uwopt.evaluation.influences import influences_of
 from uwopt.forward.assembly import Generic, build_problem, load_catalog, selected
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
+from uwopt.mission.yielding import Yield, with_yields
 from uwopt.objectives.axes import DEFAULT, Axes, Frame, plain_names
 from uwopt.objectives.dominance import hypervolume, nondominated
 from uwopt.objectives.objective import Objective
@@ -94,13 +96,27 @@ def pareto(
     timing: dict[str, float] = {}
     with timed(timing, "catalogue"):
         catalog = load_catalog(wanted)
-    policy: Generic = "allow" if wanted.catalog.generic == "allow" else "never"
-    run = ParetoCall(
-        wanted, catalog, objectives, axes, solvers, deadline, wanted.seed if seed is None else seed, progress
-    )
-    sought = run.sought(policy, timing)
-    if wanted.catalog.generic == "fallback" and is_empty(sought):
-        sought = run.sought("allow", timing)
+
+    def searched(asked: Mission) -> tuple[ParetoCall, FrontSearched]:
+        run = ParetoCall(
+            asked, catalog, objectives, axes, solvers, deadline, asked.seed if seed is None else seed, progress
+        )
+        policy: Generic = "allow" if asked.catalog.generic == "allow" else "never"
+        sought = run.sought(policy, timing)
+        if asked.catalog.generic == "fallback" and is_empty(sought):
+            sought = run.sought("allow", timing)
+        return run, sought
+
+    run, sought = searched(wanted)
+    given_way: tuple[Yield, ...] = ()
+    if is_empty(sought) and sought.front is not None:
+        with timed(timing, "practice", progress):
+            given_way = gives_way(wanted, catalog, sought.problem, deadline)
+        weaker = searched(with_yields(wanted, given_way)) if given_way else (run, sought)
+        if is_empty(weaker[1]):
+            given_way = ()
+        else:
+            run, sought = weaker
     result = run.result(sought, timing)
     if alternatives and result.points and axes is not None and not sought.cut:
         from uwopt.solvers.explain.alternatives import beside_front
@@ -110,7 +126,7 @@ def pareto(
         result = replace(result, alternatives=told)
     timing["total"] = time.perf_counter() - start
     notes = [*central_notes(wanted, "uwopt solve holds it"), *time_warnings(deadline)]
-    return replace(result, timing_s=timing, warnings=[*result.warnings, *notes])
+    return replace(result, timing_s=timing, warnings=[*yield_notes(given_way), *result.warnings, *notes])
 
 
 class ParetoCall:

@@ -7,17 +7,18 @@ from collections.abc import Collection
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import Deadline, processor_s
 from uwopt.forward.assembly import Generic
+from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import Yield, with_yields, yields_of
 from uwopt.results.design import PRACTICE_YIELDS, Design, Note
 from uwopt.solvers.explain.relaxed import ANY
-from uwopt.solvers.recommend import Sought, seek
+from uwopt.solvers.recommend import seek
 
 YIELD_S = 20.0  # of the processor, for what has to give way
 
 
 def gives_way(
-    mission: Mission, catalog: Catalog, sought: Sought, deadline: Deadline
+    mission: Mission, catalog: Catalog, like: Problem, deadline: Deadline
 ) -> tuple[Yield, ...]:
     """What of good practice has to give way so that something fits; nothing where that is not enough.
 
@@ -31,7 +32,7 @@ def gives_way(
     def fits(given_way: Collection[Yield]) -> bool:
         weaker = with_yields(lifted, given_way)
         found = seek(
-            weaker, catalog, ANY, generic=generic, top=1, deadline=patience, enough=True, like=sought.problem
+            weaker, catalog, ANY, generic=generic, top=1, deadline=patience, enough=True, like=like
         )
         return bool(found.outcome.best)
 
@@ -50,12 +51,12 @@ def gives_way(
     return given_way
 
 
-def yield_notes(given_way: Collection[Yield], winner: Design) -> list[Note]:
-    """What has given way, and what the frame's darkest places get where the SNR holds in the mean."""
+def yield_notes(given_way: Collection[Yield], winner: Design | None = None) -> list[Note]:
+    """What has given way, and what the winner's darkest places get where the SNR holds in the mean."""
     if not given_way:
         return []
     text = "nothing meets all of good practice; what has given way: " + "; ".join(one.words for one in given_way)
-    reached = [scene.figures.get("snr_db_p05") for scene in winner.as_set.scenes]
+    reached = [scene.figures.get("snr_db_p05") for scene in winner.as_set.scenes] if winner is not None else []
     known = [float(value) for value in reached if value is not None]
     if known and any(one.key == "snr_at" for one in given_way):
         text += f" (95 % of which reach {min(known):.0f} dB)"

@@ -11,7 +11,7 @@ from uwopt.report.text.doubts import NO_QUOTE_MATTERS, bad_ends_text, quote_text
 from uwopt.report.text.in_hand import fails_first
 from uwopt.report.text.nothing_fits import change_texts, miss_text, no_change_helps, what_helps
 from uwopt.report.text.tables import nearest_miss
-from uwopt.results.design import Design
+from uwopt.results.design import PRACTICE_YIELDS, Design
 from uwopt.results.front import FrontObjective, FrontPoint, FrontResult
 from uwopt.results.result import Result
 from uwopt.units import format_number
@@ -206,7 +206,8 @@ def ratio_text(ratio: float, name: str) -> str:
 
 def front_trust(front: FrontResult) -> str:
     """Whether anything is missing from the front, what another method says, how firm the prices are."""
-    said = []
+    gave_way = any(note.code == PRACTICE_YIELDS for note in front.warnings)
+    said = ["not all of good practice is kept, as the notes say"] if gave_way else []
     proof = front.certificate or {}
     for method in front.methods:
         name = formats.one_line(method.name, 20)
