@@ -12,6 +12,20 @@ OVER_SCENES = f"{SEARCH}test_cells_and_closed_form_agree_on_energy_over_two_scen
 
 DEFECTS = (
     Defect(
+        name="points are tried in cells that can better nothing",
+        file="uwopt/solvers/settings/cell_points.py",
+        old="left = np.flatnonzero(self.best[pool.design] > pool.bound)",
+        new="left = np.arange(len(pool.design))",
+        test="tests/solvers/test_cells.py::test_points_are_tried_where_one_may_better_what_is_known",
+    ),
+    Defect(
+        name="a block of cells is the first again",
+        file="uwopt/solvers/settings/cell_bounds.py",
+        old="return column[rows] if np.ndim(column) else column",
+        new="return column[: rows.stop - rows.start] if np.ndim(column) else column",
+        test="tests/solvers/test_cells.py::test_pixels_looked_at_block_by_block_are_the_same",
+    ),
+    Defect(
         name="scenes count alike whatever their share of time",
         file="uwopt/mission/duration.py",
         old="return sum(share * value for share, value in",

@@ -254,7 +254,7 @@ DEFECTS = (
     Defect(
         name="electronics switch lamps that are not there",
         file="uwopt/forward/problem.py",
-        old="return np.asarray(bought + burns[light] * self.control[name])",
+        old="return np.asarray(bought + self.burns[light] * self.control[name])",
         new="return np.asarray(bought + self.control[name])",
         test="tests/api/test_without_lamps.py::test_lamps_are_switched_by_electronics_only_where_there_are_some[6.0-False]",
     ),

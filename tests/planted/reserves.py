@@ -78,8 +78,8 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a rating that is given gets a reserve of its own again",
-        file="uwopt/mission/mission.py",
-        old="if self.limits.depth_rating_m is not None:",
+        file="uwopt/mission/reserves.py",
+        old="if rating_m is not None:",
         new="if False:",
         test=f"{RESERVES}::test_depth_rating_is_asked_for_with_its_reserve[given1-100.0]",
     ),

@@ -111,8 +111,8 @@ DEFECTS = (
     Defect(
         name="connectors of lamps cost nothing",
         file="uwopt/forward/problem.py",
-        old="lamp = burns * self.rest_price(",
-        new="lamp = 0.0 * burns * self.rest_price(",
+        old="lamp = self.burns * self.rest_price(",
+        new="lamp = 0.0 * self.burns * self.rest_price(",
         test=f"{REST}test_the_rest_counts_in_cost_and_bill",
     ),
     Defect(

@@ -18,7 +18,10 @@ from uwopt.forward.part_columns import CONTINUOUS, PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.model.sharpness import jinc_and_slope, pupil_and_slope, sinc_and_slope
 from uwopt.objectives.objective import Objective
+from uwopt.solvers.settings import cell_bounds
 from uwopt.solvers.settings.best import best_settings
+from uwopt.solvers.settings.cell_bounds import Box, SceneCells
+from uwopt.solvers.settings.cell_pool import Pool
 from uwopt.solvers.settings.cells import CellResult, CellSearch, best_by_cells
 
 Array = NDArray[Any]
@@ -284,3 +287,32 @@ def test_cells_are_halved_no_longer_than_there_is_time(search: Any) -> None:
     assert search(*args, deadline=NEVER).feasible[0]
     with pytest.raises(OutOfTimeError):
         search(*args, deadline=Deadline.after(0.0))
+
+
+def test_pixels_looked_at_block_by_block_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    points, most = SceneCells.points, 0
+
+    def compared(self: SceneCells, *given: Any) -> Any:
+        nonlocal most
+        parts, whole, most = points(self, *given), self._points(*given), max(most, len(given[0]))
+        for one, other in [*zip(vars(parts).values(), vars(whole).values(), strict=True)][1:]:
+            assert np.array_equal(one, other, equal_nan=True)
+        assert np.array_equal(parts.chosen.level, whole.chosen.level, equal_nan=True)
+        return parts
+
+    monkeypatch.setattr(cell_bounds, "PIXELS_AT_ONCE", 120)  # two of a design's sixty
+    monkeypatch.setattr(SceneCells, "points", compared)
+    rows = lit(sun=(3e3, 2e3), open_max_s=5e-3, min_snr=12.0, may_miss=3)
+    assert solved([rows], {"snr_db": 1.0, "power": 0.05}).feasible[0] and most > 1000
+
+
+def test_points_are_tried_where_one_may_better_what_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried: list[int] = []
+    monkeypatch.setattr(CellSearch, "_points_in", lambda _self, pool, *_: tried.extend(pool.design.tolist()))
+    monkeypatch.setattr(CellSearch, "_keep", lambda *_: None)
+    cells = CellSearch.__new__(CellSearch)
+    cells.best, cells.share, cells.n_dim = np.array([1.0, 1.0, np.inf]), (1.0,), [0]
+    side = np.zeros((3, 2))
+    pool, box = Pool(np.arange(3), side, side + 1.0, np.array([1.0, 0.5, 0.5])), Box(*[np.ones(3)] * 8)
+    cells._try_points(pool, [(box, None)], [(0.0, 0.5)])  # type: ignore[list-item]
+    assert tried == [1, 2]

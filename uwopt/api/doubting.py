@@ -78,7 +78,7 @@ def doubted(
                     STAGES["prices"], lambda: prices(sought, goal, winner, opinions, patience), list[Price]()
                 )
             made = replace(made, prices=costs)
-        with timed(timing, "robustness", progress):
+        with timed(timing, "robustness", progress if wanted.doubts else None):
             made = told_together(made, sought, goal, timing, deadline, patience, choice, wanted, progress)
     except KeyboardInterrupt:  # what is proven is not lost
         cut = True

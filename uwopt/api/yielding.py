@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from uwopt.catalog.catalogue import Catalog
-from uwopt.deadline import Deadline, processor_s
+from uwopt.deadline import Deadline, effort_s
 from uwopt.forward.assembly import Generic
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
@@ -14,7 +14,7 @@ from uwopt.results.design import PRACTICE_YIELDS, Design, Note
 from uwopt.solvers.explain.relaxed import ANY
 from uwopt.solvers.recommend import seek
 
-YIELD_S = 20.0  # of the processor, for what has to give way
+YIELD_S = 20.0  # of work, for what has to give way: what is recommended hangs on it
 
 
 def gives_way(
@@ -25,7 +25,7 @@ def gives_way(
     They give way in their order until something fits; then all but the last come back one by one, the latest first, as
     far as something still fits. So no key that has given way could be kept beside those that are kept.
     """
-    patience = deadline.at_most(YIELD_S) if deadline.left_s < YIELD_S else Deadline.after(YIELD_S, processor_s)
+    patience = deadline.or_after(YIELD_S, effort_s).at_most(YIELD_S)
     lifted = mission.without_gain_cap
     generic: Generic = "never" if mission.catalog.generic == "never" else "allow"
 

@@ -40,6 +40,7 @@ from uwopt.tolerances import TIE
 from uwopt.units import S_PER_H, ratio_to_db, split_unit
 
 Array = NDArray[Any]
+GAIN_DIGITS = 9  # of a gain in dB: a gain at the end of its range is no other for how it was rounded
 
 
 def plain_settings(model: DesignModel, settings: SettingRows, figures: Figures) -> dict[str, float | None]:
@@ -54,7 +55,7 @@ def plain_settings(model: DesignModel, settings: SettingRows, figures: Figures) 
         "exposure_ms": float(settings.exposure_s[0]) * 1e3,
         "pulse_ms": pulse * 1e3 if kind != CONTINUOUS and math.isfinite(pulse) else None,
         "gain": float(settings.gain[0]),
-        "gain_db": float(ratio_to_db(settings.gain[0])) if settings.gain[0] > 0 else None,
+        "gain_db": round(float(ratio_to_db(settings.gain[0])), GAIN_DIGITS) + 0.0 if settings.gain[0] > 0 else None,
         "flux_lm": None if model.unlit else flux,
         "dim_frac": None if model.unlit else level,
         "flash_energy_j": energy,

@@ -267,11 +267,10 @@ class Problem:
         """Each camera costs its own rest and its share of the system's; each lamp that is bought its own."""
         ends: dict[str, End] = {"price": self.end, "limit_price": limit_end(self.end, high_basis)}
         share = 1.0 / self.mission.vehicle.camera_count
-        burns = np.array([part.id != NO_LAMP.id for part in self.parts.lights], float)
         for name, end in ends.items():
             tethered = np.array([part.tethered for part in self.parts.cameras], float)
             camera = tethered * self.rest_price("camera", end) + share * self.rest_price("system", end)
-            lamp = burns * self.rest_price("lamp", end)
+            lamp = self.burns * self.rest_price("lamp", end)
             self.cameras = replace(self.cameras, **{name: getattr(self.cameras, name) + camera})
             self.lights = replace(self.lights, **{name: getattr(self.lights, name) + lamp})
 
@@ -402,11 +401,15 @@ class Problem:
         ends = {"price": self.end, "limit_price": limit_end(self.end, self.mission.limits.cost_basis == "high")}
         return {name: self.rest_price("lighting", end) for name, end in ends.items()}
 
+    @cached_property
+    def burns(self) -> Array:
+        """Whether each light is a lamp, and not none at all, (n_lights,) of 1 and 0."""
+        return np.array([part.id != NO_LAMP.id for part in self.parts.lights], float)
+
     def lamps_cost(self, light: Array, count: Array, name: Literal["price", "limit_price"] = "price") -> Array:
         """What so many lamps cost that are not owned yet, with what switches them, (n,)."""
-        burns = np.array([part.id != NO_LAMP.id for part in self.parts.lights], float)
         bought = self.lamps_to_buy(light, count) * getattr(self.lights, name)[light]
-        return np.asarray(bought + burns[light] * self.control[name])
+        return np.asarray(bought + self.burns[light] * self.control[name])
 
     def lamps_to_buy(self, light: Array, count: Array) -> Array:
         """How many of `count` lamps are not owned yet."""

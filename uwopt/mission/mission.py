@@ -150,16 +150,10 @@ class Mission(WholeFile):
 
     @property
     def depth_factor(self) -> float:
-        """Depth that ports and lights must be rated for, over the one asked for: a rating that is given has its own.
-
-        Classification tests a pressure hull at 1.25 times its rated depth (ABS, underwater vehicles, section 3.1): a
-        factor on a rating would keep that margin twice. Instruments rated to 6000 m work at 6000 m.
-        """
-        if self.limits.depth_rating_m is not None:
-            return 1.0
+        """Depth that ports and lights must be rated for, over the one asked for."""
         overrides = [scene.requirements for scene in self.scenes]
         refused = [self.requirements.refuse if own is None or own.refuse is None else own.refuse for own in overrides]
-        return depth_factor(self.reserve.depth, refused)
+        return depth_factor(self.reserve.depth, refused, self.limits.depth_rating_m)
 
     @property
     def required_depth_m(self) -> float:

@@ -145,8 +145,15 @@ def asked_when_held(reserve: Reserve, key: str, held: float) -> float:
     return held - reserve.snr_db if key in IN_DB else held / factors_of(reserve).get(key, 1.0)
 
 
-def depth_factor(given: float | None, refused: Iterable[Collection[str]]) -> float:
-    """Depth that parts must be rated for, over the one asked for: what is given, else as any scene refuses."""
+def depth_factor(given: float | None, refused: Iterable[Collection[str]], rating_m: float | None = None) -> float:
+    """Depth that parts must be rated for, over the one asked for: what is given, else as any scene refuses.
+
+    A rating that is asked for has its own margin: classification tests a pressure hull at 1.25 times its rated depth
+    (ABS, underwater vehicles, section 3.1), so that a factor on it would keep that twice. Instruments rated to 6000 m
+    work at 6000 m.
+    """
+    if rating_m is not None:
+        return 1.0
     if given is not None:
         return given
     return REFUSED_DEPTH if any("depth" in words for words in refused) else 1.0

@@ -118,11 +118,11 @@ def depth_lines(result: Result | FrontResult) -> list[Line]:
 
 def factor_of_depth(mission: Mapping[str, Any]) -> float:
     """What a mission's parts are rated for, over the depth that is asked for."""
-    if (mission.get("limits") or {}).get("depth_rating_m") is not None:
-        return 1.0  # a rating has its own reserve
     own = [(scene.get("requirements") or {}).get("refuse") for scene in mission.get("scenes") or ()]
     every = (mission.get("requirements") or {}).get("refuse") or ()
-    return depth_factor((mission.get("reserve") or {}).get("depth"), [every if one is None else one for one in own])
+    refused = [every if one is None else one for one in own]
+    rating_m = (mission.get("limits") or {}).get("depth_rating_m")
+    return depth_factor((mission.get("reserve") or {}).get("depth"), refused, rating_m)
 
 
 def asked_depth_m(mission: Mapping[str, Any]) -> float:

@@ -46,8 +46,11 @@ class TriedCells(BoundedCells):
         together = max(1, MOST_POINTS // len(pool.design))  # numbers are few, calls are dear
         for start in range(0, len(kinds), together):
             some = np.array(kinds[start : start + together])
-            cell = np.tile(np.arange(len(pool.design)), len(some))
-            a, b, share = np.repeat(some, len(pool.design), axis=0).T
+            left = np.flatnonzero(self.best[pool.design] > pool.bound)  # where a point may still better what is known
+            if not len(left):
+                return
+            cell = np.tile(left, len(some))
+            a, b, share = np.repeat(some, len(left), axis=0).T
             each = pool.take(cell)
             f_numbers: dict[int, Array] = {}
             points = []
