@@ -718,6 +718,13 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/solvers/test_dominance.py::test_what_a_corner_would_add_is_the_difference_of_two_unions",
     ),
     Defect(
+        name="a corner that adds in one slab is taken to add nothing in those that follow",
+        file="uwopt/objectives/dominance.py",
+        old="here = here[some]",
+        new="here = here[~some]",
+        test="tests/solvers/test_dominance.py::test_what_a_corner_would_add_is_the_difference_of_two_unions",
+    ),
+    Defect(
         name="rows that were sent away send others away",
         file="uwopt/objectives/dominance.py",
         old="kept[rows[place]] = not kept[winners[place]].any()",

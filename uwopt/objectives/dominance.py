@@ -92,16 +92,21 @@ def would_add(values: Array, corners: Array, frame: Frame) -> Array:
     steps = np.concatenate([[0.0], points[:, 1], reference[1:2]])
     ends = np.append(np.unique(points[:, 0]), reference[0])
     added = np.zeros(len(mine))
+    order = np.argsort(mine[:, 0], kind="stable")
+    order = order[(mine[order, 1:] < reference[1:]).all(axis=1)]
+    entered, here = 0, np.empty(0, int)
     for low, high in zip(np.append(0.0, ends[:-1]), ends, strict=True):
-        deep = high - np.maximum(low, mine[:, 0])
-        here = np.nonzero((deep > 0.0) & (mine[:, 1:] < reference[1:]).all(axis=1))[0]
+        until = int(np.searchsorted(mine[order, 0], high))
+        here, entered = np.concatenate([here, order[entered:until]]), until
         begun = np.where(points[:, 0] <= low, points[:, 2], np.inf)
         height = np.minimum.accumulate(np.append(reference[2], begun))
         area = np.append(0.0, np.cumsum(np.diff(steps) * height))  # under the staircase, up to each step
-        _, start, least = mine[here].T
+        begin, start, least = mine[here].T
         end = np.searchsorted(-height, -least)
         beyond = area[end] - np.interp(start, steps, area) - least * (steps[end] - start)
-        added[here] += deep[here] * np.where(steps[end] > start, np.maximum(beyond, 0.0), 0.0)
+        some = steps[end] > start
+        added[here] += (high - np.maximum(low, begin)) * np.where(some, np.maximum(beyond, 0.0), 0.0)
+        here = here[some]  # a staircase that is as low at its start stays so in all slabs that follow
     return added / float(np.prod(reference))
 
 

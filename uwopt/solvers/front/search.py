@@ -375,7 +375,7 @@ class FrontSearch:
         left, kept = curves.without(~open_), np.nonzero(open_)[0]
         if left is None or self.quality != "information" or not self.points.trades_power:
             return left, kept
-        which, _ = self.points.open_segments(left, 0.0)
+        which = np.nonzero(self.points.may_be_new(self.points.of_segments(left)))[0]
         wanted, upper = self.points.wanted(left, which), left.segments()[1][which]
         left = replace(left, answers=self.trade.drawn_in(left.some, left.answers, upper, wanted))
         open_ = self.points.are_open(left)
