@@ -722,7 +722,7 @@ DEFECTS: tuple[Defect, ...] = (
         file="uwopt/objectives/dominance.py",
         old="here = here[some]",
         new="here = here[~some]",
-        test="tests/solvers/test_dominance.py::test_what_a_corner_would_add_is_the_difference_of_two_unions",
+        test="tests/solvers/test_dominance.py::test_a_corner_adds_in_every_slab_until_points_are_as_good",
     ),
     Defect(
         name="rows that were sent away send others away",

@@ -151,6 +151,15 @@ def test_what_a_corner_would_add_is_the_difference_of_two_unions(both):
     assert would_add(*both, frame) * np.prod(frame.reference) == pytest.approx(np.array(expected), abs=1e-12)
 
 
+def test_a_corner_adds_in_every_slab_until_points_are_as_good():
+    # by hand, of 1.1^3 = 1.331: the points span 1.1 * 0.6^2 + 0.6 * 0.85^2 - 0.6^3 = 0.6135; the second corner spans
+    # 1.1 * 0.7 * 0.5, of which 1.1 * 0.6 * 0.5 + 0.6 * 0.7 * 0.5 - 0.6 * 0.6 * 0.5 = 0.36 is theirs already
+    found = np.array([[0.0, 0.5, 0.5], [0.5, 0.25, 0.25]])
+    corners = np.array([[0.0, 0.0, 0.0], [0.0, 0.4, 0.6]])
+    added = would_add(found, corners, plain_frame(3)) * 1.331
+    assert added == pytest.approx([1.331 - 0.6135, 0.385 - 0.36])
+
+
 def test_hypervolume_of_one_point_and_of_a_staircase():
     # a point at the worst corner leaves (0.1/1.1)^2; two points at (0, 1) and (1, 0): 2 * 1.1 * 0.1 - 0.1^2 of 1.21
     assert hypervolume(np.array([[1.0, 1.0]]), plain_frame(2)) == pytest.approx((0.1 / 1.1) ** 2)
