@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from scipy.optimize import brentq
 from uwopt.model import beam as beams
 from uwopt.model.imaging import Lamps, PortShape, floor_point
 from uwopt.model.path_table import build_path_table
-from uwopt.model.veil.geometry import Scatterer, camera_rays, nearest_approach_m, path_ranges_m
+from uwopt.model.veil.geometry import Scatterer, camera_rays, nearest_approach_m, of_each, path_ranges_m
 from uwopt.model.veil.mean import log_mean_backscatter, mean_backscatter
 from uwopt.model.veil.ray import backscatter_gain, log_backscatter_gain
 
@@ -424,6 +425,22 @@ def test_many_images_at_once_are_as_each_alone(beam: str) -> None:
     together = mean_backscatter(along, across, **scene)
     alone = [float(mean_backscatter(along[i : i + 1], across[i : i + 1], **scene)[0]) for i in range(40)]
     np.testing.assert_allclose(together, alone, rtol=1e-8)  # as the nodes along rays, chosen for all, allow
+
+
+@pytest.mark.parametrize("beam", ["lobe 75", "cone 40"])
+def test_images_at_altitudes_each_with_its_own_particles_are_as_each_alone(beam: str) -> None:
+    along, across = np.array([0.1, 0.5, 0.2, 0.4]), np.array([0.6, 0.1, 0.3, 0.4])
+    range_m = np.array([2.0, 1.0, 3.0, 1.5])
+    scene = ordinary(lamp(), half=(0.5, 0.6), range_m=3.5) | dict(beam=BEAMS[beam])
+    grains, gas = scene.pop("scatterers")
+    waters = ((grains, gas), (replace(grains, phase=isotropic), replace(gas, phase=isotropic)))
+    of = np.array([0, 1, 1, 0])
+    together = mean_backscatter(along, across, **(scene | dict(range_m=range_m, scatterers=of_each(waters, of))))
+    alone = [
+        float(mean_backscatter(*one, **(scene | dict(range_m=float(way), scatterers=waters[own])))[0])
+        for *one, way, own in zip(along[:, None], across[:, None], range_m, of, strict=True)
+    ]
+    np.testing.assert_allclose(together, alone, rtol=1e-7)  # as the nodes along rays, chosen for all, allow
 
 
 def test_a_small_image_sees_the_axis() -> None:

@@ -691,6 +691,20 @@ DEFECTS = (
         test="tests/model/test_veil.py::test_many_images_at_once_are_as_each_alone",
     ),
     Defect(
+        name="particles of the first altitude at all of them",
+        file="uwopt/model/veil/geometry.py",
+        old="made[mine] = self.phases[place](cos_scatter[mine])",
+        new="made[mine] = self.phases[0](cos_scatter[mine])",
+        test="tests/model/test_veil.py::test_images_at_altitudes_each_with_its_own_particles_are_as_each_alone",
+    ),
+    Defect(
+        name="images keep the altitudes of others",
+        file="uwopt/model/veil/mean.py",
+        old="along, across, range_m = (column[rows] for column in self[:3])",
+        new="along, across, range_m = self.along[rows], self.across[rows], self.range_m[: len(self.along[rows])]",
+        test="tests/model/test_veil.py::test_images_at_altitudes_each_with_its_own_particles_are_as_each_alone",
+    ),
+    Defect(
         name="the last rows of a large product are left out of it",
         file="uwopt/model/path_table.py",
         old="for start in range(0, len(left), rows)])",

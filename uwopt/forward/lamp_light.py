@@ -37,6 +37,7 @@ from uwopt.model.image_mean import (
     reached_by_most,
 )
 from uwopt.model.imaging import Lamps, local_gain, local_gains
+from uwopt.model.veil.geometry import of_each
 from uwopt.model.veil.mean import mean_backscatter
 from uwopt.model.veil.ray import backscatter_gain
 from uwopt.model.veil.spots import Spots, floor_spots
@@ -182,7 +183,7 @@ class LampField:
         """The lamps' beam as it falls on the floor."""
         return self.problem.floor_lobe(self.scene_index, self.optics, self.mount, range_m)
 
-    def sent_back(self, range_m: float) -> dict[str, Any]:
+    def sent_back(self, range_m: float | Array) -> dict[str, Any]:
         """The same of light that the water sends back."""
         return dict(shape=self.shape, range_m=range_m, beam=self.contraction.back_lobe(self.optics))
 
@@ -260,29 +261,21 @@ class LampField:
 
     def coarse_backscatter(self, view: Views, altitudes: list[int]) -> Array:
         """Mean of the lamps' path radiance at some altitudes by few nodes, (n, n_altitudes)."""
-        return np.stack(
-            [
-                mean_backscatter(
-                    view.tan_along, view.tan_across, lamps=one_side(self.lamps), order=COARSE_ORDER,
-                    scatterers=self.scatterers(range_m), **self.sent_back(range_m),
-                )
-                for range_m in map(float, self.scene.range_m[altitudes])
-            ],
-            axis=1,
-        )  # fmt: skip
+        return self.backscatter_at(self.scene.range_m[altitudes], view, order=COARSE_ORDER)
 
     def mean_backscatter(self, view: Views) -> Array:
         """Mean of the lamps' path radiance over the image, (n, n_altitudes)."""
-        return np.stack(
-            [
-                mean_backscatter(
-                    view.tan_along, view.tan_across, lamps=one_side(self.lamps), scatterers=self.scatterers(range_m),
-                    fineness=self.fineness.veil, **self.sent_back(range_m),
-                )
-                for range_m in map(float, self.scene.range_m)
-            ],
-            axis=1,
+        return self.backscatter_at(self.scene.range_m, view, fineness=self.fineness.veil)
+
+    def backscatter_at(self, ranges_m: Array, view: Views, **how: Any) -> Array:
+        """Mean of the lamps' path radiance over the image at some altitudes, all in one, (n, n_altitudes)."""
+        image, altitude = (part.ravel() for part in np.indices((len(view.tan_along), len(ranges_m))))
+        means = mean_backscatter(
+            view.tan_along[image], view.tan_across[image], lamps=one_side(self.lamps),
+            scatterers=of_each([self.scatterers(float(range_m)) for range_m in ranges_m], altitude),
+            **self.sent_back(ranges_m[altitude]), **how,
         )  # fmt: skip
+        return means.reshape(len(view.tan_along), len(ranges_m))
 
     def mean_background(self, view: Views, order: int | None = None) -> Array:
         """Mean over the image of what the lamps' light makes of water without a target or an end, (n,)."""

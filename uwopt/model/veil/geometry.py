@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,6 +26,37 @@ class Scatterer:
 
     phase: Callable[[Array], Array]  # of the cosine of the scattering angle [1/sr], over the sphere 1
     table: PathTable  # of the signal weight times b(lambda) [weight / m], lamp and camera leg
+
+    def take(self, images: Any) -> Scatterer:
+        """The same as some of the images see it."""
+        return replace(self, phase=self.phase.take(images)) if isinstance(self.phase, PhaseOfEach) else self
+
+
+@dataclass(frozen=True)
+class PhaseOfEach:
+    """Phase functions of images, each its own: of cosines (n, ...) those of image i by `phases[of[i]]`."""
+
+    phases: tuple[Callable[[Array], Array], ...]
+    of: Array  # (n,)
+
+    def __call__(self, cos_scatter: Array) -> Array:
+        made = np.empty(cos_scatter.shape)
+        for place in np.unique(self.of):
+            mine = self.of == place
+            made[mine] = self.phases[place](cos_scatter[mine])
+        return made
+
+    def take(self, images: Any) -> PhaseOfEach:
+        """Those of some of the images."""
+        return replace(self, of=self.of[images])
+
+
+def of_each(every: Sequence[tuple[Scatterer, ...]], of: Array) -> tuple[Scatterer, ...]:
+    """Components of the water as each image sees them, image i as `every[of[i]]` has it; their tables are the same."""
+    if len(every) == 1:
+        return every[0]
+    alike = [tuple(one.phase for one in parts) for parts in zip(*every, strict=True)]
+    return tuple(Scatterer(PhaseOfEach(phases, of), one.table) for phases, one in zip(alike, every[0], strict=True))
 
 
 class Rays(NamedTuple):
@@ -51,7 +82,7 @@ class _View(NamedTuple):
     high: Array
 
 
-def camera_rays(tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float) -> Rays:
+def camera_rays(tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float | Array) -> Rays:
     """The rays of field points (tangents in air), from the port's outer face to the floor.
 
     Dome: from its outer surface, on a line through its centre (0, 0, -R). Flat: from the outer face at

@@ -118,7 +118,7 @@ def log_backscatter_gain(
 
 
 def _log_gain(
-    tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float, lamps: Lamps, beam: beams.Beam,
+    tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float | Array, lamps: Lamps, beam: beams.Beam,
     scatterers: tuple[Scatterer, ...], ray_nodes: int | None, table_nodes: int, fineness: float,
 ) -> Array:  # fmt: skip
     if len(parts := beams.parts(beam)) > 1:
