@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from uwopt.model import beam as beams
+from uwopt.model.halo import Widening
 from uwopt.model.image_mean import field_means
 from uwopt.model.imaging import Lamps, PortShape
 from uwopt.model.path_table import build_path_table
@@ -27,3 +28,16 @@ def test_small_images_under_a_lamp_fall_with_the_square_of_the_distance(beam: be
     mean = field_means(halves, halves, ranges_m=ranges_m, shape=DOME, lamps=ONE_LAMP, lobes=lobes, table=CLEAR)
     on_axis = float(beams.intensity_per_sr(1.0, beam))
     assert mean == pytest.approx(np.broadcast_to(on_axis / ranges_m**2, (2, 3)), rel=1e-6)
+
+
+def test_each_range_has_the_lobe_that_its_way_makes() -> None:
+    """What is left of I after each way, and an even halo of its own: (s I + h) / d^2 straight below."""
+    own, ranges_m, halves = beams.cosine_power_beam(np.deg2rad(60.0)), np.array([1.0, 2.0, 4.0]), np.array([1e-4, 2e-4])
+    left, halo_per_sr = np.array([0.9, 0.5, 0.2]), np.array([0.01, 0.05, 0.03])
+    lobes = [
+        beams.widened_by(own, Widening.of(np.array([share]), np.full((1, 101), halo), 0.0))
+        for share, halo in zip(left, halo_per_sr, strict=True)
+    ]
+    mean = field_means(halves, halves, ranges_m=ranges_m, shape=DOME, lamps=ONE_LAMP, lobes=lobes, table=CLEAR)
+    below = (left * float(beams.intensity_per_sr(1.0, own)) + halo_per_sr) / ranges_m**2
+    assert mean == pytest.approx(np.broadcast_to(below, (2, 3)), rel=1e-6)

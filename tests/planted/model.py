@@ -69,8 +69,8 @@ DEFECTS = (
     Defect(
         name="images and ranges of a mean mixed up",
         file="uwopt/model/image_mean.py",
-        old="np.arange(len(tan_along)), ranges_m, indexing=\"ij\"",
-        new="np.arange(len(tan_along)), ranges_m",
+        old="image, place = (part.ravel() for part in np.indices((len(tan_along), count)))",
+        new="place, image = (part.ravel() for part in np.indices((count, len(tan_along))))",
         test="tests/model/test_image_mean.py::test_small_images_under_a_lamp_fall_with_the_square_of_the_distance",
     ),
     Defect(
@@ -689,6 +689,20 @@ DEFECTS = (
         old="return np.clip(np.searchsorted(FIELD_ORDERS, wanted) - 1, 0, MOST_RUNG)",
         new="return np.full(len(wanted), np.clip(np.searchsorted(FIELD_ORDERS, wanted.max()) - 1, 0, MOST_RUNG))",
         test="tests/model/test_veil.py::test_many_images_at_once_are_as_each_alone",
+    ),
+    Defect(
+        name="all altitudes lose as much of the lobe as the first",
+        file="uwopt/model/halo.py",
+        old="return self.share[way_m], _along",
+        new="return self.share[0], _along",
+        test="tests/model/test_image_mean.py::test_each_range_has_the_lobe_that_its_way_makes",
+    ),
+    Defect(
+        name="all altitudes have the halo of the first",
+        file="uwopt/model/halo.py",
+        old="way_m * (n + 1) + cell, place)",
+        new="cell, place)",
+        test="tests/model/test_image_mean.py::test_each_range_has_the_lobe_that_its_way_makes",
     ),
     Defect(
         name="particles of the first altitude at all of them",

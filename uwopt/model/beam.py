@@ -140,7 +140,8 @@ def intensity_per_sr(cos_angle: ArrayLike, beam: Beam, way_m: ArrayLike = 0.0) -
     ----------
     cos_angle : (...,) [1], cosine of the angle t from the beam's axis, in water
     beam : Beam
-    way_m : (...,) [m], length of the light's way, of which a beam may know that it widens along it
+    way_m : (...,) [m], length of the light's way, of which a beam may know that it widens along it; or which of beams
+        `side_by_side`, numbers
 
     Returns
     -------
@@ -154,7 +155,7 @@ def intensity_per_sr(cos_angle: ArrayLike, beam: Beam, way_m: ArrayLike = 0.0) -
     """
     cos = np.asarray(cos_angle, dtype=float)
     if beam.widening is not None:
-        share, halo = beam.widening.at(cos, np.asarray(way_m, dtype=float))
+        share, halo = beam.widening.at(cos, np.asarray(way_m))
         if beam.widening.part == "halo":
             return np.asarray(halo)
         unturned = share * intensity_per_sr(cos, own(beam))
@@ -200,6 +201,12 @@ def own(beam: Beam) -> Beam:
 def widened_by(beam: Beam, widening: Widening) -> Beam:
     """The beam I with what scattering makes of it, share I + halo [1/sr]."""
     return dataclasses.replace(beam, widening=widening)
+
+
+@functools.lru_cache(maxsize=64)
+def side_by_side(lobes: tuple[Beam, ...]) -> Beam:
+    """One beam after several ways to a floor as one: `intensity_per_sr` [1/sr] takes numbers for ways."""
+    return widened_by(lobes[0], Widening.side_by_side([one.widening for one in lobes if one.widening is not None]))
 
 
 @functools.lru_cache(maxsize=1024)

@@ -2,11 +2,13 @@
 
 Tables stand at knots even in u = sqrt(1 - cos theta), 0 to 1, dense where the axis is, and are linear between them;
 along the way at knots even in its square root, for light is widened most at first. The front plane, 90 deg, is dark.
+What several ways make of one beam may also stand side by side, of which places take theirs by number.
 """
 
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -25,6 +27,7 @@ class Widening:
     share: FloatArray  # (k,), one row for any way, or from no way at all to the reach
     halo_per_sr: FloatArray  # (k, n + 1), I/Phi
     part: Literal["both", "own", "halo"] = "both"  # what of it counts
+    numbered: bool = False  # whether rows are of several beams, side by side, which `at` takes the numbers of
 
     @staticmethod
     def of(share: FloatArray, halo_per_sr: FloatArray, reach_m: float, *, bound: bool = False) -> Widening:
@@ -35,12 +38,18 @@ class Widening:
         halo.setflags(write=False)
         return Widening(reach_m, share, halo)
 
+    @staticmethod
+    def side_by_side(several: Sequence[Widening]) -> Widening:
+        """Several of one row each, by number."""
+        share = np.concatenate([one.share for one in several])
+        return Widening(0.0, share, np.concatenate([one.halo_per_sr for one in several]), numbered=True)
+
     def alone(self, part: Literal["own", "halo"]) -> Widening:
         """One of the two."""
         return dataclasses.replace(self, part=part)
 
     def at(self, cos_angle: FloatArray, way_m: Any) -> tuple[Any, Any]:
-        """Share and halo [1/sr] at these angles after these ways, (...) each."""
+        """Share and halo [1/sr] at these angles after these ways, or of the beams of these numbers, (...) each."""
         table = self.halo_per_sr
         n, rows = table.shape[1] - 1, len(table)
         place = np.sqrt(np.clip(1.0 - cos_angle, 0.0, 1.0)) * n
@@ -48,6 +57,8 @@ class Widening:
         place -= cell
         if rows == 1:
             return self.share[0], _along(table[0], cell, place)
+        if self.numbered:
+            return self.share[way_m], _along(table.ravel(), way_m * (n + 1) + cell, place)
         step = np.sqrt(np.minimum(way_m / self.reach_m, 1.0)) * (rows - 1)
         row = np.minimum(step.astype(np.int32), rows - 2)
         step -= row

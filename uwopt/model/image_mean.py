@@ -37,24 +37,27 @@ def field_means(
 ) -> Array:  # fmt: skip
     """`field_mean` of n images at each of m ranges, (n, m) [1/m^2]; one smooth beam takes all of them at once.
 
-    lobes : the beam at each range
+    lobes : one beam as it is at each range
     """
-    beam = lobes[0]
-    if beams.has_sharp_edge(beam) or any(other is not beam for other in lobes):
+    beam, count = lobes[0], len(ranges_m)
+    if len(beams.parts(beam)) > 1 or beams.has_sharp_edge(beam):
         each = [
-            field_mean(tan_along, tan_across, shape=shape, range_m=float(r), beam=lobe, **common)
-            for r, lobe in zip(ranges_m, lobes, strict=True)
+            field_mean(tan_along, tan_across, shape=shape, range_m=float(r), beam=one, **common)
+            for r, one in zip(ranges_m, lobes, strict=True)
         ]
         return np.stack(each, axis=1)
-    image, range_m = (part.ravel() for part in np.meshgrid(np.arange(len(tan_along)), ranges_m, indexing="ij"))
+    if any(other is not beam for other in lobes):
+        beam = beams.side_by_side(tuple(lobes))
+    image, place = (part.ravel() for part in np.indices((len(tan_along), count)))
     return field_mean(
-        tan_along[image], tan_across[image], shape=shape.take(image), range_m=range_m, beam=beam, **common
-    ).reshape(len(tan_along), len(ranges_m))
+        tan_along[image], tan_across[image], shape=shape.take(image), range_m=ranges_m[place], beam=beam, lobe=place,
+        **common,
+    ).reshape(len(tan_along), count)  # fmt: skip
 
 
 def field_mean(
     tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float | Array, lamps: Lamps, beam: beams.Beam,
-    table: PathTable, order: int | None = None, fineness: float = 1.0,
+    table: PathTable, order: int | None = None, fineness: float = 1.0, lobe: Array | None = None,
 ) -> Array:  # fmt: skip
     """Mean over the image rectangle of `local_gain`, for many images at once [1/m^2].
 
@@ -66,6 +69,7 @@ def field_mean(
     order : nodes a side of the image (smooth beams: Gauss-Legendre), or cells a side of each lamp's spot in it
         (sharp ones: midpoint, extrapolated)
     fineness : factor on the order that is chosen where none is given
+    lobe : (n,), which of smooth beams side by side lights each image
 
     Notes
     -----
@@ -97,6 +101,7 @@ def field_mean(
             lamps=lamps,
             beam=beam,
             table=table,
+            lobe=None if lobe is None else lobe[rows],
         )
     return mean
 
@@ -247,7 +252,7 @@ def box_mean(
 
 def mean_of_order(
     n: int, tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float | Array, lamps: Lamps,
-    beam: beams.Beam, table: PathTable,
+    beam: beams.Beam, table: PathTable, lobe: Array | None = None,
 ) -> Array:  # fmt: skip
     """`field_mean` with n nodes or cells a side."""
     common: dict[str, Any] = dict(shape=shape, lamps=lamps, beam=beam, table=table)
@@ -258,14 +263,15 @@ def mean_of_order(
         nodes, weights = gauss(max(4, n // 2))
         along_rule = (0.5 * (nodes + 1.0), weights)
     each = np.broadcast_to(np.asarray(range_m, float), tan_along.shape)
-    return rule_mean(tan_along, tan_across, along_rule, gauss(n), range_m=each, **common)
+    which = np.zeros(tan_along.shape, int) if lobe is None else lobe
+    return rule_mean(tan_along, tan_across, along_rule, gauss(n), range_m=each, lobe=which, **common)
 
 
 def rule_mean(
     tan_along: Array, tan_across: Array, along_rule: tuple[Array, Array], across_rule: tuple[Array, Array], *,
-    shape: PortShape, range_m: Array, **common: Any,
+    shape: PortShape, range_m: Array, lobe: Array, **common: Any,
 ) -> Array:  # fmt: skip
-    """Mean of `local_gain` over images, each at its range, by a product rule on [-1, 1], a few images at a time."""
+    """Mean of `local_gain` over images, each at its range under its lobe, by a product rule, a few at a time."""
     along_nodes, along_weights = along_rule
     across_nodes, across_weights = across_rule
     mean = np.empty(len(tan_along))
@@ -276,8 +282,9 @@ def rule_mean(
             tan_along[rows, None, None] * along_nodes[:, None], tan_across[rows, None, None] * across_nodes
         )
         gain = local_gain(
-            along, across, shape=shape.take(rows).over(2), range_m=range_m[rows, None, None], **common
-        )
+            along, across, shape=shape.take(rows).over(2), range_m=range_m[rows, None, None],
+            lobe=lobe[rows, None, None], **common,
+        )  # fmt: skip
         mean[rows] = (gain @ across_weights) @ along_weights
     return mean
 

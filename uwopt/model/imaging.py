@@ -257,11 +257,12 @@ def flat_slope_m(tan_air: Array, *, shape: PortShape, range_m: float | Array) ->
 
 
 def lamp_light(
-    x_m: Array, y_m: Array, *, lamps: Lamps, index: int, beam: beams.Beam, range_m: float | Array, slope: float = 0.0
-) -> tuple[Array, Array, Array]:
+    x_m: Array, y_m: Array, *, lamps: Lamps, index: int, beam: beams.Beam, range_m: float | Array, slope: float = 0.0,
+    lobe: Any = 0.0,
+) -> tuple[Array, Array, Array]:  # fmt: skip
     """Illuminance per lumen [1/m^2] that one lamp would give in vacuum, range and cos of beam angle.
 
-    On the plane z = range_m + slope x.
+    On the plane z = range_m + slope x. `lobe`: which of beams side by side lights each place.
     """
     range_lamp, cos_beam, cos_incidence = beams.lamp_rays(
         x_m,
@@ -274,33 +275,34 @@ def lamp_light(
         aim_z=lamps.aim[index][2],
         slope=slope,
     )
-    intensity = beams.intensity_per_sr(cos_beam, beam)
+    intensity = beams.intensity_per_sr(cos_beam, beam, lobe)
     return intensity * cos_incidence / np.square(range_lamp), range_lamp, cos_beam
 
 
 def local_gain(
     tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float | Array, lamps: Lamps, beam: beams.Beam,
-    table: PathTable, edge_share: bool = False,
+    table: PathTable, edge_share: bool = False, lobe: Any = 0.0,
 ) -> Array:  # fmt: skip
     """cos^4 times illuminance per lumen times water's loss at each field point [1/m^2].
 
     The loss is relative to `signal_weight` summed over wavelengths. With `edge_share`, points are
     cells of a regular grid and a beam that ends sharply counts by the share of the cell it covers.
+    `lobe`: which of beams side by side lights each point, broadcasting.
     """
     return local_gains(
         tan_along, tan_across, shape=shape, range_m=range_m, lamps=lamps, beam=beam, tables=(table,),
-        edge_share=edge_share,
+        edge_share=edge_share, lobe=lobe,
     )[0]  # fmt: skip
 
 
 def local_gains(
     tan_along: Array, tan_across: Array, *, shape: PortShape, range_m: float | Array, lamps: Lamps, beam: beams.Beam,
-    tables: tuple[PathTable, ...], edge_share: bool = False,
+    tables: tuple[PathTable, ...], edge_share: bool = False, lobe: Any = 0.0,
 ) -> list[Array]:  # fmt: skip
     """`local_gain` under the losses of several tables, which cover the same ranges."""
     x_m, y_m, path_m = floor_point(tan_along, tan_across, shape=shape, range_m=range_m)
     totals = [np.zeros(np.broadcast(x_m, y_m).shape) for _ in tables]
-    plane: dict[str, Any] = dict(range_m=range_m, slope=shape.slope)
+    plane: dict[str, Any] = dict(range_m=range_m, slope=shape.slope, lobe=lobe)
     for index, share in enumerate(lamps.share):
         if edge_share:
             open_beam = beams.without_edge(beam)
