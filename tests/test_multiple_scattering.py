@@ -94,6 +94,36 @@ def test_table_holds_the_cases_that_are_drawn(orders: Any) -> None:
     assert len({case.phase for case in wanted}) == len(cases.PHASES)
 
 
+def test_rows_in_doubt_are_walked_again_by_more_and_other_walks(orders: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    cases, seeds = orders("cases"), []
+    monkeypatch.setitem(cases.WALKS, "far corner", 64)
+    monkeypatch.setattr(cases, "MORE", (2, 4))
+
+    def seen(*setting: Any, place: Any) -> Any:
+        *_, walks, seed = setting
+        seeds.append((walks, tuple(seed)))
+        doubt = 0.5 if walks < 4 * 64 else 0.01
+        return orders("camera").Seen(np.ones(6), np.full(6, doubt), np.ones(6))
+
+    monkeypatch.setattr(orders("camera"), "seen", seen)
+    thin, thick = (next(c for c in cases.drawn_cases() if (c.thickness > 4.0) == far) for far in (False, True))
+    assert cases.computed(thin, "far corner").walks == 4 * 64
+    assert cases.computed(thick, "far corner").walks == 64  # which is not judged
+    assert [walks for walks, _ in seeds] == [64, 128, 256, 64] and len({seed for _, seed in seeds}) == 4
+
+
+def test_corners_of_the_table_are_known_well_enough_to_judge_them(orders: Any) -> None:
+    # signal and veil 3 %, as rows are walked again that are not; the rarest backscatter has a heavy tail
+    cases = orders("cases")
+    for row in cases.read():
+        assert row.walks in {times * cases.WALKS[row.place] for times in (1, *cases.MORE)}
+        if row.case.thickness <= 4.0:
+            assert max(row.error[k] / row.value[k] for k in ("signal", "veil")) <= 0.03
+            assert row.error["backscatter"] <= 0.08 * row.value["backscatter"]
+            if row.walks == cases.WALKS[row.place]:
+                assert not cases.in_doubt(row)
+
+
 def test_standard_errors_of_the_means_are_a_fraction_of_the_marks(orders: Any) -> None:
     # marks are 5 %; thin water
     for row in orders("cases").read():
@@ -125,7 +155,7 @@ def test_held_out_corners_are_those_of_all_orders(orders: Any) -> None:
     corners = [row for row in forms.rows_of("held out") if "corner" in row.place]
     off = [forms.errors(row, forms.effective) for row in corners]
     assert len(off) >= 60
-    for name, share in (("signal", 0.98), ("veil", 0.98), ("backscatter", 0.95), ("contrast", 0.96)):
+    for name, share in (("signal", 0.98), ("veil", 1.0), ("backscatter", 0.95), ("contrast", 0.96)):
         errors = np.abs([one[name] for one in off])
         assert np.mean(errors <= 0.15) >= share, name
         if name in ("signal", "veil"):
@@ -156,6 +186,30 @@ def test_lobes_that_scattering_widens_light_dim_corners(orders: Any) -> None:
     off = [abs(forms.error(row, forms.effective(row.case), "signal")) for row in corners]
     plain = [abs(forms.error(row, forms.attenuations(row.case), "signal")) for row in corners]
     assert np.mean(np.array(off) <= 0.15) >= 0.9 > 0.7 > np.mean(np.array(plain) <= 0.15)
+
+
+@pytest.mark.parametrize("place", ["mean", "near corner"])
+def test_a_lobe_widened_by_the_lamps_height_is_the_models(orders: Any, place: str) -> None:
+    # sums of their own in `ways`, over places that each have a way; 1 %: lobes between ways that are tabulated
+    forms, ways = orders("forms"), orders("ways")
+    (row,) = (row for row in forms.rows_of("held out") if row.case.number == 29 and row.place == place)
+    found = ways.signal(row.case, place, "the lamp's height", (forms.USED.lamp, forms.USED.lamp_by_lobe))
+    assert found / row.value["signal"] - 1.0 == pytest.approx(
+        forms.error(row, forms.effective(row.case), "signal"), abs=0.01
+    )
+
+
+@pytest.mark.skipif(not THOROUGH, reason="seven fits take fifteen seconds")
+def test_no_other_way_widens_lobes_better(orders: Any) -> None:
+    # held out: what does better in corners is further off in means
+    ways = orders("ways")
+    names = list(ways.WAYS)
+    kept, *others = (ways.judged(name) for name in names)
+    root = {name: float(np.sqrt(np.mean(ways.judged(name).corners["held out"] ** 2))) for name in names}
+    assert np.all(np.abs(kept.means["held out"]) < 0.02)
+    for name, other in zip(names[1:], others, strict=True):
+        assert max(np.abs(other.means["fit"])) > 0.045 or max(np.abs(other.means["held out"])) > 0.1, name
+        assert root[name] >= root[names[0]], name
 
 
 def test_rows_of_daylight_are_found_again(orders: Any) -> None:
@@ -202,6 +256,19 @@ def test_held_out_daylight_is_that_of_all_orders(orders: Any) -> None:
 
 
 @pytest.mark.skipif(not THOROUGH, reason="a fit takes ten seconds")
-@pytest.mark.parametrize("module", ["forms", "sunlit"])
-def test_constants_are_those_of_the_fit(orders: Any, module: str) -> None:
-    assert orders(module).fitted() == pytest.approx(orders(module).USED, rel=0.01)
+def test_constants_of_daylight_are_those_of_the_fit(orders: Any) -> None:
+    assert orders("sunlit").fitted() == pytest.approx(orders("sunlit").USED, rel=0.01)
+
+
+@pytest.mark.skipif(not THOROUGH, reason="a fit takes a minute")
+def test_constants_are_those_of_the_fit(orders: Any) -> None:
+    # those of backscatter are known together only: by either set its image means are the same within 2 %
+    forms, model = orders("forms"), orders("model")
+    found = forms.fitted()
+    assert found[:4] == pytest.approx(forms.USED[:4], rel=0.01)
+    for row in forms.means("fit"):
+        afresh, used = (
+            model.uwopt_light(row.case, "mean", forms.effective(row.case, one))["backscatter"]
+            for one in (found, forms.USED)
+        )
+        assert afresh == pytest.approx(used, rel=0.02)

@@ -11,7 +11,7 @@ import numpy as np
 from uwopt.model.multiple import TESTED_THICKNESS as THIN
 
 from . import common
-from .orders import cases, checks, colours, daylight, detail, forms, low_sun, model, sunlit
+from .orders import cases, checks, colours, daylight, detail, forms, low_sun, model, sunlit, ways
 from .orders.cases import TALLIES, Case, Light
 from .orders.model import Legs
 
@@ -26,7 +26,8 @@ DIM = ((0.2, np.inf), (0.05, 0.2), (0.0, 0.05))  # of corners: signal over the i
 SEEN = {"ff 0.005": 0.2e-3, "ff 0.0183": 0.2e-3, "ff 0.03": 0.2e-3, "petzold HAOCE 11": 0.5e-3, "petzold NUC 2200": 0.5e-3}
 CYCLES_PER_PX = (0.5, 0.25, 0.1)
 DOUBT = 0.05  # of what walks say of one sun
-NARROW_DEG = 20.0  # of lobes that leave corners dim
+FAR_OFF = 0.15  # of corners: the mark
+NARROW_DEG = 20.0  # of lobes
 FORMS: dict[str, Form] = {ALL: forms.effective, ONCE: model.single}
 BESIDE: dict[str, Form] = {KEPT: forms.attenuations}
 ASLANT = 29  # a case of light that turns into a hollow phase function, under a narrow lobe that is tilted
@@ -103,54 +104,91 @@ def without(form: Form, tally: str, *, albedo: float = 0.0) -> str:
 
 
 def worst_text() -> str:
-    """The image mean of backscatter that is off most, and the dimmest corners under narrow lobes, up to c d = 4."""
+    """The image mean of backscatter that is off most up to c d = 4."""
     row, off = max(
         ((row, off) for row, off in errors(ALL, ("mean",)) if row.case.thickness <= THIN),
         key=lambda pair: abs(pair[1]["backscatter"]),
     )
     case, doubt = row.case, row.error["backscatter"] / row.value["backscatter"]
-    means = {row.case.number: row.value["signal"] for row in cases.read() if row.place == "mean"}
-    dim = [
-        (one, e) for one, e in errors(ALL, CORNERS) if one.case.thickness <= THIN
-        and one.case.lobe_half_deg <= NARROW_DEG and one.value["signal"] < DIM[-1][1] * means[one.case.number]
-    ]  # fmt: skip
-
-    def span(tally: str) -> str:
-        found, known = [e[tally] for _, e in dim], [one.error[tally] / one.value[tally] for one, _ in dim]
-        return f"{tally} {common.percent(min(found), 0)} to {common.percent(max(found), 0)} (σ of the Monte Carlo {100 * min(known):.0f} to {100 * max(known):.0f} %)"
-
     return f"""\
 The image mean of backscatter that is off most up to c d = 4 is that of case {case.number} ({case.use}): {common.percent(off['backscatter'])}, σ {100 * doubt:.1f} %;
-{case.phase}, albedo {case.albedo:.2f}, c d {case.thickness:.2f}, a lobe of {case.lobe_half_deg:.0f}°.
-Dim corners, {len(dim)} under lobes up to {NARROW_DEG:g}° with less than {100 * DIM[-1][1]:g} % of the image's mean: {'; '.join(map(span, TALLIES))}."""
+{case.phase}, albedo {case.albedo:.2f}, c d {case.thickness:.2f}, a lobe of {case.lobe_half_deg:.0f}°."""
 
 
-def slanted_text() -> str:
-    """What the way that widens a tilted lobe changes: one corner, and the means of the half that constants are fitted to."""
+def doubt_of(row: Light, tally: str) -> float:
+    """Standard error of a tally over its value, or of contrast."""
+    by = {each: row.error[each] / row.value[each] for each in TALLIES}
+    if tally in by:
+        return by[tally]
+    whole = sum(row.value[each] for each in TALLIES)
+    share = {each: row.value[each] / whole for each in TALLIES}
+    veils = ((share[each] * by[each]) ** 2 for each in TALLIES[1:])
+    return float(np.sqrt(((1.0 - share["signal"]) * by["signal"]) ** 2 + sum(veils)))
 
-    def height(case: Case) -> float:
-        return case.altitude_m
 
-    def along_lobe(case: Case) -> float:
-        return case.altitude_m / float(np.cos(np.deg2rad(case.tilt_deg)))
+def far_off() -> list[tuple[Light, str, float, float]]:
+    """Corners up to c d = 4 that are off by more than 15 %: what of them, by how much, and its σ."""
+    found = [
+        (row, tally, off[tally], (1.0 + off[tally]) * doubt_of(row, tally))
+        for row, off in errors(ALL, CORNERS) if row.case.thickness <= THIN for tally in SHOWN
+    ]  # fmt: skip
+    return sorted((one for one in found if abs(one[2]) > FAR_OFF), key=lambda one: (one[0].case.use, one[0].case.number))
 
-    def own(case: Case) -> float:
-        """From the lamp to the near corner."""
-        at = case.tangent * case.altitude_m
-        return float(np.sqrt(case.altitude_m**2 + at**2 + (at - case.baseline_m) ** 2))
 
-    def off(row: Light, way: Callable[[Case], float]) -> float:
-        return forms.error(row, forms.over_way(row.case, way(row.case)), "signal")
+def corner_text() -> str:
+    """Corners that are off by more than 15 %, and whether the walks' own doubt would explain that."""
+    means = {row.case.number: row.value for row in cases.read() if row.place == "mean"}
 
+    def of_mean(row: Light, tally: str) -> str:
+        kind = tally if tally in TALLIES else "signal"
+        return f"{100 * row.value[kind] / means[row.case.number][kind]:.1f} %"
+
+    rows = [
+        [
+            f"{row.case.number}, {row.place.split()[0]}", row.case.use, f"{row.case.phase}, {row.case.albedo:.2f}, {row.case.thickness:.2f}",
+            f"{row.case.lobe_half_deg:.0f}°, {row.case.tilt_deg:.0f}°", tally, of_mean(row, tally), f"{common.percent(off)} ± {100 * sigma:.1f} %",
+            "yes" if abs(off) - FAR_OFF < 2.0 * sigma else "no",
+        ]
+        for row, tally, off, sigma in far_off()
+    ]  # fmt: skip
+    again = [row for row in cases.read() if row.walks > cases.WALKS[row.place]]
+    return f"""\
+Corners up to c d = {THIN:g} that are off by more than {100 * FAR_OFF:g} %, with one σ of the Monte Carlo, and whether two would take them within; beside that the corner's light of this
+kind over the image mean's (of contrast: of the signal):
+
+{common.table(["case, corner", "half", "water: phase function, albedo, c d", "lobe, tilt", "what", "of the mean", "off", "within by 2 σ"], rows)}
+
+Such light is rare: a walk finds it by one large turn, and few walks do. Rows up to c d = {THIN:g} that the usual {cases.WALKS[CORNERS[0]]} walks leave in doubt by more than {100 * cases.DOUBT:g} % of a
+value were computed afresh by up to {cases.MORE[-1]} times as many ({len(again)} of them, σ of signal, veil and backscatter now at most {', '.join(f"{100 * max(doubt_of(row, tally) for row in again):.1f}" for tally in TALLIES)} %)."""
+
+
+def ways_text() -> str:
+    """Which way from the lamp would widen a lobe: several, fitted on one half and judged on the other."""
+    used = (forms.USED.lamp, forms.USED.lamp_by_lobe)
+    height = next(iter(ways.WAYS))
+    found = {f"{height}, constants in use": ways.judged(height, used)} | {name: ways.judged(name) for name in ways.WAYS}
+    rows = []
+    for name, one in found.items():
+        cells = [name, ", ".join(f"{x:.3g}" for x in one.constants)]
+        for use in ("fit", "held out"):
+            cells += [common.percent(max(one.means[use], key=abs)), f"{100 * float(np.sqrt(np.mean(one.corners[use] ** 2))):.1f} %"]
+            cells.append(f"{within(list(one.corners[use]), FAR_OFF)}, {common.percent(max(one.corners[use], key=abs), 0)}")
+        rows.append(cells)
     (row,) = [row for row in forms.rows_of("held out") if row.case.number == ASLANT and row.place == CORNERS[0]]
     case = row.case
-    at, slant, axis = (common.percent(off(row, way), 0) for way in (height, own, along_lobe))
-    straight, longer = ([off(one, way) for one in forms.means("fit")] for way in (height, along_lobe))
+    corner_m = float(np.sqrt(case.altitude_m**2 * (1.0 + case.tangent**2) + (case.tangent * case.altitude_m - case.baseline_m) ** 2))
+    narrow = [abs(one.case.tilt_deg) for one in forms.means("fit") if one.case.lobe_half_deg <= NARROW_DEG]
+    steepest = max(narrow)
+    heads = [f"{use}: {what}" for use in ("fit", "held out") for what in ("largest mean", "corners, rms", f"within {100 * FAR_OFF:g} %, largest")]
     return f"""\
 The signal that is off most in a corner is that of case {case.number}: a lobe of {case.lobe_half_deg:.0f}° tilted by {abs(case.tilt_deg):.0f}° is widened by the lamp's height over
-the floor, {height(case):.2f} m, but its light goes {own(case):.2f} m to the near corner and {along_lobe(case):.2f} m along its axis. By these ways the corner's signal would be
-off by {slant} and {axis} in place of {at}. The model keeps the height: by the way along the axis the fit half's means up to c d = {THIN:g}
-would be off by up to {common.percent(max(longer, key=abs))} ({common.percent(max(straight, key=abs))} now), and one lobe for each place of the floor it does not have."""
+the floor, {case.altitude_m:.2f} m, but its light goes {corner_m:.2f} m to the near corner. Other ways from the lamp, of each place its own, with the two constants of the lamps' way
+fitted again for each on signals of the fit half up to c d = {THIN:g} (corners a third of means), and judged on the other half (`docs/validation/orders/ways.py`):
+
+{common.table(["way that widens", "constants", *heads], rows)}
+
+The lamp's height stays: ways between it and the straight one follow the fit half's corners better, by a K near c under narrow lobes, but then lose the image mean of case {case.number},
+more tilted than any lobe up to {NARROW_DEG:g}° of the fit half ({steepest:.0f}° at most)."""
 
 
 def aslant_text() -> str:
@@ -415,5 +453,8 @@ those of formulas and power laws, which differ by factors. Within 0.0035° the m
 least of three, with light of all orders over single scattering): {cost_text()}.
 
 **What falls short.** {worst_text()}
-{slanted_text()}
+{corner_text()}
+
+{ways_text()}
+
 A result says when the water is thicker than c d = 4. Daylight's path radiance is within {path_text()}, not 5 %; under a low sun it depends on where the camera looks, which the model does not know."""

@@ -262,6 +262,20 @@ DEFECTS = (
         test=f"{MONTE_CARLO}::test_walks_of_one_order_are_the_single_scattering_of_the_quadrature",
     ),
     Defect(
+        name="rows in doubt are walked again by the walks that left them so",
+        file="docs/validation/orders/cases.py",
+        old="list(PLACES).index(place), *again)",
+        new="list(PLACES).index(place))",
+        test=f"{MONTE_CARLO}::test_rows_in_doubt_are_walked_again_by_more_and_other_walks",
+    ),
+    Defect(
+        name="light that has gone the way that widens it goes it again",
+        file="docs/validation/orders/ways.py",
+        old="* np.exp(-k * way_m - case.c_per_m",
+        new="* np.exp(-k * straight_m - case.c_per_m",
+        test=f"{MONTE_CARLO}::test_a_lobe_widened_by_the_lamps_height_is_the_models[near corner]",
+    ),
+    Defect(
         name="photons in a slab turn by half the angle drawn",
         file="docs/validation/orders/walk.py",
         old="sine = np.sin(psi)\n    s, t, u = sine * np.cos(phi), sine * np.sin(phi), np.cos(psi)",

@@ -27,12 +27,16 @@ PLACES = {"mean": None, "centre": (0.0, 0.0), "near corner": (1.0, 1.0), "far co
 TALLIES = ("signal", "veil", "backscatter")
 WITHIN = ("within_0.1_deg", "within_0.5_deg", "within_2_deg")
 WALKS = {"mean": 200_000, "centre": 60_000, "near corner": 60_000, "far corner": 60_000}
+THIN = 4.0  # c d up to which rows are judged
+DOUBT = 0.03  # standard error over the value from which such a row is computed afresh,
+MORE = (64,)  # by so many times as many walks
 
 HEAD = """\
 # Lamp light of all orders of scattering in homogeneous water over a Lambertian floor; one lamp, a pinhole in water.
 # Radiance times cos^4 per lumen [1/(m^2 sr)]: mean over the image (square, even in tangents), centre, corners.
 # signal: not scattered after the floor; veil: scattered after the floor; backscatter: never touched the floor.
 # _error: one standard error of 32 batches; _largest: largest batch over the mean; within: share of the veil by angle.
+# walks: how many; where the usual leave one in doubt by over {doubt:g}, up to c d = {thin:g}, {more} times as many.
 # Computed by docs/make_multiple_scattering.py, seed {seed}; cases drawn by docs/validation/orders/cases.py.
 """
 
@@ -83,6 +87,7 @@ class Light:
 
     case: Case
     place: str
+    walks: int
     value: dict[str, float]  # by tally
     error: dict[str, float]
     largest: dict[str, float]
@@ -122,33 +127,48 @@ def setting(case: Case) -> tuple[Any, Any, Any]:
 
 
 def computed(case: Case, place: str, walks: int | None = None) -> Light:
-    """One row computed afresh."""
+    """One row computed afresh; by more walks, none of them among the first, where these leave it in doubt."""
+    row = walked(case, place, walks or WALKS[place])
+    for again, times in enumerate(MORE if walks is None else (), start=1):
+        if in_doubt(row):
+            row = walked(case, place, times * WALKS[place], again)
+    return row
+
+
+def in_doubt(row: Light) -> bool:
+    """Whether a row that is judged is known too poorly for that."""
+    return row.case.thickness <= THIN and any(row.error[tally] > DOUBT * row.value[tally] for tally in TALLIES)
+
+
+def walked(case: Case, place: str, walks: int, *again: int) -> Light:
+    """One row by so many walks; `again` draws others."""
     from . import camera
 
-    seed = (SEED, case.number, list(PLACES).index(place))
-    seen = camera.seen(*setting(case), walks or WALKS[place], seed, place=PLACES[place])
+    seed = (SEED, case.number, list(PLACES).index(place), *again)
+    seen = camera.seen(*setting(case), walks, seed, place=PLACES[place])
     by = [dict(zip(TALLIES, map(float, part[:3]), strict=True)) for part in seen]
     shares = [float(near / seen.mean[1]) for near in seen.mean[3:]]
-    return Light(case, place, *by, dict(zip(WITHIN, shares, strict=True)))
+    return Light(case, place, walks, *by, dict(zip(WITHIN, shares, strict=True)))
 
 
 def columns() -> list[str]:
     """Of the file."""
     by_tally = [f"{name}{kind}" for name in TALLIES for kind in ("", "_error", "_largest")]
-    return [field.name for field in fields(Case)] + ["place", *by_tally, *WITHIN]
+    return [field.name for field in fields(Case)] + ["place", "walks", *by_tally, *WITHIN]
 
 
 def as_row(light: Light) -> list[str]:
     """A line of the file."""
     numbers = [part[name] for name in TALLIES for part in (light.value, light.error, light.largest)]
     numbers += light.within.values()
-    return [*map(str, asdict(light.case).values()), light.place, *(f"{number:.5g}" for number in numbers)]
+    known = [*map(str, asdict(light.case).values()), light.place, str(light.walks)]
+    return known + [f"{number:.5g}" for number in numbers]
 
 
 def write(rows: Iterator[Light], path: Path = TABLE) -> None:
     """Writes the table row by row."""
     with path.open("w", encoding="utf-8", newline="") as file:
-        file.write(HEAD.format(seed=SEED))
+        file.write(HEAD.format(seed=SEED, thin=THIN, doubt=DOUBT, more=" or ".join(map(str, MORE))))
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(columns())
         for light in rows:
@@ -165,5 +185,5 @@ def read(path: Path = TABLE) -> list[Light]:
     for row in rows:
         case = Case(**{field.name: kinds[str(field.type)](row[field.name]) for field in fields(Case)})
         by = [{name: float(row[name + kind]) for name in TALLIES} for kind in ("", "_error", "_largest")]
-        found.append(Light(case, row["place"], *by, {name: float(row[name]) for name in WITHIN}))
+        found.append(Light(case, row["place"], int(row["walks"]), *by, {name: float(row[name]) for name in WITHIN}))
     return found

@@ -89,19 +89,11 @@ def never_again(case: Case) -> Legs:
     return legs._replace(lobes=lost)
 
 
-def over_way(case: Case, way_m: float) -> Legs:
-    """As if the light on the floor had gone so far from the lamp, in place of the lamp's height."""
-    legs = effective(case)
-    return legs._replace(lobes=(floor_lobe(case, legs.lamp, way_m=way_m), back_lobe(case, legs.lamp)))
-
-
 @cache
-def floor_lobe(
-    case: Case, lamp_per_m: float, *, longer: bool = True, again: bool = True, way_m: float | None = None
-) -> beams.Beam:
+def floor_lobe(case: Case, lamp_per_m: float, *, longer: bool = True, again: bool = True) -> beams.Beam:
     """A case's lobe on the floor, over what K leaves of it."""
     a, b, backward = scattered(case)
-    way, lost = way_m or case.altitude_m, 1.0 - (case.c_per_m - lamp_per_m) / b
+    way, lost = case.altitude_m, 1.0 - (case.c_per_m - lamp_per_m) / b
     gain = multiple.returned_gain(a * way, turned_back=again * backward * way, reflectance=case.reflectance)
     turned = [Turned(b * way, lost, phase_table(case.phase))]
     return widened(own_lobe(case), turned, way, absorbed=longer * a * way, returned=gain)[0]
