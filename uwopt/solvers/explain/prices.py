@@ -22,9 +22,8 @@ from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Price
 from uwopt.results.design import Design
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain.least_change import rounded_away
-from uwopt.solvers.explain.one_hardware import problem_of
+from uwopt.solvers.explain.one_hardware import best_of, problem_of
 from uwopt.solvers.explain.reached import reached_value
 from uwopt.solvers.explain.weakened import RELAXABLE, asked_value, is_from_above
 from uwopt.solvers.recommend import Sought, same_scenes
@@ -164,8 +163,8 @@ def reached(
         if other == mission:
             return before
     problem = problem_of(sought.problem, found, mission=mission, scenes=same_scenes(sought.problem, mission))
-    best = Search(problem, goal, top=1).run().best
-    solved.append((mission, goal.reported(best[0].minimised) if best else None))
+    best = best_of(problem, goal)
+    solved.append((mission, goal.reported(best) if math.isfinite(best) else None))
     return solved[-1][1]
 
 
