@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import json
 import math
+import os
+import select
 from pathlib import Path
 from typing import Any
 
@@ -15,12 +17,13 @@ import pytest
 
 import uwopt
 from uwopt.api.front_found import check_claim, history, reference
-from uwopt.api.trading import ParetoCall
+from uwopt.api.trading import ParetoCall, here_alone
 from uwopt.deadline import NEVER
 from uwopt.errors import MissionError, SolverError
 from uwopt.objectives.axes import Axes, Frame
 from uwopt.objectives.own import OwnObjective
 from uwopt.results.front import FrontObjective, FrontResult
+from uwopt.solvers.beside import cores, side_by_side
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
 MISSION = PROBLEMS / "mbari-lass-2013.yaml"  # few combinations
@@ -257,6 +260,52 @@ def test_interrupted_it_keeps_what_was_found():
     proof = result.certificate
     assert proof["loaded"] == proof["evaluated"] + sum(item["count"] for item in proof["discarded"])
     assert any(w["code"] == "interrupted" for w in result.warnings)
+
+
+def test_interrupted_while_its_points_are_worked_out_it_keeps_them(monkeypatch):
+    told, points = [], ParetoCall.points
+
+    def once(*args):
+        told.append(args)
+        if len(told) == 1:
+            raise KeyboardInterrupt
+        return points(*args)
+
+    monkeypatch.setattr(ParetoCall, "points", once)
+    monkeypatch.setattr("uwopt.api.trading.PEER_S", 0.1)
+    try:
+        result = uwopt.pareto(MISSION, objectives=TRIPLE, solver=("exact", "nsga2"))
+    except KeyboardInterrupt:
+        pytest.fail("the front is lost")
+    assert result.status == "complete" and result.points  # the exact front
+    assert [m.name for m in result.methods] == ["exact"]
+    assert any(w["code"] == "interrupted" for w in result.warnings)
+
+
+def test_a_front_does_not_tell_how_many_cores_worked_on_it(exact):
+    with cores(2):
+        two = uwopt.pareto(MISSION, objectives=TRIPLE, solver=("exact", "nsga2"), seed=3)
+    assert {m.name for m in two.methods} == {"exact", "nsga2"} and two.peers
+    for name in ("status", "points", "picks", "certificate", "warnings"):
+        assert getattr(two, name) == getattr(exact, name)
+    assert {"exact", "nsga2", "evaluation"} <= set(two.timing_s)
+
+
+def test_a_copy_tells_no_progress():
+    told: list[str] = []
+    progress = here_alone(lambda share, what: told.append(what))
+    here = os.getpid()
+
+    def work() -> None:
+        if os.getpid() == here:
+            select.select([], [], [], 0.2)  # so that a copy has some to do
+        else:
+            progress(0.5, "from a copy")
+
+    progress(0.0, "here")
+    with cores(2):
+        side_by_side([work] * 4, lists=[told])
+    assert told == ["here"]
 
 
 def test_out_of_time_it_claims_nothing():

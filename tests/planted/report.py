@@ -496,4 +496,32 @@ DEFECTS: tuple[Defect, ...] = (
         new="for more in range(digits, digits + 1):",
         test="tests/api/test_risks.py::test_a_requirement_that_is_just_missed_does_not_look_met",
     ),
+    Defect(
+        name="pictures of all picks are those of the first",
+        file="uwopt/report/page/page.py",
+        old="made[number].place(",
+        new="made[0].place(",
+        test="tests/report/test_page.py::test_pictures_of_picks_stand_with_their_own_design_however_many_cores_draw",
+    ),
+    Defect(
+        name="a front is lost when its points are interrupted",
+        file="uwopt/api/trading.py",
+        old="            return replace(sought, cut=waiting[0])",
+        new="            raise",
+        test="tests/api/test_trading.py::test_interrupted_while_its_points_are_worked_out_it_keeps_them",
+    ),
+    Defect(
+        name="a copy writes to the progress bar of whom it copies",
+        file="uwopt/api/trading.py",
+        old="if os.getpid() == here else None",
+        new="if os.getpid() else None",
+        test="tests/api/test_trading.py::test_a_copy_tells_no_progress",
+    ),
+    Defect(
+        name="what solvers beside an exact front take is not told",
+        file="uwopt/api/trading.py",
+        old="for name, spent_s in one.spent_s.items()}",
+        new="for name, spent_s in one.spent_s.items() if not name}",
+        test="tests/api/test_trading.py::test_a_front_does_not_tell_how_many_cores_worked_on_it",
+    ),
 )

@@ -18,9 +18,12 @@ import pytest
 from uwopt.deadline import Deadline
 from uwopt.report.page import style as page_style
 from uwopt.report.page.html_file import json_for_script
-from uwopt.report.page.page import common_width_mm, report_html
+from uwopt.report.page.page import Pictures, common_width_mm, design_parts, report_html
 from uwopt.report.page.sections import alternatives, bar, web_link
 from uwopt.report.page.svg import clean_svg
+from uwopt.report.pictures import design_pictures
+from uwopt.report.pictures.design_pictures import Picture
+from uwopt.solvers.beside import cores
 
 Make = Callable[..., Any]
 VOID = {"meta", "link", "img", "br", "hr", "input", "rect", "circle", "line", "path"}
@@ -325,6 +328,26 @@ def test_picks_of_a_front_show_the_same_width_of_floor(make_front: Make) -> None
 def test_missing_pictures_leave_a_note(make_result: Make) -> None:
     # the parts of the result made by hand are in no catalogue, so the model cannot draw them
     assert "Pictures are missing." in Tree(report_html(make_result())).text()
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_pictures_of_picks_stand_with_their_own_design_however_many_cores_draw(
+    count: int, make_front: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def drawn(mission: Any, design: Any, **inputs: Any) -> list[Picture]:
+        inputs["deadline"].left_out.append("what is dear")
+        costs = f"costs {design.totals['cost']['value']:.0f}"
+        return [Picture("one", "drawing", costs, costs, costs, "svg", "<svg/>")]
+
+    monkeypatch.setattr(design_pictures, "design_pictures", drawn)
+    monkeypatch.setattr(design_pictures, "picture_pair", drawn)
+    late, pictures = Deadline(), Pictures()
+    with cores(count):
+        parts = list(design_parts(make_front(), pictures, late))
+    assert [[p["title"] for p in part.pictures] for part in parts] == [["costs 4000"], ["costs 7500"]]
+    assert [p["id"] for p in pictures.shown] == ["d0-one", "d1-one"]
+    assert late.left_out == ["what is dear"] * 2
+    assert [note.partition(": ")[0] for note in pictures.missing] == [part.name for part in parts]
 
 
 @pytest.mark.parametrize("kind", ["result", "front"])

@@ -16,7 +16,7 @@ from uwopt.forward.problem import Problem
 from uwopt.objectives.axes import Frame
 from uwopt.objectives.dominance import hypervolume, igd_plus
 from uwopt.results.design import Design
-from uwopt.results.front import FrontMethod, FrontObjective
+from uwopt.results.front import FrontMethod, FrontObjective, FrontPoint
 from uwopt.solvers.exact.certificate import accounted, scope
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.front.search import Front
@@ -37,6 +37,7 @@ class FrontSearched:
     front: Front | None
     peers: list[Any]  # PopulationFront
     cut: str = ""  # the population solver that was interrupted
+    points: list[FrontPoint] | None = None  # of the exact front, where they are known already
 
 
 def is_empty(sought: FrontSearched) -> bool:

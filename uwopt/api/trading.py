@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+import os
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -43,6 +45,7 @@ from uwopt.results.basis import Assumption, UsedEffect
 from uwopt.results.design import Design, Note
 from uwopt.results.front import FrontObjective, FrontPoint, FrontResult, Peer
 from uwopt.results.result import Result
+from uwopt.solvers.beside import side_by_side
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain.robustness import assumptions
@@ -129,6 +132,20 @@ def pareto(
     return replace(result, timing_s=timing, warnings=[*yield_notes(given_way), *result.warnings, *notes])
 
 
+@dataclass(frozen=True)
+class Stages:
+    """What one work adds to what was searched, and how long its stages took [s]."""
+
+    found: dict[str, Any]
+    spent_s: dict[str, float]
+
+
+def here_alone(progress: Progress) -> Progress:
+    """The same, silent in a copy of this process."""
+    here = os.getpid()
+    return lambda share, what: progress(share, what) if os.getpid() == here else None
+
+
 class ParetoCall:
     """One call of `pareto`."""
 
@@ -148,7 +165,7 @@ class ParetoCall:
         self.deadline, self.seed, self.left_out = deadline, seed, ""
         self.alone = False  # of a catalogue too large for solvers that choose among all of its imagers
         self.figures_s = min(FIGURES_SHARE * deadline.left_s, FIGURES_S)
-        self.progress = progress or (lambda share, what: None)
+        self.progress = here_alone(progress or (lambda share, what: None))
 
     @property
     def builtin(self) -> Objective:
@@ -176,27 +193,52 @@ class ParetoCall:
                 )  # fmt: skip
                 front = made.run()
             search, self.alone = made.search, bool(made.kept)
-        peers: list[Any] = []
         if search is None:
             search = Search(problem, self.builtin, top=1)
             with timed(timing, "tables"):
                 search.prepare()
         halted = self.alone or (front is not None and (front.interrupted or not len(front.values)))
         waiting = [] if halted else [name for name in solvers if name != EXACT]
+        sought = FrontSearched(selection, problem, search, front, [])
+        works = [partial(self.by_peers, search, waiting, alone=front is None)] if waiting else []
+        if waiting and front is not None:  # neither needs the other
+            works.append(partial(self.shown_points, sought))
+        try:
+            found = side_by_side(works, lists=[self.deadline.left_out])
+        except KeyboardInterrupt:  # what is proven is kept
+            if front is None:
+                raise
+            return replace(sought, cut=waiting[0])
+        for one in found:
+            sought = replace(sought, **one.found)
+            timing |= {name: timing.get(name, 0.0) + spent_s for name, spent_s in one.spent_s.items()}
+        return sought
+
+    def by_peers(self, search: Search, waiting: Sequence[str], *, alone: bool) -> Stages:
+        """What population solvers find, one after another, and which of them was interrupted."""
+        peers: list[Any] = []
+        spent_s: dict[str, float] = {}
         cut = ""
         for place, name in enumerate(waiting):
-            turn = self.turn(len(waiting) - place, PEER_ALONE_S if front is None else PEER_S)
-            with timed(timing, name):
+            turn = self.turn(len(waiting) - place, PEER_ALONE_S if alone else PEER_S)
+            with timed(spent_s, name):
                 try:
                     peers += self.deadline.within(name, lambda: [self.peer(search, name, turn)], [])  # noqa: B023
                 except KeyboardInterrupt:  # what others found is kept
-                    if front is None and not peers:
+                    if alone and not peers:
                         raise
                     cut = name
             if cut or (peers and peers[-1].status == "interrupted"):
                 cut = name  # who interrupts does not want the next solver
                 break
-        return FrontSearched(selection, problem, search, front, peers, cut)
+        return Stages({"peers": peers, "cut": cut}, spent_s)
+
+    def shown_points(self, sought: FrontSearched) -> Stages:
+        """The points of an exact front that are shown."""
+        spent_s: dict[str, float] = {}
+        with timed(spent_s, "evaluation"):
+            points = self.points(sought, *self.shown(sought))
+        return Stages({"points": points}, spent_s)
 
     def turn(self, n_waiting: int, usual_s: float) -> Deadline:
         """One solver's time: an even share of what is left for those that wait, or the usual time.
@@ -239,8 +281,10 @@ class ParetoCall:
         if len(values) == 0:
             return self.without_points(made)
         frame = self.frame(sought)
-        with timed(timing, "evaluation"):
-            points = self.points(sought, values, founds, method)
+        points = sought.points
+        if points is None:
+            with timed(timing, "evaluation"):
+                points = self.points(sought, values, founds, method)
         picks = picks_of(points, made.objectives, frame)
         places = {point.id: founds[n] for n, point in enumerate(points)}
         named = {pick.point: places[pick.point] for pick in picks}

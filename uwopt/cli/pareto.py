@@ -47,12 +47,13 @@ def pareto_command(
     """Find the designs of which none is better than another in every objective."""
     from uwopt.report.text.console import ProgressBar
     from uwopt.report.write import check_folder
+    from uwopt.solvers.beside import cores
 
     limit_s = checked_seconds(seconds)
     deadline = Deadline.after(limit_s)
     if out is not None:
         check_folder(out)
-    with ProgressBar(quiet=quiet) as bar:
+    with ProgressBar(quiet=quiet) as bar, cores():
         from uwopt.api.trading import pareto
 
         front = pareto(
@@ -65,5 +66,6 @@ def pareto_command(
             alternatives=out is not None,
             progress=bar.report,
         )
-    hand_over(front, as_json=as_json, out=out, quiet=quiet, deadline=deadline)
+    with cores():
+        hand_over(front, as_json=as_json, out=out, quiet=quiet, deadline=deadline)
     return front_status(front)

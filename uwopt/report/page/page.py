@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 from uwopt.deadline import NEVER, Deadline
@@ -31,6 +32,7 @@ from uwopt.results.design import Design
 from uwopt.results.front import FrontResult
 from uwopt.results.record import plain
 from uwopt.results.result import Certificate, Result
+from uwopt.solvers.beside import side_by_side
 
 TITLES = {"solve": "Recommendation", "evaluate": "Evaluation of a given system", "pareto": "Trade-off"}
 GROUPS = {
@@ -119,15 +121,19 @@ def design_parts(
     """The designs that the page shows in full: the best, or the nearest miss, or a front's picks."""
     if isinstance(result, FrontResult) and result.points:
         names = pick_names(result) or {result.points[0].id: "First point"}
-        width_mm = common_width_mm([result.point(point_id).design for point_id in names])
-        for number, (point_id, name) in enumerate(names.items()):
+        designs = [result.point(point_id).design for point_id in names]
+        width_mm = common_width_mm(designs)
+        works = [
+            partial(drawn_by_model, result, design, name, deadline, whole=number == 0, width_mm=width_mm)
+            for number, (name, design) in enumerate(zip(names.values(), designs, strict=True))
+        ]
+        made = side_by_side(works, lists=[deadline.left_out])
+        for number, ((point_id, name), design) in enumerate(zip(names.items(), designs, strict=True)):
             definition = " ".join(
                 words.as_sentence(formats.one_line(pick.definition)) for pick in result.picks if pick.point == point_id
             )  # fmt: skip
-            design = result.point(point_id).design
             part = page_parts.design_part(result, design, name, part_id=point_id, definition=definition)
-            prefix = f"d{number}"
-            add_pictures(result, design, pictures, prefix, part, deadline, whole=number == 0, width_mm=width_mm)
+            made[number].place(pictures, f"d{number}", part)
             yield part
         return
     best = result.best if isinstance(result, Result) else None
@@ -136,7 +142,7 @@ def design_parts(
         shown, name = tables.nearest_miss(result), "Nearest miss"
     if shown is not None:
         part = page_parts.design_part(result, shown, name)
-        add_pictures(result, shown, pictures, "d0", part, deadline, whole=True)
+        drawn_by_model(result, shown, part.name, deadline, whole=True).place(pictures, "d0", part)
         yield part
 
 
@@ -147,17 +153,25 @@ def common_width_mm(designs: Sequence[Design]) -> float | None:
     return float(f"{DETAIL_PX * max(known):.2g}") if known else None
 
 
-def add_pictures(
-    result: Result | FrontResult,
-    design: Design,
-    pictures: Pictures,
-    prefix: str,
-    part: DesignPart,
-    deadline: Deadline,
-    *,
-    whole: bool,
+@dataclass(frozen=True)
+class DrawnByModel:
+    """Pictures of one design, and why some are missing."""
+
+    pictures: list[Any]
+    missing: str = ""
+
+    def place(self, pictures: Pictures, prefix: str, part: DesignPart) -> None:
+        """Place them on the page."""
+        if self.missing:
+            pictures.missing.append(self.missing)
+        part.pictures.extend(pictures.add(self.pictures, prefix))
+        pictures.shown.extend(part.pictures)
+
+
+def drawn_by_model(
+    result: Result | FrontResult, design: Design, name: str, deadline: Deadline, *, whole: bool,
     width_mm: float | None = None,
-) -> None:
+) -> DrawnByModel:  # fmt: skip
     """Let the model draw a design: everything, or only the pair of chart and simulated picture."""
     inputs: dict[str, Any] = {
         "physics": result.physics, "mission_file": result.mission_file,
@@ -170,17 +184,14 @@ def add_pictures(
 
         made = (studio.design_pictures if whole else studio.picture_pair)(result.mission, design.as_set, **inputs)
     except UwoptError as fault:
-        pictures.missing.append(f"{part.name}: {fault}")
-        return
+        return DrawnByModel([], f"{name}: {fault}")
     except Exception as fault:  # the result must not be lost for want of a picture
-        pictures.missing.append(
-            f"{part.name}: a defect of uwopt, please report it: {type(fault).__name__}: {fault}"
+        return DrawnByModel(
+            [], f"{name}: a defect of uwopt, please report it: {type(fault).__name__}: {fault}"
         )
-        return
-    if missing := deadline.left_out[known:]:
-        pictures.missing.append(f"{part.name}: no time was left for {', '.join(missing)}; `uwopt report` makes them.")
-    part.pictures.extend(pictures.add(list(made), prefix))
-    pictures.shown.extend(part.pictures)
+    late = deadline.left_out[known:]
+    missing = f"{name}: no time was left for {', '.join(late)}; `uwopt report` makes them." if late else ""
+    return DrawnByModel(list(made), missing)
 
 
 # ---------------------------------------------------------------- why, and how sure
