@@ -10,7 +10,7 @@ import pytest
 import uwopt
 from uwopt.api.risks import risks_of
 from uwopt.mission.mission import load_mission
-from uwopt.mission.yielding import YIELDS, with_yields, yields_of
+from uwopt.mission.yielding import FRAME_LESS_DB, YIELDS, with_yields, yields_of
 from uwopt.report.page.page import opening, status_words
 from uwopt.report.text.short import GAVE_WAY, verdict_lines
 from uwopt.report.text.verdict import verdict
@@ -91,7 +91,8 @@ def test_each_key_gives_way_alone(one: Any) -> None:
     full = load_mission(plain | {"requirements": {"overlap": 0.3, "min_snr_db": 20, "min_swath_m": 1}})
     assert one in yields_of(full)
     weaker = with_yields(full, [one])
-    assert set(yields_of(full)) - set(yields_of(weaker)) == {one}
+    gone = {other.path for other in set(yields_of(full)) - set(yields_of(weaker))}
+    assert gone == {one.path} | ({"requirements.snr_at_less_db"} if one.key == "snr_at" else set())
     assert weaker.practice == "recommended" and weaker.requirements.min_snr_db == 20
 
 
@@ -111,3 +112,27 @@ def test_who_waits_is_told_what_for() -> None:
     told: list[str] = []
     uwopt.solve(survey(brightest_db() - 1.0), top=1, quick=True, progress=lambda share, what: told.append(what))
     assert "what of good practice has to give way" in told
+
+
+def over_frame(min_snr_db: float, **asked: Any) -> dict[str, Any]:
+    """A survey in all physics of which an SNR is asked over the frame, and nothing is kept in hand."""
+    mission = survey(min_snr_db, snr_db=0.0, blur=0.0, swath=0.0, dof=0.0) | {"physics": "full"}
+    return mission | {"requirements": mission["requirements"] | {"snr_at": "worst"} | asked}
+
+
+@pytest.mark.parametrize(("short_of_mean_db", "expected"), [(2.0, 3.0), (0.5, 6.0)])
+def test_the_frame_has_as_little_less_than_its_mean_as_will_do(short_of_mean_db: float, expected: float) -> None:
+    """Where nothing gives way, the step that is told fits if it is asked for, and the one before does not."""
+    brightest = uwopt.solve(over_frame(0.0, snr_at="mean") | {"objective": "snr_db"}, top=1, quick=True)
+    asked_db = float(brightest.objective.value or 0.0) - short_of_mean_db
+    result = uwopt.solve(over_frame(asked_db), top=1, quick=True)
+    assert given_way(result) == ["requirements.snr_at_less_db"]
+    step = result.mission["requirements"]["snr_at_less_db"]
+    before = FRAME_LESS_DB[FRAME_LESS_DB.index(step) - 1] if step > FRAME_LESS_DB[0] else 0.0
+    bare = [over_frame(asked_db, snr_at_less_db=less) | {"practice": "bare"} for less in (before, step)]
+    fits = [uwopt.solve(one, top=1, quick=True).status != "infeasible" for one in bare]
+    assert (fits, step) == ([False, True], expected)
+    assert result.recommendation is not None
+    reached = result.recommendation.as_set.scenes[0].figures
+    assert reached["snr_db"] >= asked_db - 1e-6 and reached["snr_db_p05"] >= asked_db - step - 1e-6
+    assert f"with {step:g} dB less over the frame (95 % of which reach" in risks_of(result)[0].what

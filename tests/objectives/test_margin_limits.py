@@ -134,6 +134,12 @@ def snr_db(share: float = 1.0, **changes: Any) -> float:
     return 20.0 * log10(electrons / sqrt(5.0**2 + 1.0 / (12.0 * 8.0**2) + electrons))
 
 
+def full_snr_db() -> float:
+    """The image's mean, as 12 bit and veil leave it."""
+    signal, *veil = (reached(f"electrons_{name}", *FULL.items()) for name in ("signal", "forward", "backscatter"))
+    return 20.0 * log10(signal / sqrt(5.0**2 + 1.0 / (12.0 * 0.5**2) + signal + sum(veil)))
+
+
 def contrast() -> float:
     signal, forward, back = (
         reached(f"electrons_{name}", *FULL.items()) for name in ("signal", "forward", "backscatter")
@@ -235,6 +241,9 @@ CASES: list[tuple[str, Callable[[float], Changes]]] = [
         "requirements.min_snr_db": snr_db() * (1.0 + over) - 3.0, "reserve.snr_db": 3.0}),
     ("min_snr_db", lambda over: {
         "requirements.min_snr": 10.0 ** ((snr_db() * (1.0 + over) - 3.0) / 20.0), "reserve.snr_db": 3.0}),
+    ("min_snr_mean_db", lambda over: {
+        **FULL, "requirements.snr_at": "worst", "requirements.snr_at_less_db": 30.0,
+        "requirements.min_snr_db": full_snr_db() * (1.0 + over) - 3.0, "reserve.snr_db": 3.0}),
     ("max_skew_px", lambda over: {
         "requirements.refuse": ["skew"], "camera.shutter": "rolling", "vehicle.speed_m_s": 0.5 * 2.0 / SKEW_PX * (
             1.0 + over)}),

@@ -13,8 +13,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="the SNR is thought to need more light than its veil asks for",
         file="uwopt/solvers/exact/bounds.py",
-        old="veil_ratio=veil, prnu_frac",
-        new="veil_ratio=2.0 * veil, prnu_frac",
+        old="veil_ratio=veil,\n                prnu",
+        new="veil_ratio=2.0 * veil,\n                prnu",
         test="tests/solvers/test_bounds.py::test_a_unit_is_bounded_by_its_best[light mostly veil]",
     ),
     Defect(

@@ -110,8 +110,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="red asks for no light",
         file="uwopt/solvers/settings/windows.py",
-        old="        wanted = np.maximum(wanted, red)\n",
-        new="        wanted = np.maximum(wanted, 0.0 * red)\n",
+        old='("red", rows.min_snr_red))',
+        new='("red", 0.0))',
         test=(
             f"{COLOUR}::test_search_asking_of_colours_equals_enumeration[as shipped-24]",
             f"{CONTINUOUS}[red that needs more than the mean-casadi]",
@@ -197,8 +197,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="other solvers give red no light",
         file="uwopt/solvers/continuous/pieces.py",
-        old="wanted=(*wanted_pixels(rows), *wanted_of_red(rows)),",
-        new="wanted=wanted_pixels(rows),",
+        old=", *wanted_of_red(rows)),",
+        new="),",
         test=f"{CONTINUOUS}[red that needs more than the mean-casadi]",
     ),
     Defect(

@@ -881,8 +881,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="cells without the mean SNR that pixels are asked for",
         file="uwopt/solvers/settings/cell_bounds.py",
-        old="        if rows.worst_e is None:  # what",
-        new="        if rows.min_snr > 0:  # what",
+        old="rows.min_snr if rows.worst_e is None else rows.min_snr_mean",
+        new="rows.min_snr",
         test="tests/solvers/test_cell_bounds.py::test_no_point_is_better_than_the_bound_of_a_cell_that_holds_it"
         "[signal over the frame with dark current]",
     ),

@@ -265,13 +265,15 @@ class SceneSearch:
             dim = wanted > self.most_gain
         if needs.min_snr is not None:
             snr = np.asarray(sensor.snr(signal, veil_e=veil, **noise))
+            dim = dim | (snr.min(axis=-1) < needs.min_snr) & (needs.snr_at_less_db > 0.0)
+            least = needs.min_snr
             if needs.snr_at != "mean" and seen.worst_e is not None:
                 pixel = seen.worst_e[0] * light_x[..., None, None]
                 over = 0.0 if seen.worst_veil_e is None else seen.worst_veil_e[0] * light_x[..., None, None]
                 there = {name: np.asarray(value)[..., None] for name, value in noise.items()}
                 each = np.sort(np.asarray(sensor.snr(pixel, veil_e=over, **there)), axis=-1)
-                snr = each[..., seen.may_miss]
-            dim = dim | (snr.min(axis=-1) < needs.min_snr)
+                snr, least = each[..., seen.may_miss], needs.min_snr / 10.0 ** (needs.snr_at_less_db / 20.0)
+            dim = dim | (snr.min(axis=-1) < least)
         if needs.min_snr_red is not None:
             assert seen.colour_e is not None and seen.red_veil_e is not None
             red, over = (c * light_x[..., None] for c in (seen.colour_e[0, :, 0], seen.red_veil_e[0]))

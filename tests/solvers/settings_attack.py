@@ -58,7 +58,7 @@ def lit(
     sharpness: SharpRows | None = None, *, sun: tuple[float, float] | None = None, veil: float | None = None,
     open_max_s: float | None = None, min_mtf: float = 0.0, resolve_m: float = 0.0, min_contrast: float = 0.0,
     may_miss: int | None = None, colours: tuple[tuple[float, ...], tuple[float, ...]] | None = None,
-    min_snr_red: float = 0.0, max_white_balance: float = np.inf, **changed: Any,
+    min_snr_red: float = 0.0, min_snr_mean: float = 0.0, max_white_balance: float = np.inf, **changed: Any,
 ) -> SceneRows:  # fmt: skip
     """Three altitudes under lamps, with sun (signal, veil) where a test wants it.
 
@@ -71,7 +71,7 @@ def lit(
     rows = scene(**values)
     shape = np.array([[1.2, 1.0, 0.8]])
     asked = dict(min_mtf=min_mtf, resolve_m=resolve_m, min_contrast=min_contrast)
-    more: dict[str, Any] = dict(sharp=sharpness or sharp(), **asked)
+    more: dict[str, Any] = dict(sharp=sharpness or sharp(), min_snr_mean=min_snr_mean, **asked)
     if veil is not None:
         more["veil_e"] = veil * shape[:, ::-1]
     if sun is not None:
@@ -144,6 +144,7 @@ def figures(
         + (r.prnu_frac[:, None] * (signal + veil)) ** 2
     )
     snr = signal / np.sqrt(noise)
+    ok &= (snr >= r.min_snr_mean * (1 - 1e-8)).all(axis=1)
     ok &= (snr_asked(r, snr, x, k, dark, open_s / n_w**2) >= r.min_snr * (1 - 1e-8)).all(axis=1)
     with np.errstate(invalid="ignore"):
         contrast = signal / (signal + veil)

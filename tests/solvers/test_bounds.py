@@ -86,6 +86,9 @@ MISSIONS: dict[str, Callable[[], Case]] = {
 DEAREST = "the same in two scenes"
 OVER_FRAME: dict[str, Callable[[], Case]] = {
     "an SNR over the frame": lambda: one(wanted={**FAST, "min_snr_db": 20.0, "snr_at": "worst"}),
+    "a frame that may have less than its mean": lambda: one(
+        wanted={**FAST, "min_snr_db": 24.0, "snr_at": "worst", "snr_at_less_db": 2.0}
+    ),
     DEAREST: lambda: one(
         wanted={**FAST, "min_snr_db": 16.0, "snr_at": "worst"}, scenes=TWO, vehicle={"altitude_tolerance_m": 0.2}
     ),

@@ -69,6 +69,12 @@ BY_CELLS: dict[str, tuple[dict[str, Any], Any]] = {
     "power over the frame under the sun": (
         dict(sun=(3e3, 2e3), open_max_s=5e-3, min_snr=12.0, may_miss=3), "power",
     ),
+    "power of a mean beside its frame under the sun": (
+        dict(sun=(3e3, 2e3), open_max_s=5e-3, min_snr=4.0, min_snr_mean=12.0, may_miss=3), "power",
+    ),
+    "power of a mean beside its frame, sharp in dark current": (
+        dict(may_miss=3, min_snr=4.0, min_snr_mean=9.0, veil=30.0, dark_current_e_s=50.0, min_mtf=0.1), "power",
+    ),
     "signal over the frame with dark current": (
         dict(may_miss=3, min_snr=10.0, veil=30.0, dark_current_e_s=50.0, min_mtf=0.1), "snr_db",
     ),

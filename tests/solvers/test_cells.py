@@ -22,6 +22,7 @@ from uwopt.solvers.settings import cell_bounds
 from uwopt.solvers.settings.best import best_settings
 from uwopt.solvers.settings.cell_bounds import Box, SceneCells
 from uwopt.solvers.settings.cell_pool import Pool
+from uwopt.solvers.settings.cell_windows import figures_at
 from uwopt.solvers.settings.cells import CellResult, CellSearch, best_by_cells
 
 Array = NDArray[Any]
@@ -79,6 +80,21 @@ def check(rows: SceneRows, wanted: Any, seed: int, *, gap: float = GAP) -> CellR
 
 
 # ---------------------------------------------------------------- proofs
+
+
+@pytest.mark.parametrize("light", [{}, {"sun": (3e3, 2e3), "open_max_s": 5e-3}], ids=["lamps", "sun"])
+def test_an_answer_keeps_the_snr_of_the_mean_beside_that_of_its_pixels(light: dict[str, Any]) -> None:
+    wanted = dict(may_miss=3, min_mtf=0.05, min_snr=2.0, **light)
+    least = [check(lit(min_snr_mean=of_mean, **wanted), "power", 0) for of_mean in (0.0, 12.0)]
+    assert least[1].chosen[0].light_power_w[0] > 1.2 * least[0].chosen[0].light_power_w[0]
+
+
+@pytest.mark.parametrize(("of_mean", "holds"), [(0.0, True), (8.1, True), (8.2, False)])
+def test_a_point_holds_where_the_mean_has_its_snr_beside_the_pixels(of_mean: float, holds: bool) -> None:
+    """80 electrons at the farthest altitude in a read noise of 4: 80 / sqrt(96) = 8.16."""
+    rows = replace(lit(may_miss=3, read_noise_e=4.0, gain_dn_per_e=1e3, full_scale_dn=1e9, min_snr=1.0), **{
+        "min_snr_mean": of_mean, "well_e": np.array([1e6])})  # fmt: skip
+    assert bool(figures_at(rows, np.ones(1), np.ones(1), None)[2][0]) == holds
 
 
 def random_rows(rng: np.random.Generator, *, kind: int, **more: Any) -> SceneRows:

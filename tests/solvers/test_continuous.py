@@ -62,6 +62,7 @@ TABLE: dict[str, list[SceneRows]] = {
     "red that needs more than the mean": [
         replace(scene(), colour_e=np.array([[[20.0]]]), red_veil_e=np.array([[5.0]]), min_snr_red=20.0)
     ],
+    "mean that needs more than the darkest pixel": [replace(scene(worst_e=[90.0]), min_snr_mean=20.0)],
     "vehicle at rest": [scene(time_max_s=0.2, rate_hz=0.01, kind=PULSED)],
 }
 

@@ -77,6 +77,7 @@ PULSED_STEPS = lamp(
     dim_levels=(0.05, 0.2, 1.0),
 )  # fmt: skip
 ROLLING = {"shutter": "rolling", "max_frame_rate_hz": exact(30.0), "max_exposure_us": exact(1e6)}
+OVER_FRAME_LESS = {"min_snr_db": 22.0, "snr_at": "worst", "snr_at_less_db": 3.0}
 SNR_AND_POWER = {"power": 0.2, "snr_db": 1.0}
 PLANTED = {
     "nothing asked of the light": planted("power", (BURNING, BURNING_STEPS), {"max_blur_px": 1.0}),
@@ -93,6 +94,14 @@ PLANTED = {
     "hovering without an interval": planted("power", (PULSED_STEPS, BURNING), {"min_snr_db": 20.0}, speed_m_s=0.0),
     "even in the light of two lamps alone": planted(
         "power", (BURNING,), {"min_snr_db": 10.0, "min_uniformity": 0.5}, light_count=[1, 3], light_baseline_m=2.0,
+    ),
+    "frame that may have less than its mean": planted("power", (BURNING, PULSED_STEPS), OVER_FRAME_LESS),
+    "the same where the mean decides": planted(
+        "power", (BURNING, PULSED_STEPS), {**OVER_FRAME_LESS, "snr_at_less_db": 20.0},
+    ),
+    "the same in two scenes": planted(
+        SNR_AND_POWER, (BURNING,), OVER_FRAME_LESS, scenes=({}, {"altitude_m": 1.4, "water": "III"}),
+        altitude_tolerance_m=0.2,
     ),
     "one lamp's power alone": planted("gsd_mm", (BURNING, FLASH_STEPS, PULSED_STEPS), {"min_snr_db": 20.0}),
 }  # fmt: skip

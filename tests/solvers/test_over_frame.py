@@ -82,6 +82,14 @@ def test_light_for_an_snr_of_20_over_most_pixels(may_miss: int, dimmest_e: float
     assert found[0] == pytest.approx(400.0 / dimmest_e, rel=1e-9)
 
 
+@pytest.mark.parametrize(("of_mean", "of_pixels", "light_x"), [(20.0, 10.0, 40.0), (20.0, 16.0, 256.0 / 3.0)])
+def test_the_mean_has_its_snr_where_pixels_may_have_less(of_mean: float, of_pixels: float, light_x: float) -> None:
+    """SNR 20 asks for 400 electrons of a mean of 10 a lm s; 10 and 16 for 100 and 256 of the second dimmest, of 3."""
+    asked = dict(min_snr_mean=of_mean, min_snr=of_pixels)
+    rows = replace(pixels([10.0, 2.0, 30.0, 3.0]), may_miss=1, signal_e=np.array([[10.0]]), **asked)
+    assert windows.light_asked_for(rows, 0)[0] == pytest.approx(light_x, rel=1e-9)
+
+
 def test_pixels_that_no_light_serves_may_miss_too() -> None:
     rows = replace(pixels([0.0, 8.0, 16.0]), may_miss=1, read_noise_e=np.array([1e-3]))
     assert windows.light_for_snr(rows, 0, 20.0, of="worst")[0] == pytest.approx(50.0, rel=1e-8)

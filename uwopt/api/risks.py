@@ -33,6 +33,7 @@ ASKED = {
     "max_blur_px": "motion blur", "max_skew_px": "skew", "overlap": "overlap", "max_gsd_mm": "pixel on the floor",
     "min_common_swath_m": "swath of both cameras", "max_depth_error_mm": "error of a distance by stereo",
     "min_swath_m": "swath", "min_snr_db": "signal to noise", "min_snr": "signal to noise",
+    "min_snr_mean_db": "signal to noise of the mean",
     "min_dof_m": "depth of field", "dof_near_m": "depth of field", "dof_far_m": "depth of field",
     "min_uniformity": "evenness of the light", "power_w": "power", "peak_power_w": "peak power", "mass_kg": "mass",
     "mass_water_kg": "mass in water", "size_mm": "size of the housing", "dome_radius_mm": "room in the dome",

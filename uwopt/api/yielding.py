@@ -9,7 +9,7 @@ from uwopt.deadline import Deadline, effort_s
 from uwopt.forward.assembly import Generic
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
-from uwopt.mission.yielding import Yield, with_yields, yields_of
+from uwopt.mission.yielding import SNR_AT, SNR_LESS, Yield, with_yields, yields_of
 from uwopt.results.design import PRACTICE_YIELDS, Design, Note
 from uwopt.solvers.explain.relaxed import ANY
 from uwopt.solvers.recommend import seek
@@ -46,7 +46,8 @@ def gives_way(
     given_way = known[:enough]
     for one in reversed(known[: enough - 1]):
         rest = tuple(other for other in given_way if other is not one)
-        if not patience.passed() and fits(rest):
+        overruled = with_yields(lifted, rest).to_dict() == with_yields(lifted, given_way).to_dict()
+        if overruled or (not patience.passed() and fits(rest)):
             given_way = rest
     return given_way
 
@@ -55,9 +56,9 @@ def yield_notes(given_way: Collection[Yield], winner: Design | None = None) -> l
     """What has given way, and what the winner's darkest places get where the SNR holds in the mean."""
     if not given_way:
         return []
-    text = "nothing meets all of good practice; what has given way: " + "; ".join(one.words for one in given_way)
     reached = [scene.figures.get("snr_db_p05") for scene in winner.as_set.scenes] if winner is not None else []
     known = [float(value) for value in reached if value is not None]
-    if known and any(one.key == "snr_at" for one in given_way):
-        text += f" (95 % of which reach {min(known):.0f} dB)"
+    of_frame = f" (95 % of which reach {min(known):.0f} dB)" if known else ""
+    words = (one.words + (of_frame if one.key in (SNR_AT, SNR_LESS) else "") for one in given_way)
+    text = "nothing meets all of good practice; what has given way: " + "; ".join(words)
     return [Note(PRACTICE_YIELDS, ", ".join(one.path for one in given_way), text)]

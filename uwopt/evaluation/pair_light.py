@@ -25,7 +25,8 @@ from uwopt.units import ratio_to_db
 WORTH_TELLING_DB = 0.2
 WORTH_MISSING = 0.01  # of a limit
 OF_LIGHT = {  # requirements, in words
-    "min_snr_db": "signal to noise", "min_snr_red_db": "signal to noise of red", "min_contrast": "contrast",
+    "min_snr_db": "signal to noise", "min_snr_mean_db": "signal to noise of the mean",
+    "min_snr_red_db": "signal to noise of red", "min_contrast": "contrast",
     "min_uniformity": "evenness of the light", "saturation_fraction": "room for highlights",
     "lamp_clear_m": "room between lamps and view",
 }  # fmt: skip

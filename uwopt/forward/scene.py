@@ -204,6 +204,18 @@ class SceneOptics:
         return SNR_PIXELS[needs.snr_at]
 
     @property
+    def least_snr(self) -> float:
+        """The SNR that those pixels must reach, or the image's mean where it is asked of no pixels; 0 of none."""
+        needs = self.view.requirements
+        return (needs.min_snr if self.pixels is None else needs.min_snr_there) or 0.0
+
+    @property
+    def least_mean_snr(self) -> float:
+        """The SNR that the image's mean must reach where pixels may have less; 0 where they may not."""
+        needs = self.view.requirements
+        return (needs.min_snr or 0.0) if self.pixels is not None and needs.snr_at_less_db > 0.0 else 0.0
+
+    @property
     def channels(self) -> tuple[str, ...]:
         """Colour channels that something is asked of: red first, all for a white balance."""
         needs = self.view.requirements

@@ -94,6 +94,7 @@ class SceneRows(Columns):
     sun_colour_e_s: Array | None = None
     sun_red_veil_e_s: Array | None = None
     min_snr_red: float = 0.0
+    min_snr_mean: float = 0.0  # of the image's mean, where pixels may have less
     max_white_balance: float = np.inf
     min_contrast: float = 0.0
     min_mtf: float = 0.0  # at half the Nyquist frequency
@@ -450,7 +451,8 @@ def setting_rows(
         working_factor=focused.working_factor,
         n_low=focused.n_low,
         n_high=n_high,
-        min_snr=needs.min_snr or 0.0,
+        min_snr=scene.least_snr,
+        min_snr_mean=scene.least_mean_snr,
         mean_level=needs.mean_level,
         highlight_ratio=needs.highlight_ratio,
         lead_s=switching.lead_s(vehicle, lamp, cam),

@@ -82,6 +82,7 @@ requirements:
   min_snr_db: 25               # or min_snr, a ratio
   # min_snr_red_db: 15         # of the red channel alone; asks for a colour sensor
   # snr_at: worst              # by good practice: 95 % of the frame reach it; worst_px: the darkest pixel; mean
+  # snr_at_less_db: 6          # those pixels may have so much less, and the image's mean reaches min_snr_db
   max_gsd_mm: 1.0              # largest pixel on the floor
   # min_swath_m: 1.0
   # max_depth_error_mm: 10     # of a stereo pair: standard error of a distance

@@ -1,7 +1,8 @@
 """What of good practice gives way where nothing meets all of it: keys that it has filled in, never what a mission says.
 
 Instruments that have worked at sea seldom keep all of it at once: corners of a wide frame get less light by the fourth
-power of a cosine, so that an SNR of the whole frame is a few decibels more than the same of its mean.
+power of a cosine, so that an SNR of the whole frame is a few decibels more than the same of its mean. So the frame may
+have less than its mean by a few decibels before nothing is asked of it.
 """
 
 from __future__ import annotations
@@ -15,6 +16,8 @@ from uwopt.mission.practice import LEAST_UNIFORMITY, RECOMMENDED_KEYS, is_wanted
 from uwopt.mission.reserves import RECOMMENDED_RESERVE
 
 WHITE_BALANCE = "white_balance"
+FRAME_LESS_DB = (3.0, 6.0, 10.0)  # so much less than its mean may the darkest 5 % of the frame begin with, step by step
+SNR_AT, SNR_LESS = "snr_at", "snr_at_less_db"
 
 
 @dataclass(frozen=True)
@@ -33,6 +36,11 @@ class Yield:
         return f"{self.section}.{self.key}"
 
 
+def _frame_less(less_db: float) -> Yield:
+    words = f"the signal to noise holds in the image's mean, and with {less_db:g} dB less over the frame"
+    return Yield("requirements", SNR_LESS, 0.0, less_db, words)
+
+
 def _reserve(key: str, words: str) -> Yield:
     return Yield("reserve", key, RECOMMENDED_RESERVE[key], 0.0, words)
 
@@ -48,7 +56,8 @@ YIELDS: tuple[Yield, ...] = (
     _reserve("blur", "no motion blur is kept in hand"),
     _reserve("snr_db", "no signal to noise is kept in hand"),
     Yield("requirements", "refuse", WHITE_BALANCE, None, "one colour channel is amplified more than fourfold"),
-    _asked("snr_at", "mean", "the signal to noise holds in the image's mean, not over the frame"),
+    *(_frame_less(less_db) for less_db in FRAME_LESS_DB),
+    _asked(SNR_AT, "mean", "the signal to noise holds in the image's mean, not over the frame"),
     _asked("dof_at", "axis", "the depth of field holds on the axis, not in the corners"),
     _asked("lens_stop_down", 0.0, "the lens need not be stopped down"),
     Yield("requirements", "min_uniformity", LEAST_UNIFORMITY, 0.0, "the darkest place of the floor may be dark"),
@@ -64,6 +73,8 @@ def _is_kept(mission: Mission, one: Yield) -> bool:
     section = getattr(mission, one.section)
     if one.key == "refuse":
         return WHITE_BALANCE in section.refuse and section.max_white_balance is None
+    if one.key == SNR_LESS and section.snr_at != RECOMMENDED_KEYS[one.section][SNR_AT]:
+        return False
     return bool(getattr(section, one.key) == one.kept)
 
 
@@ -76,4 +87,6 @@ def with_yields(mission: Mission, given_way: Collection[Yield]) -> Mission:
             place[one.key] = [word for word in place[one.key] if word != WHITE_BALANCE]
         else:
             place[one.key] = one.instead
+    if data["requirements"][SNR_AT] == "mean":
+        data["requirements"][SNR_LESS] = 0.0  # of no pixels
     return mission.with_changes(**data)

@@ -213,10 +213,15 @@ def image_margins(scene: SceneOptics, rows: DesignRows, figures: Figures) -> Ite
         snr = figures.snr_pixels if at_pixels else figures.snr
         assert snr is not None
         value, where = worst(snr, scene.altitude_m, highest=False)
-        limit_db = float(ratio_to_db(needs.min_snr))
+        limit_db = float(ratio_to_db(scene.least_snr))
         value_db = np.asarray(ratio_to_db(np.maximum(value, 1e-300)))
         kept = scene.view.kept("min_snr_db")
         yield MarginRows("min_snr_db", value_db, at_all(figures, limit_db), ">=", "dB", where, reserve=kept)
+        if scene.least_mean_snr:
+            value, where = worst(figures.snr, scene.altitude_m, highest=False)
+            mean_db, limit = (ratio_to_db(np.maximum(snr, 1e-300)) for snr in (value, scene.least_mean_snr))
+            least = at_all(figures, float(limit))
+            yield MarginRows("min_snr_mean_db", np.asarray(mean_db), least, ">=", "dB", where, reserve=kept)
     if needs.min_snr_red_db is not None:
         red = np.zeros_like(figures.snr) if figures.snr_red is None else figures.snr_red
         value, where = worst(red, scene.altitude_m, highest=False)

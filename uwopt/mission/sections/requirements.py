@@ -60,6 +60,11 @@ class Requirements(Section):
         description="where in the image the SNR must hold: mean, worst (95 % of the frame reach it; recommended) "
         "or worst_px (the darkest pixel)",
     )
+    snr_at_less_db: Annotated[float, Field(ge=0, le=40), NUMBER] = Field(
+        default=0.0,
+        description="decibels by which the pixels that snr_at names may have less than min_snr_db, which the image's "
+        "mean has then to reach",
+    )
     max_gsd_mm: Positive | None = Field(default=None, description="largest pixel on the floor in millimetres")
     min_swath_m: NonNegative | None = Field(
         default=None, description="least footprint across track in metres"
@@ -145,6 +150,11 @@ class Requirements(Section):
     def min_snr_red(self) -> float | None:
         """The least signal-to-noise ratio of the red channel; None when none was asked for."""
         return None if self.min_snr_red_db is None else db_to_ratio(self.min_snr_red_db)
+
+    @property
+    def min_snr_there(self) -> float | None:
+        """The least signal-to-noise ratio of the pixels that `snr_at` names; None when none was asked for."""
+        return None if self.min_snr is None else self.min_snr / db_to_ratio(self.snr_at_less_db)
 
     @property
     def asks_sharpness(self) -> bool:

@@ -12,8 +12,9 @@ from uwopt.units import db_to_ratio
 
 BREAKING = (
     "max_blur_px", "max_skew_px", "dof_near_m", "dof_far_m", "min_dof_m", "max_gsd_mm", "min_swath_m",
-    "min_common_swath_m", "max_depth_error_mm", "min_snr_db", "min_snr_red_db", "max_white_balance", "min_contrast",
-    "min_uniformity", "min_mtf_half_nyquist", "resolve_mm", "max_airy_px", "lamp_clear_m", "depth_rating_m",
+    "min_common_swath_m", "max_depth_error_mm", "min_snr_db", "min_snr_mean_db", "min_snr_red_db",
+    "max_white_balance", "min_contrast", "min_uniformity",
+    "min_mtf_half_nyquist", "resolve_mm", "max_airy_px", "lamp_clear_m", "depth_rating_m",
 )  # fmt: skip
 ALIKE = 1e-6  # of what is asked: so near, two requirements fail together
 MOST_NAMED = 3

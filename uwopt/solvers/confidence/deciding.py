@@ -40,7 +40,7 @@ LEAST = 0.2  # by which these shares differ at least, to be told
 MOST_TOLD = 2  # numbers
 OF_LUCK = 20  # numbers that mean nothing: what tells no more than the most telling of them is not told
 #: What gives a lamp's light room, where too little or too much of it is what is missed first.
-FOR_LIGHT = ("min_snr_db", "min_snr_red_db", "min_contrast", "max_gain_db", "max_blur_px")
+FOR_LIGHT = ("min_snr_db", "min_snr_mean_db", "min_snr_red_db", "min_contrast", "max_gain_db", "max_blur_px")
 ALTITUDE = "altitude_m"
 BATTERY, OF_BATTERY = "battery_wh", "energy_wh"  # what holds too little where that is missed
 FARTHEST = 4.0  # times as much, or as little

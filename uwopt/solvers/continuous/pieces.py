@@ -102,7 +102,7 @@ class SmoothScene:
         return SmoothScene(
             signal_e=signal,
             total_e=tuple(float(v) for v in rows.bright_e[0]),
-            wanted=(*wanted_pixels(rows), *wanted_of_red(rows)),
+            wanted=(*wanted_pixels(rows), *wanted_of_mean(rows), *wanted_of_red(rows)),
             flash_full_s=one(rows.flash.full_s),
             flash_decay_s=one(rows.flash.decay_s),
             flash_duration_s=one(rows.flash_duration_s),
@@ -180,6 +180,14 @@ class SmoothScene:
         return light.flash_power_w(
             self.pulse_energy_j * at.level, count=1, frame_rate_hz=self.rate_hz, charging_efficiency=1.0
         )
+
+
+def wanted_of_mean(rows: SceneRows) -> tuple[tuple[float, float, float], ...]:
+    """Signal and total per lm s of the image's mean at every altitude, and its SNR where pixels may have less."""
+    if rows.min_snr_mean <= 0.0:
+        return ()
+    pairs = zip(rows.signal_e[0], rows.total_e[0], strict=True)
+    return tuple((float(signal), float(total), float(rows.min_snr_mean)) for signal, total in pairs)
 
 
 def wanted_of_red(rows: SceneRows) -> tuple[tuple[float, float, float], ...]:

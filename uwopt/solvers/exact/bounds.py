@@ -341,13 +341,13 @@ class Bounds:
         known = self._needs_of[1]
         if scene_index not in known:
             focused = self.imagers.scenes[scene_index].focused.take(rows)
-            by_snr, by_gain = self._electrons_needed(scene_index, rows)
+            by_snr, by_pixel, by_gain = self._electrons_needed(scene_index, rows)
             square, longest_s = np.square(focused.n_low * focused.working_factor), self._longest_time_s(focused, rows)
             sun_e = self._sun_electrons(scene_index, rows, np.maximum(longest_s, 0.0) / square)
             by_snr = np.maximum(by_snr - sun_e.max(axis=1)[:, None], 0.0)
             known[scene_index] = Needs(
-                by_snr, by_snr[:, 0] / least_mean_frac(self.problem.scenes[scene_index]),
-                self._red_needed(scene_index, rows), by_gain, sun_e, square, longest_s, focused.rate_hz,
+                by_snr, by_pixel, self._red_needed(scene_index, rows), by_gain, sun_e, square, longest_s,
+                focused.rate_hz,
             )  # fmt: skip
         return known[scene_index]
 
@@ -384,29 +384,34 @@ class Bounds:
             return np.stack([far, far], axis=1)
         return np.stack([far, self.tables.bound(scene_index, lighting, scene.nominal, rows)], axis=1)
 
-    def _electrons_needed(self, scene_index: int, rows: Array) -> tuple[Array, Array]:
+    def _electrons_needed(self, scene_index: int, rows: Array) -> tuple[Array, Array, Array]:
         """Fewest electrons that form the image for the SNR, at the farthest altitude and the nominal one, (n, 2), inf
-        where no well holds them beside their veil; and of all light for the mean level at the highest gain, at the
-        nominal altitude. Quantisation and dark current are left out."""
+        where no well holds them beside their veil; those of the pixel that must reach it, at the farthest altitude; and
+        of all light for the mean level at the highest gain, at the nominal altitude. Quantisation and dark current are
+        left out."""
         cameras = self.problem.cameras.take(self.imagers.camera[rows])
         scene = self.problem.scenes[scene_index]
         needs = scene.view.requirements
-        need = np.zeros((len(rows), 2))
-        if needs.min_snr:
+        need, by_pixel = np.zeros((len(rows), 2)), np.zeros(len(rows))
+        if scene.least_snr:
             veil = self._least_veil(scene_index, rows)
-            need = least_mean_frac(scene) * sensor.electrons_for_snr(
-                needs.min_snr, noise_variance_e2=np.square(cameras.read_noise_e)[:, None],
-                veil_ratio=veil, prnu_frac=cameras.prnu_frac[:, None],
+            noise: dict[str, Any] = dict(
+                noise_variance_e2=np.square(cameras.read_noise_e)[:, None], veil_ratio=veil,
+                prnu_frac=cameras.prnu_frac[:, None],
             )
+            need = least_mean_frac(scene) * sensor.electrons_for_snr(scene.least_snr, **noise)
+            by_pixel = need[:, 0] / least_mean_frac(scene)
+            if scene.least_mean_snr:
+                need = np.maximum(need, sensor.electrons_for_snr(scene.least_mean_snr, **noise))
             held = need[:, 1] <= most_held_e(cameras, scene) / (1.0 + veil[:, 1]) * ROUND
-            need = np.where(held[:, None], need, np.inf)
+            need, by_pixel = np.where(held[:, None], need, np.inf), np.where(held, by_pixel, np.inf)
         if needs.mean_level is None or self.problem.effects.veils or self.is_sunlit(scene_index):
             # veils and the sun help to fill the range
-            return np.asarray(need), np.zeros(len(rows))
+            return np.asarray(need), by_pixel, np.zeros(len(rows))
         wanted_dn = needs.mean_level * (2.0**cameras.bits - 1.0) - cameras.black_level_dn
         by_gain = wanted_dn / (cameras.gain_dn_per_e * self.problem.gains(scene_index, cameras.max_gain)[1])
         longest = np.minimum(self.limits.max_exposure_ms * 1e-3, cameras.max_exposure_s)
-        return np.asarray(need), np.asarray(by_gain - cameras.dark_current_e_s * longest)
+        return np.asarray(need), by_pixel, np.asarray(by_gain - cameras.dark_current_e_s * longest)
 
     def _sun_electrons(self, scene_index: int, rows: Array, open_over_n2_s: Array) -> Array:
         """The most electrons of the sun's signal at the farthest and the nominal altitude, (n, 2)."""

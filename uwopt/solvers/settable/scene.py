@@ -44,8 +44,8 @@ WORST = 1e290  # stands for an objective that is infinite
 MOST_PIXELS = 4_000_000  # figures at pixels that are held at a time
 #: Requirements on images and power that settings may crowd; the ends of what can be set are no room in hand.
 ROOMY = (
-    "max_blur_px", "max_skew_px", "dof_near_m", "dof_far_m", "min_dof_m", "min_snr_db", "min_snr_red_db",
-    "min_contrast", "min_mtf_half_nyquist", "resolve_mm", "max_airy_px", "power_w", "peak_power_w",
+    "max_blur_px", "max_skew_px", "dof_near_m", "dof_far_m", "min_dof_m", "min_snr_db", "min_snr_mean_db",
+    "min_snr_red_db", "min_contrast", "min_mtf_half_nyquist", "resolve_mm", "max_airy_px", "power_w", "peak_power_w",
 )  # fmt: skip
 ENOUGH = 0.5  # of a limit: with more than that in hand the least power decides
 ROOM_DIGITS = 6  # of a share of a limit: what differs by rounding alone decides nothing
@@ -408,7 +408,7 @@ def deciding_light(model: DesignModel, index: int, lamp: ImageLight, worst_e: Ar
     """
     scene, cam = model.problem.scenes[index], model.cameras
     needs = scene.view.asked if isinstance(model, LeaningModel) else scene.view.requirements
-    wanted = needs.min_snr
+    wanted = needs.min_snr_there
     if not wanted or worst_e.shape[2] == 1 or needs.resolve_mm is not None:  # bars must arrive at other pixels
         return lamp
     longest_s = min(float(cam.max_exposure_s[0]), model.problem.mission.limits.max_exposure_ms * 1e-3)

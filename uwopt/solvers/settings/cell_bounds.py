@@ -310,8 +310,8 @@ class SceneCells:
             power = drawn * np.where(timed, least_energy, bottom) + rows.idle
         alive &= np.isfinite(power)
         snr, contrast = self._snr_and_contrast(rows, box, bottom, top, x_lo, x_cap, y_lo, y_hi)
-        if rows.worst_e is None:  # what pixels reach may be more than the mean has
-            alive &= snr >= rows.min_snr * (1 - 1e-9)
+        of_mean = rows.min_snr if rows.worst_e is None else rows.min_snr_mean  # pixels may reach more than the mean has
+        alive &= snr >= of_mean * (1 - 1e-9)
         if self.sunlit and any(still.bars.veiled for still in self.bars):
             mixture = self._mixture(rows, box, (bottom, top), (x_lo, x_cap), (y_lo, y_hi))
             seen = np.nan_to_num(mixture.most_contrast(rows)[:, rows.three], nan=1.0) * (1 + SLACK)

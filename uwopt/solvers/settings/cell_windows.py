@@ -57,7 +57,7 @@ def figures_at(rows: SceneRows, light_x: Array, gain: Array, sun: Sun | None) ->
     with np.errstate(invalid="ignore", divide="ignore"):
         snr = sensor.snr(signal, veil_e=total - signal, **noise)
         share = np.where(total > 0, signal / total, 0.0)
-        lowest = snr.min(axis=1)
+        lowest = mean = snr.min(axis=1)
         if rows.worst_e is not None:
             one, veil = at_pixels(rows, light_x, sun)
             there = {name: column[:, :, None] for name, column in noise.items()}
@@ -67,7 +67,7 @@ def figures_at(rows: SceneRows, light_x: Array, gain: Array, sun: Sun | None) ->
         brightest = (total + dark).max(axis=1)
         if rows.background_e is not None:
             brightest = np.maximum(brightest, (rows.background_e * x + dark)[:, 0])
-        holds = lowest >= rows.min_snr * (1 - MEETS)
+        holds = (lowest >= rows.min_snr * (1 - MEETS)) & (mean >= rows.min_snr_mean * (1 - MEETS))
         if rows.colour_e is not None:
             holds &= colours_hold(rows, light_x, sun, noise)
         holds &= ratio * brightest <= rows.well_e * (1 + MEETS)

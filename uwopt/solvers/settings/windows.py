@@ -163,12 +163,13 @@ def nominal_contrast(rows: SceneRows) -> Array:
 
 
 def light_asked_for(rows: SceneRows, altitude: int, *, sun: Sun | None = None, never: float = np.inf) -> Array:
-    """Least X that reaches every SNR that the mission asks for at one altitude: of mean or pixels, and of red."""
+    """Least X that reaches every SNR that the mission asks for at one altitude: of mean, pixels and red."""
     of: Light = "mean" if rows.worst_e is None else "worst"
     wanted = light_for_snr(rows, altitude, rows.min_snr, of=of, sun=sun, never=never)
-    if rows.min_snr_red > 0.0:
-        red = light_for_snr(rows, altitude, rows.min_snr_red, of="red", sun=sun, never=never)
-        wanted = np.maximum(wanted, red)
+    beside: tuple[tuple[Light, float], ...] = (("mean", rows.min_snr_mean), ("red", rows.min_snr_red))
+    for other, snr in beside:
+        if snr > 0.0:
+            wanted = np.maximum(wanted, light_for_snr(rows, altitude, snr, of=other, sun=sun, never=never))
     return wanted
 
 
