@@ -316,7 +316,7 @@ def test_pixels_looked_at_block_by_block_are_the_same(monkeypatch: pytest.Monkey
         assert np.array_equal(parts.chosen.level, whole.chosen.level, equal_nan=True)
         return parts
 
-    monkeypatch.setattr(cell_bounds, "PIXELS_AT_ONCE", 120)  # two of a design's sixty
+    monkeypatch.setattr(cell_bounds, "PIXELS_AT_ONCE", 97 * 60 + 59)  # 97 cells of sixty pixels
     monkeypatch.setattr(SceneCells, "points", compared)
     rows = lit(sun=(3e3, 2e3), open_max_s=5e-3, min_snr=12.0, may_miss=3)
     assert solved([rows], {"snr_db": 1.0, "power": 0.05}).feasible[0] and most > 1000
