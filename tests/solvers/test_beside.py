@@ -136,11 +136,16 @@ PARTS: dict[str, Any] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("confidence", ["central", 0.9])
-def test_a_result_does_not_tell_how_many_cores_worked_on_it(confidence: str | float) -> None:
+FEW: dict[str, Any] = {"physics": "paper", "catalog": PARTS["catalog"] | {"lenses": ["kowa-lm8"]}}
+
+
+@pytest.mark.parametrize(("confidence", "given"), [("central", {}), (0.9, FEW)], ids=["central", "certain"])
+def test_a_result_does_not_tell_how_many_cores_worked_on_it(confidence: str | float, given: dict[str, Any]) -> None:
+    """Of what is certain by plain physics: one process draws its scenarios, whatever they cost."""
+
     def told(count: int) -> dict[str, Any]:
         with cores(count):
-            result = uwopt.solve(PARTS, confidence=confidence, top=2, ranges=True, alternatives=True)
+            result = uwopt.solve(PARTS | given, confidence=confidence, top=2, ranges=True, alternatives=True)
         return {name: value for name, value in vars(result).items() if name not in ("timing_s", "solvers")}
 
     one = told(1)
