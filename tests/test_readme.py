@@ -45,20 +45,23 @@ DEEP = (
     "  cameras: [avt-alvium-1800-c-235m]\n  lenses: [tamron-m112fm12, fujinon-cf12za-1s]\n"
     "  ports: [generic-dome-bk7-100mm]\n  lights: [generic-flash-50j]\n"
 )
-#: Files that choose from few parts once a command has run: where each says what it chooses from, and what it says then.
+#: Files that choose from few parts once a command has run: what each says, and what it says then.
 NARROWED = {
     AS_PROCESS: {
-        "problems/reef-mosaic.yaml": (
-            '  cameras: ["flir", "allied*", "basler"]\n', "  cameras: [avt-alvium-1800-c-234m]\n" + SOME_LENSES,
-        ),
-        "problems/jobs/deep-auv.yaml": ("  generic: allow\n", "  generic: allow\n" + DEEP),
+        "problems/reef-mosaic.yaml": [
+            ('  cameras: ["flir", "allied*", "basler"]\n', "  cameras: [avt-alvium-1800-c-234m]\n" + SOME_LENSES),
+        ],
+        "problems/jobs/deep-auv.yaml": [("  generic: allow\n", "  generic: allow\n" + DEEP)],
     },
     INIT: {
-        "my-survey.yaml": (
-            '  cameras: ["*"]\n',
-            "  cameras: [basler-a2a2464-77umpro]\n  ports: [generic-dome-acrylic]\n  lights: [generic-flash-50j]\n"
-            + SOME_LENSES,
-        ),
+        "my-survey.yaml": [
+            (
+                '  cameras: ["*"]\n',
+                "  cameras: [basler-a2a2464-77umpro]\n  ports: [generic-dome-acrylic]\n  lights: [generic-flash-50j]\n"
+                + SOME_LENSES,
+            ),
+            ("physics: auto\n", "physics: paper\n"),
+        ],
     },
 }  # fmt: skip
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
@@ -152,7 +155,7 @@ def done(folder: Path, unhurried: None) -> dict[str, Done]:
 
     One is a process of its own, all of them are before a release; a benchmark takes the time that it is given. By
     default the mission that `init` writes and the deep one choose from few parts, so does the reef's once it was solved
-    as it is, and a front may miss a hundredth of its volume.
+    as it is, a front may miss a hundredth of its volume, and what `init` writes has plain physics, for its scenarios.
     """
     lines = [line for line in commands() if line.startswith(("uwopt ", "python "))]
     if find_spec("openpyxl") is None:  # an environment of before: what makes workbooks cannot run there
@@ -176,10 +179,12 @@ def done(folder: Path, unhurried: None) -> dict[str, Done]:
                 patch.setattr(doubting, "doubts_of", lambda *given: {})
             apart = THOROUGH or program != "uwopt" or line == AS_PROCESS
             found[line] = as_process(program, arguments, folder) if apart else within_tests(arguments)
-            for name, (choice, some) in narrowed.get(line, {}).items():
+            for name, changes in narrowed.get(line, {}).items():
                 text = (folder / name).read_text(encoding="utf-8")
-                assert choice in text
-                (folder / name).write_text(text.replace(choice, some), encoding="utf-8")
+                for choice, some in changes:
+                    assert choice in text
+                    text = text.replace(choice, some)
+                (folder / name).write_text(text, encoding="utf-8")
             if target:
                 (folder / target.strip()).write_text(found[line].out, encoding="utf-8")
     return found
