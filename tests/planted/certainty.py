@@ -13,6 +13,20 @@ BANDS = "tests/solvers/test_own_bands.py::test_each_camera_sees_what_it_sees_ove
 
 DEFECTS = (
     Defect(
+        name="what holds seldom stands in for what cannot be set",
+        file="uwopt/api/certainty.py",
+        old="if other.held >= least else None",
+        new="if other.held >= 0.0 else None",
+        test=f"{TESTS}::test_what_is_known_and_can_be_set_stands_in_for_what_cannot[4000.0]",
+    ),
+    Defect(
+        name="nothing stands in for what cannot be set",
+        file="uwopt/api/certainty.py",
+        old="        if not made.is_settable:\n",
+        new="        if made.feasible:\n",
+        test=f"{TESTS}::test_what_is_known_and_can_be_set_stands_in_for_what_cannot[500.0]",
+    ),
+    Defect(
         name="the upper side of a triangle is drawn as the lower",
         file=f"{ROOM}/draws.py",
         old="np.sqrt((1.0 - probability) * width * (high - mode))",

@@ -13,7 +13,7 @@ from most_certain import most_certain
 from one_of_each import CAMERA, LENS, RATE_HZ, one, with_parts
 from random_cases import Case
 
-from uwopt.api.certainty import as_settable, focus_to_set_m
+from uwopt.api.certainty import as_settable, focus_to_set_m, of_known
 from uwopt.catalog.parts.quantity import Quantity
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.views import focus_map
@@ -509,6 +509,23 @@ def test_what_was_chosen_is_kept_when_time_is_over() -> None:
     assert kept.central == certain.central and design.feasible
     record = told(sought.problem, objective, kept, sought.outcome.best[0], ends=False)
     assert not record.fresh and record.scenarios == certain.scenarios.count
+
+
+@pytest.mark.parametrize("dearest", [500.0, 4000.0])
+def test_what_is_known_and_can_be_set_stands_in_for_what_cannot(dearest: float) -> None:
+    """One camera was counted, and its settings cannot be set; the other is taken if it is sure to be cheap enough."""
+    case_ = one("cost", wanted=FAST, limits={"cost": 3000.0, "cost_basis": "central"})
+    sought = sought_of(with_parts(case_, cameras=[{"price": between(450.0, 500.0, dearest)}]), scenarios=FEW)
+    objective = sought.search.objective
+    certain = most_certain(sought, objective, 0.9)
+    assert certain is not None
+    first = next(one for one in certain.tried if one.found.camera == 0)
+    alone = replace(certain, best=first, central=at_its_stop(sought.problem, objective, first) or first.found,
+                    tried=[first], ranked=[first])  # fmt: skip
+    _, design = as_settable(sought, alone, objective, NEVER)
+    kept, taken = of_known(sought, alone, design, objective, NEVER)
+    assert [taken is design, kept.best.found.camera] == ([False, 1] if dearest == 500.0 else [True, 0])
+    assert taken.is_settable and kept.best.held >= 0.9
 
 
 # ---------------------------------------------------------------- worth of knowing

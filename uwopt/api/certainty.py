@@ -20,8 +20,9 @@ from uwopt.mission.doubt import ENDS
 from uwopt.objectives.objective import Objective
 from uwopt.results.certainty import Confidence
 from uwopt.results.design import FARTHEST_M, Design, Note
-from uwopt.solvers.confidence.counted import Counted
+from uwopt.solvers.confidence.counted import Counted, names
 from uwopt.solvers.confidence.fixed import SceneSetting
+from uwopt.solvers.confidence.outcomes import outcomes_of_each
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.search import (
     Certain,
@@ -106,6 +107,8 @@ def with_confidence(
         return as_central(sold, winner, goal, deadline, patience)
     with timed(timing, "certainty", progress):
         certain, design = as_settable(sought, certain, goal, deadline)
+        if not design.is_settable:
+            certain, design = of_known(sought, certain, design, goal, deadline)
         if asked != ENDS:
             certain = judged_anew(sought.problem, goal, certain, focus_to_set_m(design), deadline)
         counted = told(sought.problem, goal, certain, sought.outcome.best[0], ends=asked == ENDS)
@@ -213,6 +216,33 @@ def as_settable(sought: Sought, certain: Certain, goal: Objective, deadline: Dea
         if design.is_settable:
             return chosen, design
     return tried[0]
+
+
+def of_known(
+    sought: Sought, certain: Certain, design: Design, goal: Objective, deadline: Deadline
+) -> tuple[Certain, Design]:
+    """Where nothing that was counted can be set: what the search by central numbers found that can, counted as well.
+
+    Taken where it holds as often as the choice does, or as often as is asked for; else the choice, with its warning.
+    """
+    problem, least = sought.problem, min(certain.asked, certain.best.held)
+    had = {names(problem, one.found) for one in certain.tried}
+    others = [one for one in sought.outcome.best if names(problem, one) not in had]
+    for found in others if not deadline.passed() else ():
+        made = design_of(sought, found, goal, deadline=deadline)
+        if not made.is_settable:
+            continue
+        outcomes = outcomes_of_each(problem, [found], goal, certain.scenarios)[0]
+        other = Counted(found, outcomes, outcomes.best(certain.asked))
+        central = at_its_stop(problem, goal, other) if other.held >= least else None
+        if central is None:
+            continue
+        ranked = [other, *certain.ranked]
+        more = replace(certain, best=other, central=central, tried=[*certain.tried, other], ranked=ranked)
+        more, made = as_settable(sought, more, goal, deadline)
+        if made.is_settable:
+            return more, made
+    return certain, design
 
 
 def focus_to_set_m(design: Design) -> float:
