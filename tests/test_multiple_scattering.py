@@ -247,10 +247,10 @@ def test_held_out_daylight_is_that_of_all_orders(orders: Any) -> None:
     rows = [r for r in daylight.read() if r.case.use == "held out" and r.case.thickness <= 4.0]
     off = {place: [sunlit.errors(r) for r in rows if r.place == place] for place in ("mean", "corner")}
     assert len(off["mean"]) >= 16
-    for tally, tenth in (("veil", 0.9), ("path", 0.7)):
+    for tally, twentieth in (("veil", 0.85), ("path", 0.65)):
         means, corners = (np.abs([one[tally] for one in off[place]]) for place in ("mean", "corner"))
-        assert np.mean(means <= 0.10) >= tenth and np.all(means <= 0.15), tally
-        assert np.mean(corners <= 0.15) >= 0.9, tally
+        assert np.mean(means <= 0.05) >= twentieth and np.mean(means <= 0.10) >= 0.9 and np.all(means <= 0.15), tally
+        assert np.all(corners <= 0.15), tally
     once = [abs(sunlit.errors(r, multiple_scattering=False)["path"]) for r in rows if r.place == "mean"]
     assert np.median(once) > 0.25
 

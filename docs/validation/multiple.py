@@ -219,6 +219,17 @@ light meets it straight. Image means of backscatter up to c d = 4, and straight 
 c d = 8: {far}. The last of the constants says how much more than one turn would the function is widened."""
 
 
+def known_together() -> str:
+    """By how much image means of backscatter up to c d = 4 differ at most between constants in use and fitted again."""
+    rows = forms.means("fit") + forms.means("held out")
+    off = [
+        model.uwopt_light(row.case, "mean", forms.effective(row.case, forms.fitted()))["backscatter"]
+        / model.uwopt_light(row.case, "mean", forms.effective(row.case))["backscatter"] - 1.0
+        for row in rows
+    ]  # fmt: skip
+    return f"{100 * max(map(abs, off)):.1f} %"
+
+
 def path_text() -> str:
     """How far daylight's path radiance is off, held-out image means up to c d = 4."""
     held = [row for row in daylight.read() if row.case.use == "held out" and row.place == "mean" and row.case.thickness <= THIN]
@@ -259,8 +270,8 @@ and extremes, where the walks' own σ is under {100 * DOUBT:g} %: image mean; th
 
 {common.table(["sun over the horizon", "waters", "image mean", "corner towards", "corner away"], rows)}
 
-The model knows where the sun stands by mu_w alone: its path radiance is even about the vertical, that of a low sun over clear water is not.
-Towards a low sun it is too low by as much as the table says; K_d of the walks under one sun is known to a few per cent, and counts with the power 1.21."""
+Nothing of it is fitted to one sun. The model takes the mean over azimuth, because a vehicle turns: its path radiance is even about the vertical, that of a low sun over
+clear water is not. Towards a low sun it is too low by as much as the table says; K_d of the walks under one sun is known to a few per cent."""
 
 
 @cache
@@ -389,7 +400,7 @@ blind test. `the lamps' own lobes` leaves the widening out. `single
 scattering` is what a scene with `multiple_scattering: false` counts: K between a + b_b and c from K_d (here Kirk's 1984 formula, since
 the cases have no K_d) on the lamp's leg and for the forward veil, c on the way of backscatter to the camera. Seven constants,
 fitted on every other case up to c d = 4 and rounded (in brackets as fitted again for this page): {constants}; those of the
-veils on corners too, those of the lamps' way under the lamps' own lobes. They hold for lobes of 10° to 70° aimed into or near the image, albedo up to 0.95 and
+veils on corners too, those of the lamps' way under the lamps' own lobes. Those of backscatter are known together only: by either set image means are the same within {known_together()}. They hold for lobes of 10° to 70° aimed into or near the image, albedo up to 0.95 and
 phase functions like the sea's; beyond c d = 4 errors grow as the next table says. Errors of all image means, median and
 extremes:
 
@@ -422,9 +433,9 @@ of {colours.LOBE_DEG:g}° in Jerlov's waters up to c d = 4 where they are cleare
 
 **Daylight.** {len(daylight.drawn_cases())} cases of the same waters under an even sky (all of Snell's cone), half an attenuation length to five over the
 camera, walks back from the camera to floor or sky ([daylight.csv](validation/daylight.csv)). `all orders`: the floor's light
-comes with K = a + b S(59.4°); the path's is what is scattered by more than 104.6° of light from all about, and is lost by
-absorption alone (`sunlight.diffuse_path_radiance_w_m2_sr_nm`). The model is told K_d of the walks between port and
-floor, and a sun at 60°. Constants, fitted and rounded as above: {by_sun}. Held-out half; means up to c d = 4, corners
+comes with K = a + b S({sunlit.USED.veil_deg:g}°); the path's is what the phase function turns of light that comes as it entered the water, and what is scattered backwards, evenly, of
+light that was turned before, of which there is K_d / a less 1 of the other; it is lost by absorption alone (`sunlight.diffuse_path_radiance_w_m2_sr_nm`). The model
+is told K_d of the walks between port and floor, a sun at 60°, and that what is turned once comes from all of the sky. Constants, fitted and rounded as above: {by_sun}. Held-out half; means up to c d = 4, corners
 up to c d = 4, means of c d 4 to 8:
 
 {common.table(["model", "", "median", "within 5 %", "within 10 %", "largest", "corners, 15 %", "c d 4 to 8, 20 %"], daylight_rows())}

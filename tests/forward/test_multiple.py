@@ -24,7 +24,8 @@ from uwopt.mission.system import load_system
 from uwopt.model.beam import cosine_power_beam
 from uwopt.model.multiple import LOST_FACTORS, lamp_angle_rad
 from uwopt.model.path_table import log_mean_transmission
-from uwopt.model.scattering import share_beyond
+from uwopt.model.phase_formulas import molecular_per_sr
+from uwopt.model.scattering import look_up, share_beyond
 
 CURVES = [{"mono": Curve((400.0, 700.0), (0.5, 0.5))}]
 
@@ -151,9 +152,11 @@ def test_daylight_in_murky_water_is_that_of_all_orders() -> None:
     many, once = (float(one.path_electrons(np.array([2.0]), np.ones(1))[0]) for one in (field, plain))
     scene = field.scene
     a, kd = scene.absorption_per_m(), np.asarray(scene.diffuse_attenuation_per_m)
-    back = sum(one.scattering_per_m * one.share_beyond(np.deg2rad(104.6)) for one in scene.scattering)
-    source = 1.24 * np.maximum(kd / a, 1.0) ** 1.21 * back / (2 * np.pi)
+    back = sum(one.scattering_per_m * one.share_beyond(np.pi / 2) for one in scene.scattering)
     mu = np.sqrt(1 - (np.cos(np.deg2rad(60.0)) / scene.n_water) ** 2)
+    phases = [molecular_per_sr(-mu) if one.table is None else look_up(-mu, one.table) for one in scene.scattering]
+    turned = sum(one.scattering_per_m * float(p) for one, p in zip(scene.scattering, phases, strict=True))
+    source = 0.897 * turned + 1.10 * np.maximum(kd / a - 1.0, 0.0) * back / (2 * np.pi)
     at_port = field.surface() * 0.95 * np.exp(-kd * 4.0)
     expected = field.electrons(source * at_port / mu * -np.expm1(-2.0 * (a + kd)) / (a + kd)).sum()
     assert many == pytest.approx(expected, rel=1e-9)

@@ -287,12 +287,12 @@ def test_camera_above_the_surface_is_refused():
 
 
 def test_daylight_of_all_orders_is_the_integral_of_what_is_sent_back():
-    # B = 1.24 (K/a)^1.21 b_back / (2 pi), 30 m deep, 2 m at 0.8: adaptive quadrature along the ray
-    water = {"kd_per_m": 0.09, "absorption_per_m": 0.06, "backward_per_m": 0.004}
+    # B = 0.897 b p + 1.10 (K/a - 1) b_b / (2 pi), 30 m deep, 2 m at 0.8: adaptive quadrature along the ray
+    water = {"kd_per_m": 0.09, "absorption_per_m": 0.06, "turned_per_m_sr": 0.0007, "backward_per_m": 0.004}
     many = {name: np.full(2, value) for name, value in water.items()}
     seen = dict(depth_m=30.0, path_m=2.0, cos_field=0.8, elevation_rad=HIGH_RAD, n_water=N_WATER)
     found = sunlight.diffuse_path_radiance_w_m2_sr_nm(SURFACE, **many, **seen)
-    source = 1.24 * 1.5**1.21 * 0.004 / (2 * math.pi) / sun_in_water(HIGH_RAD)[2]
+    source = (0.897 * 0.0007 + 1.10 * 0.5 * 0.004 / (2 * math.pi)) / sun_in_water(HIGH_RAD)[2]
 
     def integrand(r):
         return source * 0.95 * SURFACE[0] * math.exp(-0.09 * (30.0 - (2.0 - r) * 0.8)) * math.exp(-0.06 * r)
@@ -305,6 +305,7 @@ def test_daylight_of_all_orders_takes_k_d_for_no_less_than_a():
     def seen(kd):
         return sunlight.diffuse_path_radiance_w_m2_sr_nm(
             SURFACE, kd_per_m=np.full(2, kd), absorption_per_m=np.full(2, 0.06), backward_per_m=np.full(2, 0.004),
+            turned_per_m_sr=np.full(2, 0.0006),
             depth_m=0.0, path_m=0.0 + 1e-6, cos_field=0.0, elevation_rad=HIGH_RAD, n_water=N_WATER,
         )  # fmt: skip
 

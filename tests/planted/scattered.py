@@ -165,9 +165,23 @@ DEFECTS = (
     Defect(
         name="daylight's path radiance loses c, as if what is scattered were lost",
         file="uwopt/forward/sun_light.py",
-        old="absorption_per_m=scene.absorption_per_m(), backward",
-        new="absorption_per_m=scene.attenuation_per_m, backward",
+        old="absorption_per_m=scene.absorption_per_m(), turned",
+        new="absorption_per_m=scene.attenuation_per_m, turned",
         test=f"{TABLES}::test_daylight_in_murky_water_is_that_of_all_orders",
+    ),
+    Defect(
+        name="molecules turn daylight no more than anything else does",
+        file="uwopt/forward/scene.py",
+        old="turned_per_sr(cos_field, one.table, **sun)",
+        new="turned_per_sr(cos_field, self.scattering[0].table, **sun)",
+        test=f"{TABLES}::test_daylight_in_murky_water_is_that_of_all_orders",
+    ),
+    Defect(
+        name="an even sky's light all comes from its rim",
+        file="docs/validation/orders/sunlit.py",
+        old="COS_SKY + (1.0 - COS_SKY) * float(one)",
+        new="COS_SKY + 0.0 * float(one)",
+        test=f"{MONTE_CARLO}::test_held_out_daylight_is_that_of_all_orders",
     ),
     Defect(
         name="daylight from the floor loses what the lamps' light does",

@@ -25,6 +25,7 @@ from uwopt.model.beam import Beam, half_power_angle_rad
 from uwopt.model.scattering import PhaseTable, share_beyond
 from uwopt.model.sent_back import mean_way_m, widened_phase
 from uwopt.model.spectrum import resample, trapezoid_weights_nm, wavelength_grid_nm
+from uwopt.model.sunlight import turned_per_sr
 from uwopt.model.widened import Turned, arriving_share, ways_m, widened
 
 Array = NDArray[Any]
@@ -144,10 +145,13 @@ class SceneOptics:
         own = [one.scattering_per_m for one in self.scattering if one.table is not None]
         return np.asarray(sum(own)) if own else np.zeros_like(self.wavelength_nm)
 
-    def sun_backward_per_m(self) -> Array:
-        """What of daylight is scattered back, before it is scattered again."""
-        angle = float(np.deg2rad(multiple.SUN_BACK_DEG))
-        return np.asarray(sum(one.scattering_per_m * one.share_beyond(angle) for one in self.scattering))
+    def sun_turned_per_m_sr(self, cos_field: Array, *, elevation_rad: float, n_azimuth: int) -> Array:
+        """What of sunlight is scattered into rays at these angles from straight down by its first turn (..., n)."""
+        sun: dict[str, Any] = dict(elevation_rad=elevation_rad, n_water=self.n_water, n_azimuth=n_azimuth)
+        each = [
+            one.scattering_per_m * turned_per_sr(cos_field, one.table, **sun)[..., None] for one in self.scattering
+        ]
+        return np.asarray(sum(each))
 
     def back_leg_per_m(self, half_power_angle_rad: float) -> Array:
         """K of light that the water sends back, from lamps of this lobe and to the camera."""

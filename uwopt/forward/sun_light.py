@@ -175,17 +175,19 @@ class SunField:
             kd_per_m=self.kd(), depth_m=depth_m, path_m=path_m, cos_field=cos_field,
             elevation_rad=self.elevation_rad(), n_water=scene.n_water,
         )  # fmt: skip
+        n_azimuth = scaled(sunlight.N_AZIMUTH, self.fineness)
         if self.multiple:
+            turned = scene.sun_turned_per_m_sr(cos_field, elevation_rad=self.elevation_rad(), n_azimuth=n_azimuth)
             radiance = sunlight.diffuse_path_radiance_w_m2_sr_nm(
-                self.surface(), absorption_per_m=scene.absorption_per_m(), backward_per_m=scene.sun_backward_per_m(),
-                **rays,
+                self.surface(), absorption_per_m=scene.absorption_per_m(), turned_per_m_sr=turned,
+                backward_per_m=scene.backward_per_m(), **rays,
             )  # fmt: skip
         else:
             radiance = sunlight.path_radiance_w_m2_sr_nm(
                 self.surface(), attenuation_per_m=scene.attenuation_per_m, scattering_per_m=first.scattering_per_m,
                 table=scene.scattering[0].table,
                 molecular_scattering_per_m=molecules[0].scattering_per_m if molecules else 0.0,
-                n_azimuth=scaled(sunlight.N_AZIMUTH, self.fineness), **rays,
+                n_azimuth=n_azimuth, **rays,
             )  # fmt: skip
         return np.asarray(self.electrons(radiance).sum(axis=-1))
 

@@ -13,7 +13,7 @@ lobe's half angle at half power in water. Only c counts for what forms the image
     floor to camera, near its way  s = S(13.3 deg)
     floor to camera, all           1 - s what turns by less than 81.3 deg and bears its longer way
     backscatter, both legs         s = (3.19 - 3.28 beta / rad) S(90 deg), at most 1
-    daylight, floor to camera      s = S(59.4 deg)
+    daylight, floor to camera      s = S(59.4 deg); what the way sends: `sunlight.diffuse_path_radiance_w_m2_sr_nm`
 
 What the third leg lets through and the second does not comes from elsewhere on the floor: `veil.wide` says from where.
 
@@ -41,7 +41,7 @@ LEAST_OF_ABSORPTION = 0.5  # K of backscatter over a, no less: wide lobes get so
 #: Fournier-Forand functions of b_b/b 0.005 to 0.03 and Petzold's over 0.0183's is 0.3 to 1.8 for lobes up to 40 deg.
 LOST_FACTORS = (0.3, 1.8)
 SUN_VEIL_DEG = 59.4
-SUN_BACK, SUN_BACK_DEG, SUN_BACK_POWER = 1.24, 104.6, 1.21  # of `sunlight.diffuse_path_radiance_w_m2_sr_nm`
+SUN_ONCE, SUN_OFTEN = 0.897, 1.10  # of `sunlight.diffuse_path_radiance_w_m2_sr_nm`
 TINY = 1e-300
 MOST_RETURNED = 1.0  # log of a gain: of water that turns more than half of its light back two streams do not tell
 TESTED_THICKNESS = 4.0  # c times the altitude up to which the constants were fitted and judged

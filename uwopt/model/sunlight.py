@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from uwopt.errors import RangeError
 from uwopt.model.light import spectral_flux_w_nm
-from uwopt.model.multiple import SUN_BACK, SUN_BACK_POWER
+from uwopt.model.multiple import SUN_OFTEN, SUN_ONCE
 from uwopt.model.phase_formulas import molecular_per_sr
 from uwopt.model.port import fresnel_by_polarisation
 from uwopt.model.scattering import PhaseTable, look_up
@@ -245,6 +245,7 @@ def diffuse_path_radiance_w_m2_sr_nm(
     *,
     kd_per_m: ArrayLike,
     absorption_per_m: ArrayLike,
+    turned_per_m_sr: ArrayLike,
     backward_per_m: ArrayLike,
     depth_m: ArrayLike,
     path_m: ArrayLike,
@@ -252,15 +253,19 @@ def diffuse_path_radiance_w_m2_sr_nm(
     elevation_rad: float,
     n_water: float,
 ) -> FloatArray:
-    """The same veil with light scattered more than once: of light from all about, lost by absorption alone.
+    """The same veil with light scattered more than once, lost by absorption alone.
 
-        L = B E_d(z_port) / (2 pi mu_w) * R (1 - exp(-k R)) / (k R),   k = a + K cos a
-        B = 1.24 (K_d / a)^1.21 * b S(104.6 deg)
+        L = B E_d(z_port) / mu_w * R (1 - exp(-k R)) / (k R),   k = a + K cos a
+        B = 0.897 b p + 1.10 (K_d / a - 1) b_b / (2 pi)
+
+    Light that comes as it entered the water is turned by the angle between, that which was turned before comes from all
+    about: the more there is of it, the more K_d is over a.
 
     Parameters
     ----------
     absorption_per_m : (n,) [1/m], a
-    backward_per_m : (n,) [1/m], b S(104.6 deg): what is scattered by more than that
+    turned_per_m_sr : (..., n) [1/(m sr)], b p, the mean over where daylight comes from; see `turned_per_sr`
+    backward_per_m : (n,) [1/m], b_b
     surface_w_m2_nm, kd_per_m, depth_m, path_m, cos_field, elevation_rad, n_water : as in `path_radiance_w_m2_sr_nm`
 
     Returns
@@ -270,8 +275,7 @@ def diffuse_path_radiance_w_m2_sr_nm(
     Notes
     -----
     K_d counts as no less than a. Fitted to a Monte Carlo of all orders under an even sky, c R up to 8 and albedo of 0.3
-    to 0.95, 0.5 to 5 attenuation lengths under the surface: docs/validation.md, section 10. Where the sun stands counts
-    by mu_w alone.
+    to 0.95, 0.5 to 5 attenuation lengths under the surface: docs/validation.md, section 10.
     """
     depth, path, cos_ray = (np.asarray(x, dtype=float) for x in (depth_m, path_m, cos_field))
     kd, absorbed = np.asarray(kd_per_m, dtype=float), np.asarray(absorption_per_m, dtype=float)
@@ -279,11 +283,37 @@ def diffuse_path_radiance_w_m2_sr_nm(
         surface_w_m2_nm, kd_per_m=kd, depth_m=np.maximum(depth - path * cos_ray, 0.0), elevation_rad=elevation_rad,
         n_water=n_water,
     )  # fmt: skip
-    spread = np.maximum(kd / np.maximum(absorbed, LEAST_ABSORPTION_PER_M), 1.0) ** SUN_BACK_POWER
-    source = SUN_BACK * spread * np.asarray(backward_per_m, dtype=float) / (2 * np.pi)
+    often = np.maximum(kd / np.maximum(absorbed, LEAST_ABSORPTION_PER_M) - 1.0, 0.0)
+    source = SUN_ONCE * np.asarray(turned_per_m_sr, dtype=float)
+    source = source + SUN_OFTEN * often * np.asarray(backward_per_m, dtype=float) / (2 * np.pi)
     beam = at_port / refracted_cos_zenith(elevation_rad, n_water=n_water)
     total_per_m = absorbed + kd * path_factor(elevation_rad, n_water=n_water) * cos_ray[..., None]
     return np.asarray(source * beam * path[..., None] * _mean_exp(total_per_m * path[..., None]), dtype=float)
+
+
+def turned_per_sr(
+    cos_field: ArrayLike, table: PhaseTable | None, *, elevation_rad: float, n_water: float, n_azimuth: int = N_AZIMUTH
+) -> FloatArray:  # fmt: skip
+    """Phase function by which sunlight turns into a camera's ray, the mean over azimuth.
+
+        integral over phi of p(psi) d phi / (2 pi),   psi as in `scattering_cosine`
+
+    Parameters
+    ----------
+    cos_field : (...,) [1], cosine of the ray's angle in water from straight down
+    table : PhaseTable; None: the water's molecules
+    elevation_rad, n_water : scalars [rad], [1]
+    n_azimuth : points of the mean
+
+    Returns
+    -------
+    (...,) [1/sr]
+    """
+    round_rad = 2 * np.pi * (np.arange(n_azimuth) + 0.5) / n_azimuth
+    cos_ray = np.asarray(cos_field, dtype=float)[..., None]
+    cosine = scattering_cosine(cos_ray, azimuth_rad=round_rad, elevation_rad=elevation_rad, n_water=n_water)
+    phase = molecular_per_sr(cosine) if table is None else look_up(cosine, table)
+    return np.asarray(np.mean(phase, axis=-1))
 
 
 def _mean_phase_per_sr(
@@ -295,13 +325,12 @@ def _mean_phase_per_sr(
     n_azimuth: int,
 ) -> tuple[FloatArray, FloatArray]:
     """Phase functions of particles and of water at the ray's scattering angle, or their means over azimuth."""
-    sun = {"elevation_rad": elevation_rad, "n_water": n_water}
+    sun: dict[str, float] = {"elevation_rad": elevation_rad, "n_water": n_water}
     if azimuth_rad is not None:
         cosine = scattering_cosine(cos_ray, azimuth_rad=azimuth_rad, **sun)
         return np.asarray(look_up(cosine, table)), molecular_per_sr(cosine)
-    round_rad = 2 * np.pi * (np.arange(n_azimuth) + 0.5) / n_azimuth
-    cosine = scattering_cosine(cos_ray[..., None], azimuth_rad=round_rad, **sun)
-    return np.mean(look_up(cosine, table), axis=-1), np.mean(molecular_per_sr(cosine), axis=-1)
+    particles, water = (turned_per_sr(cos_ray, one, n_azimuth=n_azimuth, **sun) for one in (table, None))
+    return particles, water
 
 
 def _mean_exp(x: FloatArray) -> FloatArray:

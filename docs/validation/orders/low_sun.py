@@ -13,12 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from uwopt.model import sunlight
+from uwopt.model import scattering, sunlight
 from uwopt.model.multiple import TESTED_THICKNESS
 
 from .camera import STEP_U, STEP_V
 from .daylight import SEED, Case, drawn_cases, first_turned, irradiances, left
-from .sunlit import N_WATER, USED, rays_of, source_per_m
+from .model import phase_table
+from .sunlit import N_WATER, elevation_rad, rays_of, turned_per_m_sr
 from .walk import Water, compiled, phase_of, water_of
 
 RINGS = ((0.67, 0.71), (0.74, 0.78), (0.84, 0.88), (0.95, 0.99))  # cosines in water
@@ -86,13 +87,15 @@ def suns(case: Case, share: float = 1.0) -> list[Sun]:
 
 def modelled(case: Case, cosine: float, k_per_m: float, *, corner: bool) -> float:
     """The model's path radiance over the irradiance at the port, told the walks' K under that sun."""
-    elevation = float(np.arccos(min(N_WATER * np.sqrt(1.0 - cosine**2), 1.0)))
+    elevation = elevation_rad(cosine)
     cos, weight = rays_of(case, corner=corner)
     kd = k_per_m / float(sunlight.path_factor(elevation, n_water=N_WATER))
+    backward = case.c_per_m * case.albedo * scattering.backscatter_ratio(phase_table(case.phase))
     radiance = sunlight.diffuse_path_radiance_w_m2_sr_nm(
         np.ones(1) / sunlight.surface_factor(elevation, n_water=N_WATER), kd_per_m=np.array([kd]),
         absorption_per_m=np.array([case.c_per_m * (1.0 - case.albedo)]),
-        backward_per_m=np.array([source_per_m(case, USED)]), depth_m=case.altitude_m, path_m=case.altitude_m / cos,
+        turned_per_m_sr=turned_per_m_sr(case, cos, cosine), backward_per_m=np.array([backward]),
+        depth_m=case.altitude_m, path_m=case.altitude_m / cos,
         cos_field=cos, elevation_rad=elevation, n_water=N_WATER,
     )  # fmt: skip
     return float(weight @ radiance[:, 0])

@@ -1,12 +1,13 @@
 """What uwopt's model makes of daylight in the cases of `daylight`: its forward veil and its path radiance.
 
 A case has no K_d of a table: it is that of the walks, between port and floor, and the sun that is told to the model
-stands at 60 deg. Constants are those of `uwopt.model.multiple`, fitted here on half of the cases up to c d = 4.
+stands at 60 deg; what is turned once comes from all of Snell's cone. Constants are those of `uwopt.model.multiple`,
+fitted here on half of the cases up to c d = 4.
 """
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ from scipy.optimize import least_squares
 from uwopt.model import multiple, scattering, sunlight
 from uwopt.model.water import illumination_attenuation_per_m
 
-from .daylight import TALLIES, Case, Light, read
+from .daylight import COS_SKY, TALLIES, Case, Light, read
 from .model import phase_table
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
@@ -27,12 +28,11 @@ class Constants(NamedTuple):
     """As in `uwopt.model.multiple`."""
 
     veil_deg: float
-    back: float
-    back_deg: float
-    power: float
+    once: float
+    often: float
 
 
-USED = Constants(multiple.SUN_VEIL_DEG, multiple.SUN_BACK, multiple.SUN_BACK_DEG, multiple.SUN_BACK_POWER)
+USED = Constants(multiple.SUN_VEIL_DEG, multiple.SUN_ONCE, multiple.SUN_OFTEN)
 
 
 def rays_of(case: Case, *, corner: bool) -> tuple[np.ndarray, np.ndarray]:
@@ -45,9 +45,25 @@ def rays_of(case: Case, *, corner: bool) -> tuple[np.ndarray, np.ndarray]:
     return cos, np.outer(WEIGHTS, WEIGHTS).ravel() / 4.0 * cos**4
 
 
-def source_per_m(case: Case, constants: Constants) -> float:
-    """What of daylight a case's water scatters back."""
-    return case.c_per_m * case.albedo * beyond(case, constants.back_deg)
+def turned_per_m_sr(case: Case, cos: np.ndarray, cosine: float) -> np.ndarray:
+    """What is scattered into rays of light that comes from one cosine in water, from everywhere about (n, 1)."""
+    table = phase_table(case.phase)
+    turned = sunlight.turned_per_sr(cos, table, elevation_rad=elevation_rad(cosine), n_water=N_WATER)
+    return case.c_per_m * case.albedo * turned[:, None]
+
+
+def elevation_rad(cosine: float) -> float:
+    """Of a sun in air whose light has this cosine in water."""
+    return float(np.arccos(min(N_WATER * np.sqrt(1.0 - cosine**2), 1.0)))
+
+
+@lru_cache(maxsize=256)
+def turned_of_sky(case: Case, *, corner: bool) -> np.ndarray:
+    """The same of an even sky."""
+    cos, _ = rays_of(case, corner=corner)
+    share, weight = 0.5 * (NODES + 1.0), 0.5 * WEIGHTS
+    each = [turned_per_m_sr(case, cos, COS_SKY + (1.0 - COS_SKY) * float(one)) for one in share]
+    return np.asarray(np.tensordot(weight, each, axes=1))
 
 
 def beyond(case: Case, degrees: float) -> float:
@@ -70,9 +86,11 @@ def model(row: Light, constants: Constants = USED, *, multiple_scattering: bool 
     if multiple_scattering:
         every = case.c_per_m - b * (1.0 - beyond(case, constants.veil_deg))
         path = sunlight.diffuse_path_radiance_w_m2_sr_nm(
-            entering, absorption_per_m=np.array([a]), backward_per_m=np.array([source_per_m(case, constants)]), **seen
-        )
-        path *= constants.back / multiple.SUN_BACK * max(kd / a, 1.0) ** (constants.power - multiple.SUN_BACK_POWER)
+            entering, absorption_per_m=np.array([a]),
+            turned_per_m_sr=constants.once / multiple.SUN_ONCE * turned_of_sky(case, corner=row.place == "corner"),
+            backward_per_m=np.array([constants.often / multiple.SUN_OFTEN * b * scattering.backscatter_ratio(table)]),
+            **seen,
+        )  # fmt: skip
     else:
         ratio = scattering.backscatter_ratio(table)
         every = float(illumination_attenuation_per_m(a, b_per_m=b, kd_per_m=kd, backscatter_ratio=ratio))
@@ -95,7 +113,7 @@ def fitted() -> Constants:
     """The constants, from `fit` cases up to c d = 4, both places; rows count less where their own error is large."""
     rows = [row for row in read() if row.case.use == "fit" and row.case.thickness <= multiple.TESTED_THICKNESS]
     found = USED
-    for tally, names in {"veil": ("veil_deg",), "path": ("back", "back_deg", "power")}.items():
+    for tally, names in {"veil": ("veil_deg",), "path": ("once", "often")}.items():
 
         doubt = np.array([getattr(row, f"{tally}_error") / getattr(row, tally) for row in rows])
 

@@ -228,9 +228,15 @@ class EasiestScene(SceneOptics):
         """What shows most detail in the veil that there is: the most of all states and colours."""
         return np.full_like(self.wavelength_nm, max(float(one.particles_per_m().max()) for one in self.states))
 
-    def sun_backward_per_m(self) -> Array:
+    def sun_turned_per_m_sr(self, cos_field: Array, *, elevation_rad: float, n_azimuth: int) -> Array:
         """The least of all states."""
-        return least([one.sun_backward_per_m() for one in self.states])
+        return least([
+            one.sun_turned_per_m_sr(cos_field, elevation_rad=elevation_rad, n_azimuth=n_azimuth) for one in self.states
+        ])  # fmt: skip
+
+    def backward_per_m(self) -> Array:
+        """The least of all states."""
+        return least([one.backward_per_m() for one in self.states])
 
     def back_leg_per_m(self, half_power_angle_rad: float) -> Array:
         """What leaves the least backscatter beside the image, by either leg."""
