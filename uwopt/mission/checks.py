@@ -298,6 +298,9 @@ def _pair_faults(vehicle: Values, wanted: Values) -> Iterator[tuple[str, str, st
 def _snr_faults(wanted: Values) -> Iterator[tuple[str, str, str]]:
     if wanted.get("min_snr") is not None and wanted.get("min_snr_db") is not None:
         yield "requirements", "min_snr", "and min_snr_db are both given; keep one of them"
+    if wanted.get("snr_at_less_db") and wanted.get("snr_at", "mean") == "mean":
+        text = "is less at pixels than in the mean, but snr_at is mean; set snr_at: worst, or leave it out"
+        yield "requirements", "snr_at_less_db", text
     if wanted.get("min_snr_red_db") is not None and wanted.get("colour") == "mono":
         text = "is asked of a mono sensor, which has no red channel; set colour: colour, or leave it out"
         yield "requirements", "min_snr_red_db", text
