@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+import math
 import threading
 import zlib
 from collections.abc import Iterator
@@ -478,7 +479,8 @@ def test_map_is_drawn_and_what_is_no_input_is_told() -> None:
     assert "no input with values" in line.said[-1][1]
 
 
-def test_a_map_that_is_stopped_keeps_its_points() -> None:
+def test_a_map_that_is_stopped_keeps_its_points(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(jobs, "GOOD_BYE_S", math.inf)  # however slow the machine
     many = jobs.Jobs()
     try:
         name = many.start("map", state.OPENING["mission"], state.OPENING["systems"][0],
