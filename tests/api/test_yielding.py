@@ -136,3 +136,12 @@ def test_the_frame_has_as_little_less_than_its_mean_as_will_do(short_of_mean_db:
     reached = result.recommendation.as_set.scenes[0].figures
     assert reached["snr_db"] >= asked_db - 1e-6 and reached["snr_db_p05"] >= asked_db - step - 1e-6
     assert f"with {step:g} dB less over the frame (95 % of which reach" in risks_of(result)[0].what
+
+
+def test_what_fits_by_a_hair_is_not_enough_where_more_room_can_be_had() -> None:
+    """3 dB less over the frame fit, by half a decibel; settings come in steps, so that 6 dB less are allowed."""
+    brightest = uwopt.solve(over_frame(0.0, snr_at="mean") | {"objective": "snr_db"}, top=1, quick=True)
+    asked_db = float(brightest.objective.value or 0.0) - 1.2
+    just = uwopt.solve(over_frame(asked_db, snr_at_less_db=3.0) | {"practice": "bare"}, top=1, quick=True)
+    made = uwopt.solve(over_frame(asked_db), top=1, quick=True)
+    assert just.status != "infeasible" and made.mission["requirements"]["snr_at_less_db"] == 6.0

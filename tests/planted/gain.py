@@ -86,6 +86,13 @@ DEFECTS = (
         test=f"{YIELDING}::test_the_frame_has_as_little_less_than_its_mean_as_will_do",
     ),
     Defect(
+        name="what fits by a hair is enough",
+        file="uwopt/api/yielding.py",
+        old="ROOM_DB = 1.0",
+        new="ROOM_DB = 0.0",
+        test=f"{YIELDING}::test_what_fits_by_a_hair_is_not_enough_where_more_room_can_be_had",
+    ),
+    Defect(
         name="the frame has less than would do",
         file="uwopt/api/yielding.py",
         old="if overruled or (not patience.passed() and fits(rest)):",

@@ -13,8 +13,10 @@ from uwopt.mission.yielding import SNR_AT, SNR_LESS, Yield, with_yields, yields_
 from uwopt.results.design import PRACTICE_YIELDS, Design, Note
 from uwopt.solvers.explain.relaxed import ANY
 from uwopt.solvers.recommend import seek
+from uwopt.units import ratio_to_db
 
 YIELD_S = 20.0  # of work, for what has to give way: what is recommended hangs on it
+ROOM_DB = 1.0  # of signal to noise that is left where it can be: settings come in steps, and estimates may be wrong
 
 
 def gives_way(
@@ -23,11 +25,27 @@ def gives_way(
     """What of good practice has to give way so that something fits; nothing where that is not enough.
 
     They give way in their order until something fits; then all but the last come back one by one, the latest first, as
-    far as something still fits. So no key that has given way could be kept beside those that are kept.
+    far as something still fits, with a decibel to spare if anything does: what fits by a hair cannot be set. So no key
+    that has given way could be kept beside those that are kept.
     """
     patience = deadline.or_after(YIELD_S, effort_s).at_most(YIELD_S)
-    lifted = mission.without_gain_cap
-    generic: Generic = "never" if mission.catalog.generic == "never" else "allow"
+    lifted = with_room(mission.without_gain_cap)
+    given_way = _least(lifted, catalog, like, patience)
+    return given_way or _least(mission.without_gain_cap, catalog, like, patience)
+
+
+def with_room(mission: Mission) -> Mission:
+    """A mission that asks for a little more signal to noise, if it asks for any."""
+    asked = mission.requirements
+    if asked.min_snr is None:
+        return mission
+    more = {"min_snr": None, "min_snr_db": float(ratio_to_db(asked.min_snr)) + ROOM_DB}
+    return mission.with_changes(requirements={**mission.to_dict()["requirements"], **more})
+
+
+def _least(lifted: Mission, catalog: Catalog, like: Problem, patience: Deadline) -> tuple[Yield, ...]:
+    """The least that gives way of a mission; nothing where no yielding is enough."""
+    generic: Generic = "never" if lifted.catalog.generic == "never" else "allow"
 
     def fits(given_way: Collection[Yield]) -> bool:
         weaker = with_yields(lifted, given_way)
@@ -36,7 +54,7 @@ def gives_way(
         )
         return bool(found.outcome.best)
 
-    known = yields_of(mission)
+    known = yields_of(lifted)
     if not known or not fits(known):
         return ()
     few, enough = 0, len(known)  # so many of the first do not do, and so many do
