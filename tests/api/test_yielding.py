@@ -145,3 +145,16 @@ def test_what_fits_by_a_hair_is_not_enough_where_more_room_can_be_had() -> None:
     just = uwopt.solve(over_frame(asked_db, snr_at_less_db=3.0) | {"practice": "bare"}, top=1, quick=True)
     made = uwopt.solve(over_frame(asked_db), top=1, quick=True)
     assert just.status != "infeasible" and made.mission["requirements"]["snr_at_less_db"] == 6.0
+
+
+def test_the_frame_gives_way_though_one_scene_asks_of_its_mean() -> None:
+    brightest = uwopt.solve(over_frame(0.0, snr_at="mean") | {"objective": "snr_db"}, top=1, quick=True)
+    mission = over_frame(float(brightest.objective.value or 0.0) - 2.0)
+    scene = mission.pop("scene")
+    mission["scenes"] = [scene | {"name": "mosaic"}, scene | {"name": "look", "snr_at": "mean"}]
+    assert given_way(uwopt.solve(mission, top=1, quick=True)) == ["requirements.snr_at_less_db"]
+
+
+def test_no_more_room_is_kept_than_can_be_asked() -> None:
+    result = uwopt.solve(survey(199.5), top=1, quick=True)
+    assert result.status == "infeasible" and given_way(result) == []

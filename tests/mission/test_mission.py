@@ -158,6 +158,7 @@ BAD = [
     (changed("requirements.highlight_ratio", 0.5), "highlight_ratio = 0.5 is below 1"),
     (changed("requirements", {"min_snr": 3, "min_snr_db": 3}), "min_snr and min_snr_db are both given"),
     (changed("requirements", {"min_snr_db": 20, "snr_at_less_db": 6}), "snr_at_less_db is less at pixels than in"),
+    (changed("scene.snr_at_less_db", 6), "snr_at_less_db is less at pixels than in"),
     (changed("requirements.min_snr", 0), "requirements.min_snr = 0 is not above 0"),
     (changed("requirements", 3), "requirements = 3 is not a mapping"),
     (changed("scene.water", "XI"), "is not one of I, IA, IB, II, III, 1C, 3C, 5C, 7C, 9C"),

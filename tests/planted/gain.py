@@ -93,6 +93,20 @@ DEFECTS = (
         test=f"{YIELDING}::test_what_fits_by_a_hair_is_not_enough_where_more_room_can_be_had",
     ),
     Defect(
+        name="more room is kept than can be asked",
+        file="uwopt/api/yielding.py",
+        old="    except MissionError:\n        return None",
+        new="    except MissionError:\n        raise",
+        test=f"{YIELDING}::test_no_more_room_is_kept_than_can_be_asked",
+    ),
+    Defect(
+        name="a scene that asks of its mean lets no frame give way",
+        file="uwopt/mission/checks.py",
+        old='if one.get("snr_at_less_db") and is_mean:',
+        new='if overridden(common, one).get("snr_at_less_db") and is_mean:',
+        test=f"{YIELDING}::test_the_frame_gives_way_though_one_scene_asks_of_its_mean",
+    ),
+    Defect(
         name="the frame has less than would do",
         file="uwopt/api/yielding.py",
         old="if overruled or (not patience.passed() and fits(rest)):",

@@ -6,6 +6,7 @@ from collections.abc import Collection
 
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import Deadline, effort_s
+from uwopt.errors import MissionError
 from uwopt.forward.assembly import Generic
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
@@ -29,18 +30,21 @@ def gives_way(
     that has given way could be kept beside those that are kept.
     """
     patience = deadline.or_after(YIELD_S, effort_s).at_most(YIELD_S)
-    lifted = with_room(mission.without_gain_cap)
-    given_way = _least(lifted, catalog, like, patience)
-    return given_way or _least(mission.without_gain_cap, catalog, like, patience)
+    lifted = mission.without_gain_cap
+    roomy = with_room(lifted)
+    return (roomy is not None and _least(roomy, catalog, like, patience)) or _least(lifted, catalog, like, patience)
 
 
-def with_room(mission: Mission) -> Mission:
-    """A mission that asks for a little more signal to noise, if it asks for any."""
+def with_room(mission: Mission) -> Mission | None:
+    """A mission that asks for a little more signal to noise; None where it asks for none, or no more can be asked."""
     asked = mission.requirements
     if asked.min_snr is None:
-        return mission
+        return None
     more = {"min_snr": None, "min_snr_db": float(ratio_to_db(asked.min_snr)) + ROOM_DB}
-    return mission.with_changes(requirements={**mission.to_dict()["requirements"], **more})
+    try:
+        return mission.with_changes(requirements={**mission.to_dict()["requirements"], **more})
+    except MissionError:
+        return None
 
 
 def _least(lifted: Mission, catalog: Catalog, like: Problem, patience: Deadline) -> tuple[Yield, ...]:

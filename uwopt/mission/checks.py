@@ -211,6 +211,7 @@ def cross_faults(parts: Values) -> list[Fault]:
         faults += _sun_faults(scene, index)
         faults += _clarity_faults(scene, index)
         faults += _rating_faults(parts["limits"], scene, vehicle)
+    faults += _less_faults(parts["requirements"], scenes)
     faults += _name_faults(scenes)
     faults += _share_faults(scenes)
     faults += _duration_faults(parts["vehicle"], parts["limits"])
@@ -298,12 +299,21 @@ def _pair_faults(vehicle: Values, wanted: Values) -> Iterator[tuple[str, str, st
 def _snr_faults(wanted: Values) -> Iterator[tuple[str, str, str]]:
     if wanted.get("min_snr") is not None and wanted.get("min_snr_db") is not None:
         yield "requirements", "min_snr", "and min_snr_db are both given; keep one of them"
-    if wanted.get("snr_at_less_db") and wanted.get("snr_at", "mean") == "mean":
-        text = "is less at pixels than in the mean, but snr_at is mean; set snr_at: worst, or leave it out"
-        yield "requirements", "snr_at_less_db", text
     if wanted.get("min_snr_red_db") is not None and wanted.get("colour") == "mono":
         text = "is asked of a mono sensor, which has no red channel; set colour: colour, or leave it out"
         yield "requirements", "min_snr_red_db", text
+
+
+def _less_faults(common: Values, scenes: Sequence[Values]) -> Iterator[Fault]:
+    """Less SNR at pixels where every scene asks of the mean; one that overrides `snr_at` leaves it to the others."""
+    text = "is less at pixels than in the mean, but snr_at is mean; set snr_at: worst, or leave it out"
+    own = [scene.get("requirements") or {} for scene in scenes]
+    of_mean = [overridden(common, one).get("snr_at", "mean") == "mean" for one in own]
+    if common.get("snr_at_less_db") and common.get("snr_at", "mean") == "mean" and all(of_mean):
+        yield ("requirements", "snr_at_less_db"), text
+    for index, (one, is_mean) in enumerate(zip(own, of_mean, strict=True)):
+        if one.get("snr_at_less_db") and is_mean:
+            yield ("scenes", index, "requirements", "snr_at_less_db"), text
 
 
 def _rate_faults(vehicle: Values, wanted: Values, target: str) -> Iterator[tuple[str, str, str]]:

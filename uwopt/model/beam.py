@@ -141,7 +141,7 @@ def intensity_per_sr(cos_angle: ArrayLike, beam: Beam, way_m: ArrayLike = 0.0) -
     cos_angle : (...,) [1], cosine of the angle t from the beam's axis, in water
     beam : Beam
     way_m : (...,) [m], length of the light's way, of which a beam may know that it widens along it; or which of beams
-        `side_by_side`, numbers
+        `numbered`, numbers
 
     Returns
     -------
@@ -204,9 +204,9 @@ def widened_by(beam: Beam, widening: Widening) -> Beam:
 
 
 @functools.lru_cache(maxsize=64)
-def side_by_side(lobes: tuple[Beam, ...]) -> Beam:
+def numbered(lobes: tuple[Beam, ...]) -> Beam:
     """One beam after several ways to a floor as one: `intensity_per_sr` [1/sr] takes numbers for ways."""
-    return widened_by(lobes[0], Widening.side_by_side([one.widening for one in lobes if one.widening is not None]))
+    return widened_by(lobes[0], Widening.of_several([one.widening for one in lobes if one.widening is not None]))
 
 
 @functools.lru_cache(maxsize=1024)

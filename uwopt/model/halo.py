@@ -39,7 +39,7 @@ class Widening:
         return Widening(reach_m, share, halo)
 
     @staticmethod
-    def side_by_side(several: Sequence[Widening]) -> Widening:
+    def of_several(several: Sequence[Widening]) -> Widening:
         """Several of one row each, by number."""
         share = np.concatenate([one.share for one in several])
         return Widening(0.0, share, np.concatenate([one.halo_per_sr for one in several]), numbered=True)

@@ -47,7 +47,7 @@ def field_means(
         ]
         return np.stack(each, axis=1)
     if any(other is not beam for other in lobes):
-        beam = beams.side_by_side(tuple(lobes))
+        beam = beams.numbered(tuple(lobes))
     image, place = (part.ravel() for part in np.indices((len(tan_along), count)))
     return field_mean(
         tan_along[image], tan_across[image], shape=shape.take(image), range_m=ranges_m[place], beam=beam, lobe=place,
@@ -78,7 +78,7 @@ def field_mean(
     """
     if len(parts := beams.parts(beam)) > 1:
         common: dict[str, Any] = dict(
-            shape=shape, range_m=range_m, lamps=lamps, table=table, order=order, fineness=fineness
+            shape=shape, range_m=range_m, lamps=lamps, table=table, order=order, fineness=fineness, lobe=lobe
         )
         return sum(
             (field_mean(tan_along, tan_across, beam=one, **common) for one in parts), start=np.zeros(len(tan_along))
