@@ -53,18 +53,18 @@ def test_two_cameras_share_one_computer() -> None:
 
 
 def test_the_computer_is_off_with_the_camera_between_images() -> None:
-    # On for 4.8 s to wake up, 0.1 s of the longest exposure and 0.1 s of transfer in 100 s: a twentieth.
+    # On for 4.8 s to wake up, 0.05 s of exposure and 0.1 s of transfer in 100 s.
     found = design(vehicle={"camera_between_images": "off"})
-    assert found.totals.power_w == pytest.approx((4.0 + 5.0) / 20.0 + 0.002)
+    assert found.totals.power_w == pytest.approx((4.0 + 5.0) * 4.95 / 100.0 + 0.002)
 
 
 def test_a_camera_waits_for_its_computer_to_start_unless_it_says_how_long_it_takes() -> None:
     # 18 s for a computer to start (class estimate, from measured starts of 8 to 40 s), else as above; 10 mW of standby.
     found = design(vehicle={"camera_between_images": "off"}, wake_up_s=None, standby_w=None)
-    assert found.totals.power_w == pytest.approx((4.0 + 5.0) * 18.2 / 100.0 + 0.010)
+    assert found.totals.power_w == pytest.approx((4.0 + 5.0) * 18.15 / 100.0 + 0.010)
     # Without a computer in the count the camera alone wakes up, in 5 s.
     alone = design(vehicle={"camera_between_images": "off"}, wake_up_s=None, standby_w=None, host="none")
-    assert alone.totals.power_w == pytest.approx(4.0 * 5.2 / 100.0 + 0.010)
+    assert alone.totals.power_w == pytest.approx(4.0 * 5.15 / 100.0 + 0.010)
 
 
 def test_a_single_camera_of_an_interface_that_leaves_no_housing_has_its_computer_in_it() -> None:

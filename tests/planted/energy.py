@@ -8,6 +8,7 @@ SWITCHED = "tests/evaluation/test_switching_off.py::"
 SWITCHED_SEARCH = "tests/solvers/test_switching.py::"
 HOST = "tests/evaluation/test_host.py::"
 BY_HAND = f"{DURATION}test_energy_storage_and_endurance_are_those_by_hand"
+EXPOSED = f"{SWITCHED_SEARCH}test_lamps_and_cameras_share_the_least_power_by_hand"
 OVER_SCENES = f"{SEARCH}test_cells_and_closed_form_agree_on_energy_over_two_scenes"
 
 DEFECTS = (
@@ -126,9 +127,37 @@ DEFECTS = (
     Defect(
         name="cameras wake up in no time",
         file="uwopt/forward/part_columns.py",
-        old='"on_s": known["wake_up_s"] + np.minimum(',
-        new='"on_s": np.minimum(',
+        old='"awake_s": known["wake_up_s"] + 1.0 / rate,',
+        new='"awake_s": 1.0 / rate,',
         test=f"{SWITCHED}test_a_lander_draws_milliwatts_with_lamps_and_camera_off_between_images",
+    ),
+    Defect(
+        name="cameras that are off between images draw what the shortest exposure takes",
+        file="uwopt/forward/figures.py",
+        old="cam, settings.rate_hz, settings.exposure_s)",
+        new="cam, settings.rate_hz)",
+        test=f"{SWITCHED}test_a_lander_draws_milliwatts_with_lamps_and_camera_off_between_images",
+    ),
+    Defect(
+        name="the lamps alone choose how long cameras expose",
+        file="uwopt/solvers/settings/best.py",
+        old="return replace(found, chosen=chosen, feasible=feasible, lower_bound=bound)",
+        new="return replace(found, chosen=chosen, feasible=feasible)",
+        test=EXPOSED,
+    ),
+    Defect(
+        name="cells charge cameras for the longest exposure in them",
+        file="uwopt/solvers/settings/cell_bounds.py",
+        old="rows.exposing_w(self.exposure_s(d, box.t_lo, box.open_lo))",
+        new="rows.exposing_w(self.exposure_s(d, box.t_hi, box.open_hi))",
+        test=EXPOSED,
+    ),
+    Defect(
+        name="the highest SNR leaves no power for the exposure",
+        file="uwopt/solvers/settings/best.py",
+        old="most_w = camera_power_w + np.max([r.exposing_w(r.longest_exposure_s) for r in rows], axis=0)",
+        new="most_w = camera_power_w",
+        test=f"{SWITCHED_SEARCH}test_power_is_left_for_the_exposure_of_the_highest_snr",
     ),
     Defect(
         name="power of lamps that are off between images is bounded as if they burnt on",

@@ -273,6 +273,7 @@ def joined(
 def fixed_terms(model: DesignModel) -> dict[str, float]:
     """Cost, mass, power without light and ground sample of one hardware, from the forward model."""
     unit = model.settings(0, SceneSettings(gain=1.0))
+    unit = replace(unit, exposure_s=model.cameras.min_exposure_s)
     totals = {name: float(np.ravel(v)[0]) for name, v in model.totals(model.figures(0, unit)).items()}
     return totals | {"gsd_mm": max(float(view.gsd_m[0, 1]) * 1e3 for view in model.views)}
 

@@ -74,7 +74,18 @@ class SceneSearch:
     def power_w(self, level: Array, time_s: Array) -> Array:
         """Mean power of all lamps, those that are off between images by the time that they burn."""
         on = 1.0 if np.isinf(self.lead_s) else np.minimum(1.0, (self.lead_s + time_s) * self.rate)
-        return np.asarray(self.full_w * level * on + self.standby_w)
+        return np.asarray(self.full_w * level * on + self.standby_w + self.exposing_w(time_s))
+
+    def exposing_w(self, time_s: Array) -> Array | float:
+        """What cameras that are off between images draw for an exposure beyond the shortest."""
+        vehicle, cam = self.scene.view.vehicle, self.cam
+        if vehicle.camera_between_images == "on":
+            return 0.0
+        on, shortest = (
+            np.minimum(1.0, (cam.awake_s[0] + open_s) * self.rate)
+            for open_s in (self.exposure_s(time_s), cam.min_exposure_s[0])
+        )
+        return np.asarray(vehicle.camera_count * cam.power_w[0] * (on - shortest))
 
     def _time_range(self) -> tuple[float, float]:
         """Shortest and longest time that collects light, from the data sheets' limits; low > high: none."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -67,6 +68,36 @@ def test_cells_and_closed_form_agree_on_switched_lamps(wanted: str, lead_s: floa
     found = cells.chosen[0].light_power_w[0] + 3.0 if wanted == "power" else -cells.snr_db[0]
     assert found == pytest.approx(value, rel=2e-4)
     assert cells.lower_bound[0] <= found
+
+
+@pytest.mark.parametrize("camera_w", [1.0, 8.0, 40.0])
+def test_lamps_and_cameras_share_the_least_power_by_hand(camera_w: float) -> None:
+    """A dial at level u for t s, the camera on for 2 s + t: with u t = q an image takes F q (lead / t + 1) + W t
+    joules, least at t = sqrt(F q lead / W)."""
+    lead_s, args = 0.5, (np.array([False]), Objective.of("power"), np.array([3.0]), np.inf)
+    rows = off(lead_s, time_max_s=1.0, min_level=0.0, dark_current_e_s=0.0)
+    alone = best_settings([rows], *args).chosen[0]
+    q = float(alone.level[0] * alone.time_s[0])  # what the images need, whoever draws for it
+    exposing = replace(rows, camera_w=np.array([camera_w]), awake_s=np.array([2.0]))
+    found = best_settings([exposing], *args, constant=3.0)
+    time_s = float(np.clip(np.sqrt(200.0 * q * lead_s / camera_w), rows.time_min_s[0], 1.0))
+    joules = 200.0 * q * (lead_s / time_s + 1.0) + camera_w * (time_s - rows.min_exposure_s[0])
+    least_w = 3.0 + 0.5 + 0.1 * joules
+    drawn_w = 3.0 + found.chosen[0].light_power_w[0]
+    assert found.lower_bound is not None
+    assert found.lower_bound[0] <= least_w * (1 + 1e-9)
+    assert drawn_w == pytest.approx(least_w, rel=GAP)
+    assert drawn_w - found.lower_bound[0] <= 1.01 * GAP * drawn_w
+
+
+def test_power_is_left_for_the_exposure_of_the_highest_snr() -> None:
+    rows = replace(off(0.02, dark_current_e_s=0.0), camera_w=np.array([20.0]), awake_s=np.array([2.0]))
+    args = (np.array([False]), Objective.of("snr_db"), np.array([3.0]), 3.6)
+    found, free = best_settings([rows], *args), best_settings([replace(rows, camera_w=None)], *args)
+    assert found.feasible[0]
+    assert found.lower_bound is not None
+    assert found.chosen[0].light_power_w[0] + 3.0 <= 3.6 * (1 + 1e-8)
+    assert free.snr_db[0] - 1.0 < found.snr_db[0] <= -found.lower_bound[0] < free.snr_db[0]
 
 
 def test_most_light_within_a_power_by_hand() -> None:

@@ -445,7 +445,8 @@ class DesignModel(DesignLight):
         n, camera = problem.mission.vehicle.camera_count, problem.parts.cameras[self.hardware.camera]
         fed_w = np.array([problem.host_share(camera) * number(camera.host_power_w, 0.0)])
         computer = replace(self.cameras, power_w=fed_w, standby_w=np.zeros(1))
-        computer_w = n * float(camera_power_w(problem.scenes[index].view.vehicle, computer, settings.rate_hz)[0])
+        vehicle = problem.scenes[index].view.vehicle
+        computer_w = n * float(camera_power_w(vehicle, computer, settings.rate_hz, settings.exposure_s)[0])
         cameras_w = n * float(figures.camera_power_w[0]) - computer_w
         light_w = float(figures.light_power_w[0])
         return {"camera": cameras_w, "complete": cameras_w, "computer": computer_w, "light": light_w}

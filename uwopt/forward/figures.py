@@ -198,7 +198,7 @@ def figures_of(
         dof_near_m=near,
         dof_far_m=far,
         focus_distance_m=np.asarray(water_distance_m(settings.dioptre_per_m, focus_map=rows.focus_map)),
-        camera_power_w=switching.camera_power_w(scene.view.vehicle, cam, settings.rate_hz),
+        camera_power_w=switching.camera_power_w(scene.view.vehicle, cam, settings.rate_hz, settings.exposure_s),
         light_power_w=power,
         light_peak_power_w=peak,
         duty_frac=np.asarray(light_model.duty_frac(collected_s, frame_rate_hz=settings.rate_hz)),

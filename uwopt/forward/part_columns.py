@@ -69,7 +69,7 @@ class Cameras(PartColumns):
     mass_kg: Array
     power_w: Array
     standby_w: Array  # where it is switched off between images
-    on_s: Array  # that an image keeps it on then: waking up, the longest exposure, the transfer
+    awake_s: Array  # that an image keeps it on then beside its exposure: waking up, the transfer
     body_width_m: Array  # 0 where it is not known, here and below
     body_height_m: Array
     body_length_m: Array
@@ -274,7 +274,6 @@ def camera_rows(
     end: End = "central",
     paper: bool = False,
     high_basis: bool = False,
-    longest_exposure_s: float = 0.0,
     host_share: Array | float = 0.0,
 ) -> tuple[Cameras, list[dict[str, Curve]]]:
     """Cameras as columns, and the distinct efficiency curves they point to.
@@ -311,7 +310,7 @@ def camera_rows(
             "bits": bits,
             "max_gain": db_to_ratio(known["max_gain_db"]),
             "max_rate_hz": np.minimum(rate, timer_hz),
-            "on_s": known["wake_up_s"] + np.minimum(known["max_exposure_s"], longest_exposure_s) + 1.0 / rate,
+            "awake_s": known["wake_up_s"] + 1.0 / rate,
             "readout_s": np.where(rolling & np.isfinite(rate), 1.0 / np.maximum(rate, 1e-9), 0.0),
             "frame_mb": frame_mb,
             "qe_index": np.array(each_once([part.qe_curves for part in parts], index), int),

@@ -119,7 +119,6 @@ class Problem:
         high = mission.limits.cost_basis == "high"
         self.cameras, self.efficiencies = camera_rows(
             parts.cameras, money=self.money, end=end, paper=paper, high_basis=high,
-            longest_exposure_s=mission.limits.max_exposure_ms * 1e-3,
             host_share=np.array([self.host_share(part) for part in parts.cameras]),
         )  # fmt: skip
         self.lenses: Lenses = lens_rows(parts.lenses, money=self.money, end=end, high_basis=high)

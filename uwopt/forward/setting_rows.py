@@ -25,6 +25,7 @@ from uwopt.forward.sharpness import Bars, SharpRows, airy_f_number
 from uwopt.mission.sections.requirements import Requirements
 from uwopt.model import sensor
 from uwopt.model.image_mean import reached_by_most
+from uwopt.model.light import duty_frac
 from uwopt.model.sharpness import HALF_NYQUIST_CYC_PER_PX, RESOLVED_CONTRAST
 
 if TYPE_CHECKING:
@@ -103,6 +104,8 @@ class SceneRows(Columns):
     open_max_s: Array | None = None  # longest open shutter under the sun; None: as long as the lamps need
     lead_s: Array | None = None  # that lamps burn beside the time that collects light; inf or None: all the time
     idle_w: Array | None = None  # drawn whatever the light: lamps that are off, cameras beside their least scene
+    camera_w: Array | None = None  # of all cameras while on, where they are off between images; None: they stay on
+    awake_s: Array | None = None  # that an image keeps them on beside its exposure
     min_gain: float = 1.0
     background_e: Array | None = None  # (n, 1), of open water behind the targets; there is no sun with it
     flash_decay_s: Array | None = None  # in which a flash fades to 1/e, inf or None: it does not
@@ -249,6 +252,17 @@ class SceneRows(Columns):
         """What is drawn whatever the light."""
         return 0.0 if self.idle_w is None else self.idle_w
 
+    def exposing_w(self, exposure_s: Array) -> Array:
+        """Mean power that cameras draw for an exposure beyond the shortest that they have, (n,)."""
+        if self.camera_w is None or self.awake_s is None:
+            return np.zeros(len(self.kind))
+
+        def on_share(open_s: Array) -> Array:
+            return duty_frac(self.awake_s + open_s, frame_rate_hz=self.rate_hz)
+
+        longer_s = np.maximum(exposure_s, self.min_exposure_s)
+        return np.asarray(self.camera_w * (on_share(longer_s) - on_share(self.min_exposure_s)))
+
     @property
     def flash(self) -> FlashTimes:
         """How the flashes among the lights fade."""
@@ -276,6 +290,14 @@ class SceneRows(Columns):
         around_pulse = np.maximum(self.min_exposure_s, lit_s + self.readout_s)
         cut = lit_s - self.exposure_offset_s
         return np.where((self.kind == PULSED) | self.is_whole_flash(time_s), around_pulse, cut)
+
+    @property
+    def longest_exposure_s(self) -> Array:
+        """The longest exposure that some settings have."""
+        longest_s = self.exposure_s(np.maximum(self.time_max_s, self.time_min_s))
+        if self.open_max_s is None:
+            return longest_s
+        return np.maximum(longest_s, self.open_max_s - self.exposure_offset_s)
 
 
 PIXEL_COLUMNS = ("worst_e", "worst_veil_e", "worst_sun_signal_e_s", "worst_sun_veil_e_s")
@@ -391,6 +413,7 @@ def setting_rows(
     if needs.max_skew_px is not None:
         allowed &= (focused.skew_px <= needs.max_skew_px) | (lamp.kind != CONTINUOUS)
     vehicle = scene.view.vehicle
+    stays_on = vehicle.camera_between_images == "on"
     n_high = focused.n_high
     if needs.max_airy_px is not None:
         working = airy_f_number(problem, scene_index, needs.max_airy_px, camera, light)
@@ -456,5 +479,7 @@ def setting_rows(
         mean_level=needs.mean_level,
         highlight_ratio=needs.highlight_ratio,
         lead_s=switching.lead_s(vehicle, lamp, cam),
+        camera_w=None if stays_on else vehicle.camera_count * cam.power_w,
+        awake_s=None if stays_on else cam.awake_s,
         idle_w=switching.standby_w(vehicle, lamp, count) + focused.beside_w,
     )

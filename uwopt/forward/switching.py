@@ -84,11 +84,14 @@ def standby_w(vehicle: Vehicle, lights: Lights, count: Array) -> Array:
     return np.where(are_switched(vehicle, lights), lights.standby_w * count, 0.0)
 
 
-def camera_power_w(vehicle: Vehicle, cameras: Cameras, rate_hz: Array | float) -> Array:
-    """Mean power of one camera at a frame rate."""
+def camera_power_w(
+    vehicle: Vehicle, cameras: Cameras, rate_hz: Array | float, exposure_s: Array | None = None
+) -> Array:
+    """Mean power of one camera at a frame rate, with an exposure; None: the shortest, no less with any."""
     if vehicle.camera_between_images == "on":
         return np.asarray(cameras.power_w + 0.0 * rate_hz)
-    on = duty_frac(cameras.on_s, frame_rate_hz=rate_hz)
+    exposure_s = cameras.min_exposure_s if exposure_s is None else exposure_s
+    on = duty_frac(cameras.awake_s + exposure_s, frame_rate_hz=rate_hz)
     return np.asarray(cameras.power_w * on + cameras.standby_w)
 
 

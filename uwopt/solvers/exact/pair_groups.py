@@ -27,7 +27,7 @@ ALIKE = (  # cameras of a group agree in these
 )  # fmt: skip
 LEAST_OF_CAMERAS = (
     "read_noise_e", "prnu_frac", "min_exposure_s", "readout_s", "frame_mb", "price", "limit_price", "mass_kg",
-    "power_w", "standby_w", "on_s", "body_width_m", "body_height_m", "body_length_m", "plug_m", "most_body_m",
+    "power_w", "standby_w", "awake_s", "body_width_m", "body_height_m", "body_length_m", "plug_m", "most_body_m",
 )  # fmt: skip
 MOST_OF_CAMERAS = (
     "saturation_e", "gain_dn_per_e", "max_gain", "max_exposure_s", "exposure_offset_s", "dark_current_e_s",

@@ -69,7 +69,8 @@ class Hopeful(Columns):
         drawn = []
         for r in self.rows:
             share = r.on_share(r.time_max_s)
-            drawn.append(full_draw_w(r) * np.minimum(r.max_level, 1.0) * np.maximum(share, 0.0) + r.idle)
+            lamps_w = full_draw_w(r) * np.minimum(r.max_level, 1.0) * np.maximum(share, 0.0) + r.idle
+            drawn.append(lamps_w + r.exposing_w(r.longest_exposure_s))
         return np.minimum(self.camera_power_w + np.max(drawn, axis=0), self.power_limit_w)
 
     @property

@@ -95,7 +95,8 @@ def _above(
         return least, feasible
     some = [r.take(alive) for r in rows]
     first = [c.take(alive) for c in least]
-    top = closed_form.greatest_snr(some, motorised[alive], light_limit_w[alive])
+    exposing_w = np.max([r.exposing_w(r.longest_exposure_s) for r in some], axis=0)
+    top = closed_form.greatest_snr(some, motorised[alive], light_limit_w[alive] - exposing_w)
     low = np.min([closed_form.nominal_snr(r, c.light_x) for r, c in zip(some, first, strict=True)], axis=0)
     reached = np.isfinite(top) & (low > 0)
     top = np.where(reached, np.maximum(top, low), low)
@@ -244,7 +245,7 @@ class SceneRange:
         dims = np.where(rows.dims_freely, shares.level_frac, 0.0)
         level = between(np.maximum(u_low, np.where(dims > 0, DIMMEST * u_high, 0.0)), u_high, dims)
         light_x = level * per_level
-        power = closed_form.drawn_power_w(rows, level, time_s)
+        power = closed_form.drawn_power_w(rows, level, time_s, exposure_s)
         peak = closed_form.peak_power_w(rows, level)
         gain = closed_form.best_gain(dark_rows, light_x, sun)
         missing = np.where(np.isfinite(light_x) & np.isfinite(gain), missing, np.maximum(missing, FARTHEST))

@@ -71,6 +71,8 @@ def best_settings(
     cells are halved.
     """
     weighs = bool(objective.weight("snr_db") and objective.weight("power"))
+    if rows[0].optimistic:
+        rows = [replace(r, camera_w=None) for r in rows]  # the least that cameras draw is counted apart
     if weighs and rows[0].optimistic and is_bounded(rows, objective):  # as good as closed forms, and far cheaper
         return best_joint(
             rows, motorised, objective, camera_power_w, power_limit_w, constant=constant, cutoff=cutoff
@@ -149,7 +151,10 @@ def best_where_sharp(
     feasible = easy.feasible & sharp
     if closed_alone:
         return replace(easy, feasible=feasible, lower_bound=lower)
-    open_ = np.isfinite(lower) & ~feasible & (lower <= cutoff)
+    done = feasible
+    if any(r.camera_w is not None for r in rows):
+        done = feasible & is_close(easy, lower, objective, constant, more["gap_rel"])
+    open_ = np.isfinite(lower) & ~done & (lower <= cutoff)
     return searched_where(
         open_, replace(easy, feasible=feasible, lower_bound=lower), rows, motorised, objective, camera_power_w,
         power_limit_w, constant=constant, cutoff=cutoff, mean_limit=mean_limit, **more,
@@ -166,13 +171,18 @@ def best_in_the_dark(
     lower = easy.lower_bound
     if lower is None:
         return easy
-    value = np.where(easy.feasible, value_of(easy, objective, constant), np.inf)
-    known = np.where(np.isfinite(lower), lower, 0.0)
-    close = value - known <= gap_rel * np.maximum(objective.scale(known), NO_RELATIVE_GAP)
+    close = is_close(easy, lower, objective, constant, gap_rel)
     return searched_where(
         np.isfinite(lower) & ~close & (lower <= cutoff), easy, rows, motorised, objective, camera_power_w,
         power_limit_w, gap_rel=gap_rel, constant=constant, cutoff=cutoff, mean_limit=mean_limit, **more,
     )  # fmt: skip
+
+
+def is_close(best: Best, lower: Array, objective: Objective, constant: Array | float, gap_rel: float) -> Array:
+    """Whether settings are within a relative gap of what none can beat, (n,)."""
+    value = np.where(best.feasible, value_of(best, objective, constant), np.inf)
+    known = np.where(np.isfinite(lower), lower, 0.0)
+    return np.asarray(value - known <= gap_rel * np.maximum(objective.scale(known), NO_RELATIVE_GAP))
 
 
 def value_of(best: Best, objective: Objective, constant: Array | float) -> Array:
@@ -248,6 +258,8 @@ def best_closed(
     counts too, the bound says what is left. Rows for bounds are answered with a bound at once.
     """
     given = (motorised, objective, camera_power_w, power_limit_w, mean_limit)
+    if any(r.camera_w is not None for r in rows):
+        return best_of_switched_cameras(rows, given, constant)
     if not any(np.any(r.dark_current_e_s > 0) for r in rows):
         return closed_at(rows, settings_at_dark(rows, *given))
     if rows[0].optimistic:
@@ -282,6 +294,30 @@ def best_closed(
         known = np.where(bent & ~(best.feasible & sure), bound_in_the_dark(start, given, constant), value)
         return replace(best, lower_bound=known)
     return replace(best, lower_bound=bound_in_the_dark(start, given, constant))
+
+
+def best_of_switched_cameras(rows: list[SceneRows], given: Given, constant: Array | float) -> Best:
+    """Settings that are best for the lamps, with what cameras draw for their exposures, and a bound without it.
+
+    Where the highest SNR within a power is wanted, the longest exposure is set aside of that power.
+    """
+    motorised, objective, camera_power_w, power_limit_w, mean_limit = given
+    free = [replace(r, camera_w=None) for r in rows]
+    found = best_closed(free, motorised, objective, camera_power_w, power_limit_w, constant, mean_limit)
+    bound = found.lower_bound
+    if bound is None:
+        bound = np.where(found.feasible, value_of(found, objective, constant), np.inf)
+    if objective.weight("snr_db"):
+        most_w = camera_power_w + np.max([r.exposing_w(r.longest_exposure_s) for r in rows], axis=0)
+        found = best_closed(free, motorised, objective, most_w, power_limit_w, constant, mean_limit)
+    chosen = [
+        replace(c, light_power_w=c.light_power_w + r.exposing_w(r.exposure_s(c.time_s)))
+        for r, c in zip(rows, found.chosen, strict=True)
+    ]
+    feasible = found.feasible
+    if mean_limit is not None:
+        feasible = feasible & mean_limit.met_by(chosen, camera_power_w)
+    return replace(found, chosen=chosen, feasible=feasible, lower_bound=bound)
 
 
 def bound_in_the_dark(rows: list[SceneRows], given: Given, constant: Array | float) -> Array:

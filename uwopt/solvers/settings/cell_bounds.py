@@ -125,7 +125,7 @@ class SceneCells:
     """One scene's designs."""
 
     def __init__(self, rows: SceneRows, light_limit_w: Array):
-        self.sharp = rows.sharp
+        self.sharp, self.light_limit_w = rows.sharp, light_limit_w
         self.sunlit = rows.sunlit
         self.rows = replace(rows, sharp=None)
         if not self.sunlit:  # then no setting changes what bars keep, which is told of all pixels below
@@ -149,6 +149,15 @@ class SceneCells:
         self.bars = [] if self.sharp is None else [StillBars.of(bars, self.sharp) for bars in rows.bars]
         if self.bars:
             self.least_contrast, self.most_contrast = rows.contrast_within()
+
+    def share_beside(self, d: Array, rows: SceneRows, exposure_s: Array) -> Array:
+        """Level that mean power allows beside what cameras draw for an exposure; `rows` are those of `d`."""
+        if rows.camera_w is None:
+            return np.asarray(self.share[d])
+        drawn = np.where(rows.kind == FLASH, rows.pulse_energy_j * rows.rate_hz, rows.full_power_w)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            taken = np.where(drawn > 0.0, rows.exposing_w(exposure_s) / drawn, 0.0)
+        return np.asarray(self.share[d] - taken)
 
     # ------------------------------------------------------------ time and shutter
 
@@ -289,7 +298,9 @@ class SceneCells:
         per_level_hi = rows.light_lm * box.t_hi / n2_lo
         timed, duty = self.timed[d], rows.on_share(box.t_lo)
         with np.errstate(divide="ignore", invalid="ignore"):
-            top = np.minimum(box.u_hi, np.where(timed, self.share[d] * (1 + 1e-9) / duty, np.inf))
+            share = self.share_beside(d, rows, self.exposure_s(d, box.t_lo, box.open_lo))
+            capped = timed | (rows.camera_w is not None)
+            top = np.minimum(box.u_hi, np.where(capped, share * (1 + 1e-9) / duty, np.inf))
             top = np.minimum(top, np.where(per_level_lo > 0, high / per_level_lo * (1 + SLACK), np.inf))
             bottom = np.maximum(box.u_lo, low / per_level_hi * (1 - SLACK))
         if self.sunlit and rows.colour_e is not None and np.isfinite(rows.max_white_balance):
@@ -308,6 +319,8 @@ class SceneCells:
         drawn = np.where(rows.kind == FLASH, rows.pulse_energy_j * rows.rate_hz, rows.full_power_w)
         with np.errstate(invalid="ignore"):  # a lamp that draws nothing, at no level: dropped
             power = drawn * np.where(timed, least_energy, bottom) + rows.idle
+        if rows.camera_w is not None:
+            power = power + rows.exposing_w(self.exposure_s(d, box.t_lo, box.open_lo))
         alive &= np.isfinite(power)
         snr, contrast = self._snr_and_contrast(rows, box, bottom, top, x_lo, x_cap, y_lo, y_hi)
         of_mean = rows.min_snr if rows.worst_e is None else rows.min_snr_mean  # pixels may reach more than the mean has
@@ -387,7 +400,8 @@ class SceneCells:
         high = window_over(rows, 0.0, 0.0, exposure, exposure)[1] if self.constant_window is None else (
             self.constant_window[1][d])  # fmt: skip
         with np.errstate(divide="ignore", invalid="ignore"):
-            _, level = self.steps(d, np.zeros(len(d)), np.minimum(u_hi, self.share[d] / rows.on_share(time_s)))
+            share = self.share_beside(d, rows, exposure)
+            _, level = self.steps(d, np.zeros(len(d)), np.minimum(u_hi, share / rows.on_share(time_s)))
             filled = high * (1 - SLACK) * square / (rows.light_lm * level)
         return np.asarray(np.where(filled >= rows.time_min_s, np.minimum(time_s, filled), time_s))
 
@@ -438,7 +452,7 @@ class SceneCells:
         light_x = level * per_level
         sun = Sun.at(rows, y) if self.sunlit else None
         gain = closed_form.best_gain(dark_rows, light_x, sun)
-        power = closed_form.drawn_power_w(rows, level, time_s)
+        power = closed_form.drawn_power_w(rows, level, time_s, exposure)
         peak = closed_form.peak_power_w(rows, level)
         snr, contrast, holds = figures_at(dark_rows, light_x, gain, sun)
         blur_s = open_s if self.sunlit else self.blurred_s(d, time_s)
@@ -446,7 +460,10 @@ class SceneCells:
         drawn_most = (
             np.where(full_w > 0, self.share[d], 0.0) * full_w
         )  # a flash that never fires draws nothing
-        fits &= holds & (power - rows.idle <= drawn_most * (1 + 2e-9))
+        lights_w = power - rows.idle - rows.exposing_w(exposure)
+        fits &= holds & (lights_w <= drawn_most * (1 + 2e-9))
+        if rows.camera_w is not None:
+            fits &= power <= self.light_limit_w[d] * (1 + 2e-9)
         if self.bars:
             seen = bars_contrast(rows, light_x, sun)[:, rows.three] if self.sunlit else self.most_contrast[d]
             fits &= self.sharp_enough(d, f_number, f_number, blur_s, seen, MEETS)
@@ -467,7 +484,8 @@ class SceneCells:
         duty = rows.on_share(time_s)
         with np.errstate(divide="ignore", invalid="ignore"):
             least = np.maximum(u_lo, low / per_level)
-            top = np.minimum(np.minimum(u_hi, high / per_level), self.share[d] * (1 + 1e-9) / duty)
+            allowed = self.share_beside(d, rows, exposure) * (1 + 1e-9) / duty
+            top = np.minimum(np.minimum(u_hi, high / per_level), allowed)
             if step is None:
                 step, _ = self.steps(d, least, u_hi)
             exact = np.where(np.isfinite(step), low * square / (rows.light_lm * step), time_s)

@@ -272,4 +272,6 @@ def power_tangent(scene: SceneCells, d: Array, box: Box, shift: Array, centre: A
     unseen = drawn * np.where(box.u_lo < floor, floor, 0.0)
     idle = np.broadcast_to(rows.idle, rate.shape if rows.idle_w is None else rows.kind.shape)
     idle = idle if rows.idle_w is None else idle[d]
+    if rows.camera_w is not None:
+        idle = idle + rows.take(d).exposing_w(scene.exposure_s(d, box.t_lo, box.open_lo))
     return np.asarray(at_centre[:, None] * (1.0 + slope) - unseen[:, None] + idle[:, None])

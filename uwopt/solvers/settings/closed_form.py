@@ -128,13 +128,19 @@ def stepped_level(rows: SceneRows, need: Array, cap: Array) -> Array:
     return np.where(np.isfinite(merit[rows_index, pick]), levels[rows_index, pick], np.nan)
 
 
-def drawn_power_w(rows: SceneRows, level: Array, time_s: Array) -> Array:
-    """Mean electrical power of all lights (PHYSICS section 1)."""
+def drawn_power_w(rows: SceneRows, level: Array, time_s: Array, exposure_s: Array | None = None) -> Array:
+    """Mean electrical power of all lights (PHYSICS section 1), and of cameras for the exposure.
+
+    exposure_s : (n,) [s], None: what the lamps need
+    """
     burning = light.continuous_power_w(level, full_power_w=rows.full_power_w, count=1) * rows.on_share(time_s)
     flashing = light.flash_power_w(
         rows.pulse_energy_j * level, count=1, frame_rate_hz=rows.rate_hz, charging_efficiency=1.0
     )
-    return np.where(rows.kind == FLASH, flashing, burning) + rows.idle
+    lights_w = np.where(rows.kind == FLASH, flashing, burning) + rows.idle
+    if rows.camera_w is None:
+        return lights_w
+    return lights_w + rows.exposing_w(rows.exposure_s(time_s) if exposure_s is None else exposure_s)
 
 
 def peak_power_w(rows: SceneRows, level: Array) -> Array:

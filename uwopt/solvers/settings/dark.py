@@ -50,11 +50,12 @@ def at_time(rows: SceneRows, time_s: Array) -> SceneRows:
 def relaxed(rows: SceneRows) -> SceneRows:
     """Rows for bounds: dark current of the shortest exposure where it harms, of the longest where it helps.
 
-    It is charged as `spare_dark_s`; the dark current that is left must not be charged again.
+    It is charged as `spare_dark_s`; the dark current that is left must not be charged again. Cameras that are off
+    between images draw what the shortest exposure takes.
     """
     shortest = np.maximum(rows.exposure_s(rows.time_min_s), 0.0)
     longest = np.maximum(rows.exposure_s(np.maximum(rows.time_max_s, rows.time_min_s)), shortest)
-    return replace(rows, dark_time_s=shortest, spare_dark_s=longest - shortest)
+    return replace(rows, dark_time_s=shortest, camera_w=None, spare_dark_s=longest - shortest)
 
 
 def outruns_light(rows: SceneRows) -> Array:
