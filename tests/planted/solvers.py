@@ -697,6 +697,13 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/solvers/test_ceilings.py::test_tables_of_colour_are_found_again_when_lists_without_any_are_joined_twice",
     ),
     Defect(
+        name="points that clearly beat others are looked for next to them in one objective alone",
+        file="uwopt/objectives/dominance.py",
+        old="for point, room in zip(points.T, slack.T, strict=True):",
+        new="for point, room in zip(points.T[:1], slack.T[:1], strict=True):",
+        test="tests/solvers/test_dominance.py::test_pairs_that_clearly_beat_are_those_of_all_pairs",
+    ),
+    Defect(
         name="segments of a front are asked by how wide they are, however little they add",
         file="uwopt/solvers/front/points.py",
         old="spans = would_add(self.archive.values, reached, frame)",

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from uwopt.objectives import dominance
 from uwopt.objectives.axes import Axes, Frame
 from uwopt.objectives.dominance import (
     BestPoints,
@@ -232,6 +233,24 @@ def test_what_clearly_leaves_out_is_stood_for_by_what_stays(values):
     assert not (mask & ~plain_front(values)).any()
     for row in values[plain_front(values) & ~mask]:
         assert (values[mask] <= row + rel * np.abs(row)).all(axis=1).any()
+
+
+@pytest.mark.parametrize("at_once", [3, 10**6])
+@given(values=WIDE.flatmap(lambda w: points(w, st.sampled_from(np.linspace(0.99, 1.01, 33).tolist()), most=40)))
+def test_pairs_that_clearly_beat_are_those_of_all_pairs(at_once, values):
+    rel = np.geomspace(1e-4, 3e-3, values.shape[1])
+    front = values[plain_front(values)]
+    slack = rel * np.abs(front)
+    every = [
+        (mine, other)
+        for mine, point in enumerate(front)
+        for other, beside in enumerate(front)
+        if (beside <= point + slack[mine]).all() and (beside < point - slack[mine]).any()
+    ]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(dominance, "PAIRS", at_once)
+        loser, winner = dominance._clearly_beaten(front, slack)
+    assert list(zip(loser.tolist(), winner.tolist(), strict=True)) == every
 
 
 def test_points_that_differ_by_enough_all_stay():

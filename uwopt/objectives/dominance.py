@@ -6,6 +6,7 @@ millions of bounds some point found beats.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,7 +17,7 @@ from uwopt.objectives.axes import Frame, scale
 from uwopt.tolerances import TIE
 
 Array = NDArray[Any]
-CHUNK = 256  # rows compared with all others at a time
+PAIRS = 1_000_000  # of points compared at a time
 NEAR = 1e-3  # relative in every objective: one of two such points is enough
 
 
@@ -42,8 +43,7 @@ def clearly(values: Array, resolved_rel: Array) -> Array:
         return kept
     points = values[rows]
     slack = resolved_rel * np.abs(points)
-    beaten = [_clearly_beaten(points[i : i + CHUNK], slack[i : i + CHUNK], points) for i in range(0, len(rows), CHUNK)]
-    loser, winner = np.concatenate([[mine + i * CHUNK, other] for i, (mine, other) in enumerate(beaten)], axis=1)
+    loser, winner = _clearly_beaten(points, slack)
     doubtful, begins = np.unique(loser, return_index=True)
     winners = dict(zip(doubtful.tolist(), np.split(rows[winner], begins[1:]), strict=True)) if len(doubtful) else {}
     resolved = np.maximum(resolved_rel * np.median(np.abs(points), axis=0), 1e-300)
@@ -53,16 +53,35 @@ def clearly(values: Array, resolved_rel: Array) -> Array:
     return kept
 
 
-def _clearly_beaten(points: Array, slack: Array, others: Array) -> tuple[Array, Array]:
-    """Pairs of a point and one of the others that is no worse, to the point's slack, and better by more somewhere."""
-    no_worse = np.ones((len(points), len(others)), bool)
-    better = np.zeros_like(no_worse)
-    for point, room, other in zip(points.T, slack.T, others.T, strict=True):
-        step = point[:, None] - other  # above 0: the other is better
-        no_worse &= step >= -room[:, None]
-        better |= step > room[:, None]
-    first, second = np.nonzero(no_worse & better)
-    return first, second
+def _clearly_beaten(points: Array, slack: Array) -> tuple[Array, Array]:
+    """Pairs of a point and another that is no worse, to the point's slack, and better by more somewhere, by point.
+
+    No point dominates another, so that the other is worse in some objective, within the slack: next above the point
+    in the order of that objective.
+    """
+    pairs = [np.empty((2, 0), int)]
+    for point, room in zip(points.T, slack.T, strict=True):
+        order = np.argsort(point, kind="stable")
+        ordered = point[order]
+        begin = np.searchsorted(ordered, point, side="right")
+        end = np.searchsorted(ordered, point + room * (1.0 + TIE), side="right")
+        for loser, place in _ranges(begin, end):
+            winner = order[place]
+            step = points[loser] - points[winner]  # above 0: the winner is better
+            found = (step >= -slack[loser]).all(axis=1) & (step > slack[loser]).any(axis=1)
+            pairs.append(np.stack([loser[found], winner[found]]))
+    loser, winner = np.unique(np.concatenate(pairs, axis=1), axis=1)
+    return loser, winner
+
+
+def _ranges(begin: Array, end: Array) -> Iterator[tuple[Array, Array]]:
+    """Rows and all places from begin to end of each, (m,) both, some rows at a time."""
+    count = np.maximum(end - begin, 0)
+    block = np.cumsum(count) // PAIRS
+    for rows in np.split(np.arange(len(count)), np.nonzero(np.diff(block))[0] + 1):
+        row = np.repeat(rows, count[rows])
+        first = np.cumsum(count[rows]) - count[rows]
+        yield row, np.arange(len(row)) + np.repeat(begin[rows] - first, count[rows])
 
 
 def hypervolume(values: Array, frame: Frame) -> float:
