@@ -13,7 +13,30 @@ EVERY = "tests/solvers/test_every_price.py"
 
 ROUNDS = "tests/solvers/test_in_rounds.py"
 
+SIBLINGS, OF_SIBLINGS = "uwopt/solvers/explain/siblings.py", "tests/solvers/test_siblings.py"
+
 DEFECTS = (
+    Defect(
+        name="a camera with the same sensor is told though it misses the mission",
+        file=SIBLINGS,
+        old="in enumerate(values) if math.isfinite(value))",
+        new="in enumerate(values))",
+        test=f"{OF_SIBLINGS}::test_a_sibling_that_misses_the_mission_is_not_told",
+    ),
+    Defect(
+        name="a colour camera is the sibling of a monochrome one",
+        file=SIBLINGS,
+        old="(other.chip, other.colour, other.shutter) != (own.chip, own.colour, own.shutter)",
+        new="(other.chip, other.shutter) != (own.chip, own.shutter)",
+        test=f"{OF_SIBLINGS}::test_what_takes_other_images_is_no_sibling",
+    ),
+    Defect(
+        name="every sibling is told with what the first takes",
+        file=SIBLINGS,
+        old='places = [dict.fromkeys(KINDS, 0) | {"camera": place}',
+        new='places = [dict.fromkeys(KINDS, 0) | {"camera": 0 * place}',
+        test=f"{OF_SIBLINGS}::test_the_same_chip_in_another_case_is_told_with_what_it_costs",
+    ),
     Defect(
         name="what gives together is looked for by the brightest design alone",
         file="uwopt/solvers/explain/together.py",

@@ -102,6 +102,10 @@ def test_numbers_to_ask_for_have_names_that_a_maker_knows(make_result: Make) -> 
     asked = {"part": "cam", "kind": "camera", "field": "qe_scale", "value": 0.95, "low": 0.8, "high": 1.1, "unit": ""}
     text = text_of(make_result(robustness={"quotes_that_matter": [asked]}))
     assert "quantum efficiency (as a factor) of cam ~0.950 (0.800 to 1.10)" in text
+    asked = {"part": "strobe", "kind": "light", "field": "flash_duration_at_frac", "value": 0.07, "low": 0.01,
+             "high": 0.5, "unit": ""}  # fmt: skip
+    told = text_of(make_result(robustness={"quotes_that_matter": [asked]}))
+    assert "light left when the stated flash duration ends (share of the peak) of strobe ~0.0700" in told
 
 
 def test_what_decides_is_asked_first_then_the_water(doubtful: Result) -> None:
@@ -264,6 +268,21 @@ def test_what_the_estimates_cannot_tell_apart_is_called_equal(make_result: Make,
     text = text_of(make_result(runners_up=others, robustness={"equal": [{"runner_up": 1}]}))
     said = "Equal within the estimates: this system, and the same with lens r-lens. Choose by quote and delivery."
     assert said in text and "q-lens" not in text
+
+
+def test_cameras_with_the_same_sensor_are_told_in_one_line(make_result: Make) -> None:
+    found = [
+        {"part": f"maker-{n}", "name": f"Maker {n}", "interface": interface, "value": 40.0 + n}
+        for n, interface in enumerate(("GigE", "", "USB3", "USB3"))
+    ]
+    text = text_of(make_result(robustness={"siblings": found}))
+    said = ("The camera's sensor is also in Maker 0 (GigE, 40.00 W), Maker 1 (41.00 W) and Maker 2 (USB3, 42.00 W) and "
+            "in 1 more: each meets the mission in its place.")  # fmt: skip
+    assert said in text
+    assert "The camera's sensor is also in Maker 0 (GigE, 40.00 W): meets" in text_of(
+        make_result(robustness={"siblings": found[:1]})
+    )
+    assert "sensor is also" not in text_of(make_result(robustness={"siblings": []}))
 
 
 def test_of_equal_systems_the_cheapest_are_told_with_what_they_save(make_result: Make, make_design: Make) -> None:

@@ -133,6 +133,7 @@ def doubts_of(
     from uwopt.solvers.explain.equals import equals
     from uwopt.solvers.explain.lamp_places import polished_mount, tilt_tolerance
     from uwopt.solvers.explain.robustness import robustness
+    from uwopt.solvers.explain.siblings import UNREACHED, siblings
     from uwopt.solvers.explain.waters import in_other_waters
 
     none = list[dict[str, Any]]()
@@ -140,6 +141,7 @@ def doubts_of(
     each: dict[str, tuple[str, Callable[[], Any], Any]] = {
         "robustness": (STAGES["robustness"], lambda: robustness(sought, goal, deadline=deadline), None),
         "equal": (EQUAL, lambda: equals(sought, goal, deadline, tied), none),
+        "siblings": (UNREACHED, lambda: siblings(sought, goal, deadline), none),
         "waters": ("other waters", lambda: in_other_waters(sought, goal, deadline), none),
         "tilt": ("how far lamps may lean", lambda: tilt_tolerance(sought, winner, goal, deadline), None),
         "outside_certificate": (

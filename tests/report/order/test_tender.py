@@ -6,6 +6,7 @@ import csv
 import io
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -125,6 +126,9 @@ def test_a_tender_without_time_asks_without_limits_and_says_so(result: Result) -
     kinds = ["camera", "lens", "port", "light"]
     bought = [FEW[named][0] for named in ("cameras", "lenses", "ports", "lights")]
     assert [(line.kind, line.part_id) for line in hurried] == list(zip(kinds, bought, strict=True))
+    found = [{"part": "twin", "name": "Twin", "interface": "GigE", "value": 1.0}]
+    twins = lines_of(replace(result, robustness={"siblings": found}), "x", Deadline.after(0.0))
+    assert [line.alternatives[:1] == ("twin",) for line in twins] == [True, False, False, False]
     assert none.left_out and {f"the limits of the {kind}" for kind in kinds}.issuperset(none.left_out)
 
 

@@ -124,6 +124,8 @@ def line_of(
     """One line with its facts."""
     own = row.id
     others = [one.hardware[kind] for one in other_systems(result) if one.hardware.get(kind) not in (None, own)]
+    if kind == "camera":  # the same images, whoever delivers
+        others = [str(item["part"]) for item in (result.robustness or {}).get("siblings") or []] + others
     name = f"{row.manufacturer} {row.model}".strip() or own
     facts = tuple(facts_of(result, kind, own, limits))
     return TenderLine(kind, own, name, row.generic, row.to_buy, tuple(dict.fromkeys(others)), rival, facts)

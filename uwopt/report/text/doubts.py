@@ -69,6 +69,7 @@ def robustness_block(result: Result) -> Block:
                           "where settings have no closed form single quotes were not tried"))  # fmt: skip
     facts.append(("rival", rival_text(doubt.get("rival"))))
     facts.append(("a toss", words.equal_sentence(result, most=9)))
+    facts.append(("same sensor", words.sibling_sentence(result, most=9)))
     if result.confidence is not None:
         facts.append(("scenarios draw", drawn_text(result.confidence)))
     facts.append(("at the bad ends", bad_ends_text(doubt)))
@@ -163,7 +164,7 @@ def tilt_facts(doubt: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 #: Fields of parts whose names say little to who has to ask for them.
 NUMBERS = {"qe_scale": "quantum efficiency (as a factor)", "output_factor": "share of its light that leaves the window",
-           "flash_duration_at_frac": "level to which the stated flash duration is measured"}  # fmt: skip
+           "flash_duration_at_frac": "light left when the stated flash duration ends (share of the peak)"}  # fmt: skip
 PRICES = ("price", "host price")
 #: What is taken for the loss of light between lamp and floor, by the name in a result.
 LAMP_LOSSES = {

@@ -107,6 +107,8 @@ def rest_of_blocks(result: Result) -> Iterator[Block]:
         return
     yield from surer_block(result)
     yield risk_block(result.risks)
+    if alike := words.sibling_sentence(result):
+        yield block("Would do as well", [sentence(words.as_sentence(alike))])
     if said := short_price_sentence(result):
         yield block("What asking for more costs", [sentence(said)])
     if asked := [*questions(result, design)][:MOST_QUESTIONS]:

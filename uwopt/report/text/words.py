@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from uwopt.report.text.formats import cost_text, count_text, money, one_line, quantity
 from uwopt.report.text.vocabulary import PARTS_OF_THE_SEARCH, PIECES, REQUIREMENTS, RULES, STATUS_SENTENCES
@@ -100,6 +100,23 @@ def equal_sentence(result: Result, most: int = 2) -> str:
     instead = "; ".join(told[:most])
     more = f"; {len(told) - most} more" if len(told) > most else ""
     return f"Equal within the estimates: this system, and the same with {instead}{more}. Choose by quote and delivery"
+
+
+def sibling_sentence(result: Result, most: int = 3) -> str:
+    """Which other cameras with the same sensor would do as well, the best `most`; empty: there is none."""
+    found, best = (result.robustness or {}).get("siblings") or [], result.best
+    if best is None or not found:
+        return ""
+
+    def told(item: Mapping[str, Any]) -> str:
+        value = objective_text(result, item.get("value"))
+        return f"{one_line(item['name'], 60)} ({', '.join(filter(None, [item.get('interface'), value]))})"
+
+    more = f" and in {len(found) - most} more" if len(found) > most else ""
+    counted_by = "" if result.confidence is None else " by central numbers"
+    meets = "meets" if len(found) == 1 else "each meets"
+    names = listed([told(item) for item in found[:most]])
+    return f"The camera's sensor is also in {names}{more}: {meets} the mission in its place{counted_by}"
 
 
 def dearer_by(design: Design, best: Design) -> str:
