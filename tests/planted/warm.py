@@ -10,6 +10,13 @@ ORDER = f"{TESTS}::test_missions_in_any_order_have_the_optima_of_their_own_searc
 
 DEFECTS = (
     Defect(
+        name="the veil's loss table is that of another attenuation",
+        file="uwopt/forward/spectra.py",
+        old="legs = (k_lamp_per_m, c_camera_per_m, *(() if k_camera_per_m is None else (k_camera_per_m,)))",
+        new="legs = (k_lamp_per_m, c_camera_per_m)",
+        test="tests/forward/test_loss_tables.py::test_another_table_is_that_of_what_is_asked[k_camera_per_m]",
+    ),
+    Defect(
         name="what is found refutes no proof made before",
         file=SEARCHES,
         old="if any(one.asks.asks_no_more(asks) and is_below",

@@ -34,6 +34,7 @@ LightPart = Literal["image", "near", "wide"]  # of floor light: what forms the i
 REACH_STEP = 1.3
 ENDLESS = 16.0  # c + K times the path that stands for all of the water
 MOST_ORDER, TABLE_ERROR_LOG = 16, 1e-6  # of tables of water's loss
+MOST_TABLES = 512  # of them that a process keeps, some 20 kB each
 TINY = 1e-300  # in place of a sum of weights that is zero: a black floor, a blind sensor
 LARGEST_EXPONENT = 600.0  # of a veil over what it veils: exp(709) is the last that a float holds
 PATH_CELLS = 8  # a side of all pairs of ways, in the least veil over them: of those to the camera, short near ones
@@ -51,6 +52,25 @@ def efficiency_curve(curves: dict[str, Curve], wavelength_nm: Array, *, channel:
     return np.asarray(
         sensor.colour_mean_efficiency(on_grid["red"], green=on_grid["green"], blue=on_grid["blue"])
     )
+
+
+def loss_table(
+    weight: Array, *, k_lamp_per_m: Array, c_camera_per_m: Array, k_camera_per_m: Array | None = None, **asked: Any
+) -> PathTable:
+    """A table of water's loss, worked out once a process: missions one after another ask for the same ones.
+
+    weight : (..., n), which holds the trapezoid's steps; all else as `build_path_table` takes it
+    """
+    legs = (k_lamp_per_m, c_camera_per_m, *(() if k_camera_per_m is None else (k_camera_per_m,)))
+    return _loss_table(weight.shape, weight.tobytes(), *(leg.tobytes() for leg in legs), **asked)
+
+
+@lru_cache(maxsize=MOST_TABLES)
+def _loss_table(shape: tuple[int, ...], weight: bytes, *curves: bytes, **asked: Any) -> PathTable:
+    """The same of curves as bytes."""
+    names = ("k_lamp_per_m", "c_camera_per_m", "k_camera_per_m")
+    legs: dict[str, Any] = dict(zip(names, map(np.frombuffer, curves), strict=False))
+    return build_path_table(np.frombuffer(weight).reshape(shape), wavelength_nm=None, **legs, **asked)
 
 
 def sees_colours(curves: dict[str, Curve]) -> bool:
@@ -318,9 +338,8 @@ class Contraction:
         key = ("table", *self.key(spectrum, efficiency, channel), reach_m, lowest, nearest_m, part, range_m)
         if key not in scene.cache:
             spend("loss tables")
-            scene.cache[key] = build_path_table(
+            scene.cache[key] = loss_table(
                 self.weight(spectrum, efficiency, channel),
-                wavelength_nm=None,  # the weight holds the trapezoid's steps
                 k_lamp_per_m=self.lamp_leg_per_m(spectrum),
                 c_camera_per_m=self.near_leg_per_m() if part == "wide" else scene.attenuation_per_m,
                 k_camera_per_m=None if part == "image" else self._lesser_leg_per_m(part, range_m),
@@ -396,9 +415,8 @@ class Contraction:
                 for reach, least in zip(self.reach_m, legs, strict=True)
             )
             scene.cache[key] = tuple(
-                build_path_table(
+                loss_table(
                     self.scatter_weight(part.scattering_per_m, spectrum, efficiency, channel),
-                    wavelength_nm=None,
                     k_lamp_per_m=legs[0],
                     c_camera_per_m=legs[1],
                     lamp_range_m=(LAMP_FRONT_M, max(lamp_end, 2 * LAMP_FRONT_M)),
