@@ -74,6 +74,20 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{PIXELS}test_cells_of_settings_look_at_few_pixels_but_under_the_sun",
     ),
     Defect(
+        name="under the sun the few pixels are those of an image that may miss none",
+        file="uwopt/forward/setting_rows.py",
+        old="(sun, sun_over)], rows.may_miss)",
+        new="(sun, sun_over)], 0)",
+        test="tests/solvers/test_over_frame.py::test_the_few_pixels_under_the_sun_ask_for_what_all_do",
+    ),
+    Defect(
+        name="of pixels that are alike each counts as the worse one",
+        file="uwopt/forward/pixels.py",
+        old=" & (some > j)",
+        new="",
+        test="tests/forward/test_pixels.py::test_the_fewest_pixels_decide_in_any_mixture",
+    ),
+    Defect(
         name="the lower bound is the best value itself",
         file="uwopt/solvers/exact/certificate.py",
         old="lower = outcome.lower_bound if math.isfinite(outcome.lower_bound) else None",

@@ -11,7 +11,7 @@ import pytest
 from hand_made_rows import scene
 from scipy.optimize import brentq
 
-from uwopt.forward.setting_rows import of_darkest_pixels
+from uwopt.forward.setting_rows import of_darkest_pixels, of_fewest_pixels
 from uwopt.model.image_mean import (
     FEW_FRAME_MAY_MISS,
     FEW_FRAME_PLACES,
@@ -131,3 +131,33 @@ def test_darkest_pixels_alone_bound_the_light_under_the_sun(may_miss: int) -> No
     kept = (few.worst_e, few.worst_sun_signal_e_s, few.worst_sun_veil_e_s)
     assert set(zip(*(column.ravel() for column in kept), strict=True)) <= pairs
     assert 0.8 * least(rows) <= least(few) <= least(rows)
+
+
+@pytest.mark.parametrize("may_miss", [0, 3])
+@pytest.mark.parametrize("veiled", [True, False])
+def test_the_few_pixels_under_the_sun_ask_for_what_all_do(may_miss: int, veiled: bool) -> None:
+    """In four designs, at three strengths of the sun; by sorting what all pixels ask for."""
+    rng = np.random.default_rng(9)
+    lamps, there, over = (rng.uniform(1.0, most, (4, 1, 40)) for most in (9.0, 99.0, 30.0))
+    rows = replace(
+        pixels([1.0]), worst_e=lamps, worst_veil_e=0.2 * over if veiled else None, may_miss=may_miss,
+        worst_sun_signal_e_s=there, worst_sun_veil_e_s=over if veiled else None,
+    )  # fmt: skip
+    few: Any = of_fewest_pixels(rows)
+    assert few.worst_e.shape[2] < 40 and few.may_miss == may_miss
+    assert (few.worst_veil_e is None) == (few.worst_sun_veil_e_s is None) == (not veiled)
+
+    def asked(of: Any, share: float) -> Any:
+        signal = share * of.worst_sun_signal_e_s
+        every = signal if of.worst_sun_veil_e_s is None else signal + share * of.worst_sun_veil_e_s
+        mean = np.full((4, 1), share)
+        return windows.light_of_each(of, 0, 20.0, of="worst", sun=Sun(mean, mean, signal, every))
+
+    for share in (0.0, 1.0, 4.0):
+        of_all, of_few = (np.sort(asked(of, share), axis=1)[:, -1 - may_miss] for of in (rows, few))
+        assert of_few == pytest.approx(of_all, rel=1e-12)
+
+
+def test_pixels_are_left_as_they_are_where_no_sun_shines() -> None:
+    rows = replace(pixels([4.0, 4.0, 5.0]), may_miss=1)
+    assert of_fewest_pixels(rows) is rows

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[Any]
 
-MOST_PAIRS = 2**21  # of pixels compared at once
+AT_ONCE = 2**16  # pixels of some rows, that stay in the processor's cache
 SPARE = 60  # pixels that others are compared with, beside those that may miss an SNR
 
 
@@ -87,7 +87,7 @@ def fewest_pixels(
     """
     shape = sources[0][0].shape
     flat = [tuple(np.ascontiguousarray(part).reshape(-1, shape[2]) for part in source) for source in sources]
-    step = max(1, MOST_PAIRS // (shape[2] * (may_miss + 1 + SPARE)))
+    step = max(1, AT_ONCE // shape[2])
     keep = np.concatenate(
         [
             _may_decide([(s[at : at + step], v[at : at + step]) for s, v in flat], may_miss)
@@ -105,31 +105,41 @@ def fewest_pixels(
 
 
 def _may_decide(sources: Sequence[tuple[Array, Array]], may_miss: int) -> Array:
-    """Which pixels (n, n_pixels) are no worse than at most k of those that look worst."""
-    scaled: list[tuple[Array, Array]] = []
-    ranks: Array = np.zeros(sources[0][0].shape)
+    """Which pixels (n, n_pixels) are no worse than at most k of those that look worse, of which some are looked at.
+
+    Most are no worse than any of the k + 1 that look worst: only the others are compared with more.
+    """
+    columns: list[Array] = []
+    bright: Array = np.zeros(sources[0][0].shape)  # ln s^2 / a of all sources: greater of what is never worse
     for s, v in sources:
         largest = np.maximum(np.maximum(s, v).max(axis=1), 1e-300)[:, None]  # products neither vanish nor overflow
-        scaled.append((s / largest, v / largest))
-        ranks += _rank(scaled[-1][0]) + _rank(-scaled[-1][1] / np.maximum(scaled[-1][0], 1e-300))
-    count = min(may_miss + 1 + SPARE, ranks.shape[1])
-    worst = np.argpartition(ranks, count - 1, axis=1)[:, :count]
-    place = np.arange(ranks.shape[1])
-    no_worse: Array = np.ones((*ranks.shape, count), bool)
-    no_better = no_worse.copy()
-    pairs = [(s[:, :, None], v[:, :, None], *(np.take_along_axis(c, worst, axis=1)[:, None, :] for c in (s, v)))
-             for s, v in scaled]  # fmt: skip
-    for s_i, _, s_j, _ in pairs:
-        no_worse &= s_i >= s_j
-        no_better &= s_i <= s_j
+        columns += [s / largest, v / largest]
+        signal = np.maximum(columns[-2], 1e-300)
+        bright += 2.0 * np.log(signal) - np.log(signal + columns[-1])
+    order = np.argsort(bright, axis=1, kind="stable")
+    columns = [np.take_along_axis(column, order, axis=1) for column in columns]
+    count = order.shape[1]
+    keep = np.zeros(order.shape, bool)
+    keep[:, : may_miss + 1] = True
+    for j in range(min(may_miss + 1, count)):
+        keep |= ~_never_worse(columns, [column[:, j, None] for column in columns])
+    some = np.argsort(~keep, axis=1, kind="stable")[:, : int(keep.sum(axis=1).max())]
+    few = [np.take_along_axis(column, some, axis=1) for column in columns]
+    harder: Array = np.zeros(some.shape, int)
+    for j in range(min(may_miss + 1 + SPARE, count)):
+        harder += _never_worse(few, [column[:, j, None] for column in columns]) & (some > j)
+    may = np.take_along_axis(keep, some, axis=1) & (harder <= may_miss)
+    kept = np.zeros(order.shape, bool)
+    np.put_along_axis(kept, np.take_along_axis(order, some, axis=1), may, axis=1)
+    return kept
+
+
+def _never_worse(mine: Sequence[Array], theirs: Sequence[Array]) -> Array:
+    """Whether pixels are never worse than others: signal and veil of each source, broadcasting."""
+    found: Array = np.ones(mine[0].shape, bool)
+    for s_i, s_j in zip(mine[::2], theirs[::2], strict=True):
+        found &= s_i >= s_j
+    pairs = list(zip(mine[::2], mine[1::2], theirs[::2], theirs[1::2], strict=True))
     for (s_im, v_im, s_jm, v_jm), (s_in, v_in, s_jn, v_jn) in combinations_with_replacement(pairs, 2):
-        of_i, of_j = v_im * s_jn + v_in * s_jm, v_jm * s_in + v_jn * s_im
-        no_worse &= of_i <= of_j
-        no_better &= of_i >= of_j
-    earlier = worst[:, None, :] < place[:, None]
-    return np.asarray((no_worse & (~no_better | earlier)).sum(axis=2) <= may_miss)
-
-
-def _rank(column: Array) -> Array:
-    """Place of each in rising order, along the last axis."""
-    return np.asarray(column.argsort(axis=1).argsort(axis=1))
+        found &= v_im * s_jn + v_in * s_jm <= v_jm * s_in + v_jn * s_im
+    return found

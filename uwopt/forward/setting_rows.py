@@ -20,6 +20,7 @@ from uwopt.forward.part_columns import (
     Cameras,
     Lights,
 )
+from uwopt.forward.pixels import fewest_pixels
 from uwopt.forward.problem import Problem
 from uwopt.forward.sharpness import Bars, SharpRows, airy_f_number
 from uwopt.mission.sections.requirements import Requirements
@@ -318,6 +319,20 @@ def of_darkest_pixels(rows: SceneRows, count: int) -> SceneRows:
     columns = {name: getattr(rows, name) for name in PIXEL_COLUMNS}
     kept: dict[str, Any] = {name: np.take_along_axis(c, few, axis=2) for name, c in columns.items() if c is not None}
     return replace(rows, **kept)
+
+
+def of_fewest_pixels(rows: SceneRows) -> SceneRows:
+    """Rows under the sun with those pixels alone that may decide their SNR and contrast, at whatever settings."""
+    lamps, sun = rows.worst_e, rows.worst_sun_signal_e_s
+    if lamps is None or sun is None or lamps.shape != sun.shape or lamps.shape[2] <= rows.may_miss + 1:
+        return rows
+    veils = rows.worst_veil_e, rows.worst_sun_veil_e_s
+    over, sun_over = (np.zeros_like(lamps) if veil is None else veil for veil in veils)
+    (lamps, over), (sun, sun_over) = fewest_pixels([(lamps, over), (sun, sun_over)], rows.may_miss)
+    return replace(
+        rows, worst_e=lamps, worst_veil_e=None if veils[0] is None else over, worst_sun_signal_e_s=sun,
+        worst_sun_veil_e_s=None if veils[1] is None else sun_over,
+    )  # fmt: skip
 
 
 SHORTEST_TIME_S = 1e-9

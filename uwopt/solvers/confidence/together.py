@@ -20,7 +20,7 @@ from uwopt.forward.part_columns import FLASH
 from uwopt.forward.parts import Parts
 from uwopt.forward.problem import MeantFocus, Problem
 from uwopt.forward.scene import DESIGN_WAVELENGTH_NM, SceneOptics
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.setting_rows import SceneRows, of_fewest_pixels
 from uwopt.forward.sharpness import SharpRows
 from uwopt.forward.spectra import TINY
 from uwopt.objectives.objective import Objective
@@ -159,7 +159,7 @@ class Together:
                 mine = np.flatnonzero(np.isin(self.hardware, hardware))
                 seen.append((mine, response.seen_in(index, rows.take(mine), [states[k] for k in mine])))
             whole = seen[0][1] if len(seen) == 1 else SceneRows.in_places(seen, len(self.scenario))
-            made.append(self._shown(index, whole))
+            made.append(of_fewest_pixels(self._shown(index, whole)))
         return made
 
     def _shown(self, index: int, rows: SceneRows) -> SceneRows:

@@ -20,7 +20,7 @@ from uwopt.forward.lamp_views import keeps_clear, lamps_refused
 from uwopt.forward.problem import Problem
 from uwopt.forward.remembered import RememberedSunField
 from uwopt.forward.scene import Pixels
-from uwopt.forward.setting_rows import SceneRows, of_darkest_pixels, setting_rows
+from uwopt.forward.setting_rows import SceneRows, of_darkest_pixels, of_fewest_pixels, setting_rows
 from uwopt.forward.sharpness import SharpRows, sharpness_of
 from uwopt.forward.sun_light import sun_light
 from uwopt.model.image_mean import FRAME_MAY_MISS
@@ -73,6 +73,8 @@ class NodeRows:
             )  # fmt: skip
             if optimistic:
                 rows = of_darkest_pixels(rows, LIKELY_PLACES)
+            elif self.narrowed is None:
+                rows = of_fewest_pixels(rows)
             if not light_alone and not optimistic and self.has_rules(index):
                 kept = self.keep_rules_in(index, imager, light, count, lighting)
                 rows = replace(rows, time_max_s=np.where(kept, rows.time_max_s, -1.0))
