@@ -28,6 +28,7 @@ from uwopt.solvers.beside import cores, side_by_side
 PROBLEMS = Path(__file__).parents[2] / "problems"
 MISSION = PROBLEMS / "mbari-lass-2013.yaml"  # few combinations
 TRIPLE = ("power", "cost", "snr_db")
+PLAIN = {"physics": "paper"}  # where nothing depends on it: of runs cut short, empty or made twice
 pytestmark = pytest.mark.usefixtures("unhurried")
 
 
@@ -219,7 +220,7 @@ def test_table_has_a_row_a_point_and_says_all(exact):
 
 def test_what_nothing_meets_is_infeasible_with_reasons():
     result = uwopt.pareto(
-        mission(requirements={"min_snr_db": 95.0}), objectives=["power", "cost"], solver="exact"
+        mission(requirements={"min_snr_db": 95.0}), objectives=["power", "cost"], solver="exact", **PLAIN
     )
     assert result.status == "infeasible"
     assert result.points == []
@@ -251,7 +252,7 @@ def test_interrupted_it_keeps_what_was_found():
         if len(told) == 1:
             raise KeyboardInterrupt
 
-    result = uwopt.pareto(MISSION, objectives=TRIPLE, solver=("exact", "nsga2"), progress=once)
+    result = uwopt.pareto(MISSION, objectives=TRIPLE, solver=("exact", "nsga2"), progress=once, **PLAIN)
     assert result.status == "interrupted"
     assert result.points
     assert [m.name for m in result.methods] == ["exact"]  # who interrupts does not want the next solver
@@ -274,7 +275,7 @@ def test_interrupted_while_its_points_are_worked_out_it_keeps_them(monkeypatch):
     monkeypatch.setattr(ParetoCall, "points", once)
     monkeypatch.setattr("uwopt.api.trading.PEER_S", 0.1)
     try:
-        result = uwopt.pareto(MISSION, objectives=TRIPLE, solver=("exact", "nsga2"))
+        result = uwopt.pareto(MISSION, objectives=TRIPLE, solver=("exact", "nsga2"), **PLAIN)
     except KeyboardInterrupt:
         pytest.fail("the front is lost")
     assert result.status == "complete" and result.points  # the exact front
@@ -325,7 +326,7 @@ def test_out_of_time_it_claims_nothing():
 
 def test_same_seed_gives_the_same_front():
     one, other = (
-        uwopt.pareto(MISSION, objectives=("power", "cost"), solver="nsga2", seed=5) for _ in range(2)
+        uwopt.pareto(MISSION, objectives=("power", "cost"), solver="nsga2", seed=5, **PLAIN) for _ in range(2)
     )
     assert [p.values for p in one.points] == [p.values for p in other.points]
     assert one.seed == 5
@@ -341,7 +342,7 @@ def test_two_qualities_of_settings_are_left_to_the_population_solver():
 
 def test_own_objective_is_an_axis_of_the_result():
     worth = OwnObjective("swath_per_watt", lambda f: f["swath_m"] / f["power_w"], "maximise", "m/W")
-    result = uwopt.pareto(MISSION, objectives=[" Cost", worth], solver=("exact", "nsga2"))
+    result = uwopt.pareto(MISSION, objectives=[" Cost", worth], solver=("exact", "nsga2"), **PLAIN)
     assert [(o.name, o.direction, o.unit, o.own) for o in result.objectives][1] == (
         "swath_per_watt",
         "maximise",

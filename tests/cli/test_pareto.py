@@ -41,7 +41,7 @@ def test_writes_page_table_and_json(tmp_path):
 
 
 def test_json_alone():
-    done = run(MISSION, "--objectives", "power,cost", "--solver", "exact", "--json")
+    done = run(MISSION, "--objectives", "power,cost", "--solver", "exact", "--physics", "paper", "--json")
     assert done.exit_code == 0
     data = json.loads(done.stdout)
     assert data["schema"] == "uwopt.front/1"
@@ -74,7 +74,9 @@ def test_a_mission_that_nothing_meets_says_why(tmp_path):
     wanted["requirements"]["min_snr_db"] = 95.0  # more than any full well holds
     hard = tmp_path / "hard.yaml"
     hard.write_text(json.dumps(wanted), encoding="utf-8")  # JSON is YAML
-    done = run(hard, "--objectives", "power,cost", "--solver", "exact", "--out", tmp_path / "out")
+    done = run(
+        hard, "--objectives", "power,cost", "--solver", "exact", "--physics", "paper", "--out", tmp_path / "out"
+    )
     assert done.exit_code == 3, done.output
     assert "infeasible" in done.stdout
     assert (tmp_path / "out" / "report.html").exists()
