@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from uwopt.forward.once import Once, once_each
+import pickle
+
+from uwopt.forward.once import HashedOnce, Once, once_each
 
 
 class Record:
@@ -39,3 +41,18 @@ def test_what_else_counts_is_told_apart_and_too_much_is_forgotten():
     assert [known.of(records, currency, make) for currency in ("USD", "EUR", "USD")] == [1, 2, 1]
     assert known.of(records[:1], "USD", make) == 3  # the third: the other two are forgotten
     assert known.of(records, "USD", make) == 4
+
+
+def test_a_tuple_that_is_hashed_once_stands_in_keys_as_any_other():
+    asked = []
+
+    class Counted(int):
+        def __hash__(self) -> int:
+            asked.append(self)
+            return hash(int(self))
+
+    key = HashedOnce((Counted(1), 2))
+    assert hash(key) == hash(key) == hash((1, 2)) and len(asked) == 1
+    assert {("table", key): "known"}["table", (1, 2)] == "known"
+    again = pickle.loads(pickle.dumps(HashedOnce((1, 2))))  # as copies of the process send it
+    assert again == key and hash(again) == hash(key)

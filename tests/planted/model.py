@@ -60,6 +60,13 @@ DEFECTS = (
         ),
     ),
     Defect(
+        name="hash of a key worked out whenever it is looked up",
+        file="uwopt/forward/once.py",
+        old='if "known" not in self.__dict__:',
+        new="if True:",
+        test="tests/forward/test_once.py::test_a_tuple_that_is_hashed_once_stands_in_keys_as_any_other",
+    ),
+    Defect(
         name="what follows from a part is remembered for all parts",
         file="uwopt/forward/once.py",
         old="key = (tuple(map(id, records)), others)",

@@ -33,6 +33,16 @@ class Once(Generic[T]):
         return found[1]
 
 
+class HashedOnce(tuple[Any, ...]):
+    """A tuple that stands in keys, as any other; its hash is worked out once, for curves have hundreds of numbers."""
+
+    def __hash__(self) -> int:
+        """As of a tuple."""
+        if "known" not in self.__dict__:
+            self.known = super().__hash__()
+        return self.known
+
+
 def once_each(make: Callable[..., T]) -> Callable[..., T]:
     """A function of one or more records, called once for each choice of them."""
     known: Once[T] = Once(MOST_RECORDS)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from uwopt.catalog.records import Curve
 from uwopt.deadline import spend
 from uwopt.forward.lamps import LAMP_FRONT_M, LightOptics, relative_spectrum
+from uwopt.forward.once import HashedOnce
 from uwopt.forward.scene import COLOURS, SceneOptics
 from uwopt.model import sensor
 from uwopt.model.beam import Beam, half_power_angle_rad
@@ -127,10 +128,10 @@ class Contraction:
         for index, item in enumerate(optics):
             kind = ((item.spectrum_id, item.spectrum), self._lobe_rad(item))
             self.spectrum_of[index] = kinds.setdefault(kind, len(kinds))
-        self.spectrum_names = [name for name, _ in kinds]
+        self.spectrum_names = [HashedOnce(name) for name, _ in kinds]
         self._lobes_rad = [lobe for _, lobe in kinds]
         self.efficiencies = list(efficiencies)
-        self._curve_keys = [tuple(sorted(curves.items())) for curves in efficiencies]
+        self._curve_keys = [HashedOnce(sorted(curves.items())) for curves in efficiencies]
         self._reach_m: tuple[float, float] | None = None  # until `reaching` says how far tables must go
 
     def counting(self, multiple: bool) -> Contraction:
