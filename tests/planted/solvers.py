@@ -1138,8 +1138,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a pixel under more veil, that sees more, is called the worse one",
         file="uwopt/forward/pixels.py",
-        old="        no_worse &= s_i >= s_j\n",
-        new="",
+        old="        found &= s_i >= s_j\n",
+        new="        pass\n",
         test="tests/forward/test_pixels.py::test_the_fewest_pixels_decide_in_any_mixture[1]",
     ),
     Defect(
@@ -1152,8 +1152,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a pixel is left out for one fewer than may miss",
         file="uwopt/forward/pixels.py",
-        old="(no_worse & (~no_better | earlier)).sum(axis=2) <= may_miss",
-        new="(no_worse & (~no_better | earlier)).sum(axis=2) < may_miss",
+        old="& (harder <= may_miss)",
+        new="& (harder < may_miss)",
         test="tests/forward/test_pixels.py::test_the_fewest_pixels_decide_in_any_mixture[1]",
     ),
     Defect(
