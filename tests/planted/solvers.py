@@ -697,6 +697,13 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/solvers/test_ceilings.py::test_tables_of_colour_are_found_again_when_lists_without_any_are_joined_twice",
     ),
     Defect(
+        name="segments of a front are asked on when its gap is closed",
+        file="uwopt/solvers/front/search.py",
+        old="while rounds > 0 and not enough():",
+        new="while rounds > 0:",
+        test="tests/solvers/test_front.py::test_segments_are_asked_a_few_at_a_time_and_no_more_once_the_gap_is_closed",
+    ),
+    Defect(
         name="points that clearly beat others are looked for next to them in one objective alone",
         file="uwopt/objectives/dominance.py",
         old="for point, room in zip(points.T, slack.T, strict=True):",

@@ -145,6 +145,13 @@ def test_a_front_is_asked_until_its_gap_is_closed_and_hardly_further(key):
     assert 0.3 * front_module.FRONT_GAP <= gap <= front_module.FRONT_GAP
 
 
+def test_segments_are_asked_a_few_at_a_time_and_no_more_once_the_gap_is_closed(monkeypatch):
+    monkeypatch.setattr(front_module, "FEWEST_ASKED", 8)
+    _, front = fc.searched(rc.case(3), ("power", "cost", "snr_db"))
+    gap = 1.0 - front.hypervolume / front.hypervolume_bound
+    assert 0.9 * front_module.FRONT_GAP <= gap <= front_module.FRONT_GAP
+
+
 @pytest.mark.parametrize("share", [0.02, 0.3, 0.9])
 def test_segments_that_are_cut_to_a_size_leave_the_share_that_was_asked_for(share):
     """A segment k times as large as may be left is cut in as many pieces as the root of k says, rounded up."""

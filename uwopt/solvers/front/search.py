@@ -400,10 +400,15 @@ class FrontSearch:
         self.stop_trying = bool(open_.mean() > TRIED_IN_VAIN)
         return curves.without(~open_)
 
-    def _ask(self, curves: Curves, largest: float, rounds: int) -> bool:
-        """Ask segments that may matter and span more than a share of the frame's box; False: out of time."""
+    def _ask(
+        self, curves: Curves, largest: float, rounds: int, enough: Callable[[], bool] = lambda: False
+    ) -> bool:
+        """Ask segments that may matter and span more than a share of the frame's box, until that is `enough`.
+
+        False: out of time.
+        """
         most = FEWEST_ASKED
-        while rounds > 0:
+        while rounds > 0 and not enough():
             which, spans = self.points.open_segments(curves, largest)
             if len(which) == 0:
                 break
@@ -466,11 +471,18 @@ class FrontSearch:
             gap_before = upper - lower
             curves = self.curves[-1]
             _, spans = self.points.open_segments(curves, 0.0)
-            largest = largest_left(spans, max(FRONT_GAP * upper / (upper - lower), AT_ONCE))
-            if not self._ask(curves, max(largest, FINEST_SEGMENT), CUTS):
+            share = FRONT_GAP * upper / (upper - lower)
+            largest = largest_left(spans, max(share, AT_ONCE))
+            last = self._is_closed if share > AT_ONCE else (lambda: False)
+            if not self._ask(curves, max(largest, FINEST_SEGMENT), CUTS, last):
                 return False
             self.history.append((time.perf_counter() - self.start, self.points.archive.values))
         return True
+
+    def _is_closed(self) -> bool:
+        """Whether the front misses no more of the hypervolume than it may."""
+        lower, upper = self.points.volumes(self.curves)
+        return upper - lower <= FRONT_GAP * upper
 
     # ------------------------------------------------------------ result
 
