@@ -76,8 +76,15 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="under the sun the few pixels are those of an image that may miss none",
         file="uwopt/forward/setting_rows.py",
-        old="(sun, sun_over)], rows.may_miss)",
-        new="(sun, sun_over)], 0)",
+        old="[of_sun, of_lamps], rows.may_miss)",
+        new="[of_sun, of_lamps], 0)",
+        test="tests/solvers/test_over_frame.py::test_the_few_pixels_under_the_sun_ask_for_what_all_do",
+    ),
+    Defect(
+        name="no lamps say which pixels decide, not the sun",
+        file="uwopt/forward/setting_rows.py",
+        old="(sun, sun_over), (lamps, over) = fewest_pixels([of_sun], rows.may_miss, unlit=[of_lamps])",
+        new="(lamps, over), (sun, sun_over) = fewest_pixels([of_lamps], rows.may_miss, unlit=[of_sun])",
         test="tests/solvers/test_over_frame.py::test_the_few_pixels_under_the_sun_ask_for_what_all_do",
     ),
     Defect(

@@ -135,7 +135,8 @@ def test_darkest_pixels_alone_bound_the_light_under_the_sun(may_miss: int) -> No
 
 @pytest.mark.parametrize("may_miss", [0, 3])
 @pytest.mark.parametrize("veiled", [True, False])
-def test_the_few_pixels_under_the_sun_ask_for_what_all_do(may_miss: int, veiled: bool) -> None:
+@pytest.mark.parametrize("unlit", [True, False])
+def test_the_few_pixels_under_the_sun_ask_for_what_all_do(may_miss: int, veiled: bool, unlit: bool) -> None:
     """In four designs, at three strengths of the sun; by sorting what all pixels ask for."""
     rng = np.random.default_rng(9)
     lamps, there, over = (rng.uniform(1.0, most, (4, 1, 40)) for most in (9.0, 99.0, 30.0))
@@ -143,9 +144,14 @@ def test_the_few_pixels_under_the_sun_ask_for_what_all_do(may_miss: int, veiled:
         pixels([1.0]), worst_e=lamps, worst_veil_e=0.2 * over if veiled else None, may_miss=may_miss,
         worst_sun_signal_e_s=there, worst_sun_veil_e_s=over if veiled else None,
     )  # fmt: skip
-    few: Any = of_fewest_pixels(rows)
+    few: Any = of_fewest_pixels(rows, unlit=unlit)
     assert few.worst_e.shape[2] < 40 and few.may_miss == may_miss
     assert (few.worst_veil_e is None) == (few.worst_sun_veil_e_s is None) == (not veiled)
+
+    def snr(of: Any, share: float) -> Any:
+        signal = share * of.worst_sun_signal_e_s
+        every = signal if of.worst_sun_veil_e_s is None else signal + share * of.worst_sun_veil_e_s
+        return np.sort(signal / np.sqrt(every + 4.0), axis=2)[:, :, may_miss]
 
     def asked(of: Any, share: float) -> Any:
         signal = share * of.worst_sun_signal_e_s
@@ -153,11 +159,13 @@ def test_the_few_pixels_under_the_sun_ask_for_what_all_do(may_miss: int, veiled:
         mean = np.full((4, 1), share)
         return windows.light_of_each(of, 0, 20.0, of="worst", sun=Sun(mean, mean, signal, every))
 
-    for share in (0.0, 1.0, 4.0):
+    for share in (1.0, 4.0) if unlit else ():  # the sun alone, by hand: 4 e^2 of noise
+        assert snr(few, share) == pytest.approx(snr(rows, share), rel=1e-12)
+    for share in () if unlit else (0.0, 1.0, 4.0):
         of_all, of_few = (np.sort(asked(of, share), axis=1)[:, -1 - may_miss] for of in (rows, few))
         assert of_few == pytest.approx(of_all, rel=1e-12)
 
 
 def test_pixels_are_left_as_they_are_where_no_sun_shines() -> None:
     rows = replace(pixels([4.0, 4.0, 5.0]), may_miss=1)
-    assert of_fewest_pixels(rows) is rows
+    assert of_fewest_pixels(rows, unlit=False) is rows

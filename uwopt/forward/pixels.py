@@ -58,7 +58,7 @@ def decisive_pixels(signal: Array, veil_there: Array, may_miss: int) -> tuple[Ar
 
 
 def fewest_pixels(
-    sources: Sequence[tuple[Array, Array]], may_miss: int
+    sources: Sequence[tuple[Array, Array]], may_miss: int, *, unlit: Sequence[tuple[Array, Array]] = ()
 ) -> list[tuple[Array, Array]]:
     """Pixels of which one decides what all but k = `may_miss` reach in SNR and contrast, however sources are mixed.
 
@@ -74,10 +74,11 @@ def fewest_pixels(
     ----------
     sources : signal and veil, (n, n_altitudes, n_pixels) each, of the lamps and perhaps of the sun
     may_miss : scalar
+    unlit : likewise, of sources that give next to nothing, so that they decide nothing
 
     Returns
     -------
-    The same with fewer pixels, each row's first. Rows that keep fewer end with what is easier than any pixel.
+    The same, these last, with fewer pixels, each row's first. Rows that keep fewer end with what is easier than any.
 
     Notes
     -----
@@ -86,11 +87,11 @@ def fewest_pixels(
     veil alone: among them the veil's mean tells how an image changes with the water.
     """
     shape = sources[0][0].shape
-    flat = [tuple(np.ascontiguousarray(part).reshape(-1, shape[2]) for part in source) for source in sources]
+    flat = [tuple(np.ascontiguousarray(part).reshape(-1, shape[2]) for part in s) for s in (*sources, *unlit)]
     step = max(1, AT_ONCE // shape[2])
     keep = np.concatenate(
         [
-            _may_decide([(s[at : at + step], v[at : at + step]) for s, v in flat], may_miss)
+            _may_decide([(s[at : at + step], v[at : at + step]) for s, v in flat[: len(sources)]], may_miss)
             for at in range(0, len(flat[0][0]), step)
         ]
     )

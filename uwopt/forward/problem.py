@@ -394,6 +394,10 @@ class Problem:
         """Whether this light stands for no lamp."""
         return self.parts.lights[light].id == NO_LAMP.id
 
+    def are_unlit(self, light: Array) -> bool:
+        """Whether all of these lights stand for no lamp."""
+        return all(self.unlit(int(one)) for one in np.unique(light))
+
     @cached_property
     def control(self) -> dict[str, float]:
         """What is bought once where lamps burn costs, and what of it counts against a budget."""

@@ -321,14 +321,21 @@ def of_darkest_pixels(rows: SceneRows, count: int) -> SceneRows:
     return replace(rows, **kept)
 
 
-def of_fewest_pixels(rows: SceneRows) -> SceneRows:
-    """Rows under the sun with those pixels alone that may decide their SNR and contrast, at whatever settings."""
+def of_fewest_pixels(rows: SceneRows, *, unlit: bool) -> SceneRows:
+    """Rows under the sun with those pixels alone that may decide their SNR and contrast, at whatever settings.
+
+    unlit : whether all lights stand for no lamp, so that the sun alone decides
+    """
     lamps, sun = rows.worst_e, rows.worst_sun_signal_e_s
     if lamps is None or sun is None or lamps.shape != sun.shape or lamps.shape[2] <= rows.may_miss + 1:
         return rows
     veils = rows.worst_veil_e, rows.worst_sun_veil_e_s
     over, sun_over = (np.zeros_like(lamps) if veil is None else veil for veil in veils)
-    (lamps, over), (sun, sun_over) = fewest_pixels([(lamps, over), (sun, sun_over)], rows.may_miss)
+    of_lamps, of_sun = (lamps, over), (sun, sun_over)
+    if unlit:
+        (sun, sun_over), (lamps, over) = fewest_pixels([of_sun], rows.may_miss, unlit=[of_lamps])
+    else:
+        (sun, sun_over), (lamps, over) = fewest_pixels([of_sun, of_lamps], rows.may_miss)
     return replace(
         rows, worst_e=lamps, worst_veil_e=None if veils[0] is None else over, worst_sun_signal_e_s=sun,
         worst_sun_veil_e_s=None if veils[1] is None else sun_over,

@@ -159,7 +159,7 @@ class Together:
                 mine = np.flatnonzero(np.isin(self.hardware, hardware))
                 seen.append((mine, response.seen_in(index, rows.take(mine), [states[k] for k in mine])))
             whole = seen[0][1] if len(seen) == 1 else SceneRows.in_places(seen, len(self.scenario))
-            made.append(of_fewest_pixels(self._shown(index, whole)))
+            made.append(of_fewest_pixels(self._shown(index, whole), unlit=self.problem.are_unlit(self.light)))
         return made
 
     def _shown(self, index: int, rows: SceneRows) -> SceneRows:

@@ -54,7 +54,7 @@ class NodeRows:
         result = []
         for index, seen in enumerate(lights):
             pixels = self.problem.scenes[index].pixels
-            unlit = optimistic and pixels == "frame" and self.bounds.is_sunlit(index) and self._are_unlit(light)
+            unlit = optimistic and pixels == "frame" and self.bounds.is_sunlit(index) and self.problem.are_unlit(light)
             if unlit:  # the sun alone says which pixels are dark
                 likely = np.repeat(seen.signal_e[:, :, None], LIKELY_PLACES, axis=2)
                 seen = seen.with_pixels(ImageLight(seen.signal_e, worst_e=likely, may_miss=FRAME_MAY_MISS))
@@ -74,16 +74,12 @@ class NodeRows:
             if optimistic:
                 rows = of_darkest_pixels(rows, LIKELY_PLACES)
             elif self.narrowed is None:
-                rows = of_fewest_pixels(rows)
+                rows = of_fewest_pixels(rows, unlit=self.problem.are_unlit(light))
             if not light_alone and not optimistic and self.has_rules(index):
                 kept = self.keep_rules_in(index, imager, light, count, lighting)
                 rows = replace(rows, time_max_s=np.where(kept, rows.time_max_s, -1.0))
             result.append(replace(rows, optimistic=optimistic))
         return result
-
-    def _are_unlit(self, light: Array) -> bool:
-        """Whether all of these lights stand for no lamp."""
-        return all(self.problem.unlit(int(one)) for one in np.unique(light))
 
     def sharp(self, scene_index: int, imager: Array, lighting: Lighting) -> SharpRows | None:
         """What MTF and information depend on, where either is asked for."""
