@@ -119,7 +119,7 @@ def test_a_map_has_switches_along_both_keys():
 
 def test_spider_moves_one_quantity_at_a_time():
     mission = load_mission({
-        "practice": "bare", "physics": "paper", "scene": {"water": "II", "seafloor": "coral", "depth_m": 30},
+        "practice": "bare", "scene": {"water": "II", "seafloor": "coral", "depth_m": 30},
         "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.5, "light_baseline_m": 0.8, "light_count": 2},
         "requirements": {"frame_interval_s": 2.0, "min_snr_db": 30.0},
         "catalog": FEW | ONE_VIEW | {"cameras": FEW["cameras"][1:]},
