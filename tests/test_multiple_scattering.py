@@ -262,13 +262,5 @@ def test_constants_of_daylight_are_those_of_the_fit(orders: Any) -> None:
 
 @pytest.mark.skipif(not THOROUGH, reason="a fit takes a minute")
 def test_constants_are_those_of_the_fit(orders: Any) -> None:
-    # those of backscatter are known together only: by either set its image means are the same within 2 %
-    forms, model = orders("forms"), orders("model")
-    found = forms.fitted()
-    assert found[:4] == pytest.approx(forms.USED[:4], rel=0.01)
-    for row in forms.means("fit"):
-        afresh, used = (
-            model.uwopt_light(row.case, "mean", forms.effective(row.case, one))["backscatter"]
-            for one in (found, forms.USED)
-        )
-        assert afresh == pytest.approx(used, rel=0.02)
+    forms = orders("forms")
+    assert forms.fitted() == pytest.approx(forms.USED, rel=0.01)

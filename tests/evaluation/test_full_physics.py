@@ -238,7 +238,7 @@ def legs(case: Case) -> Legs:
         return particles_beyond(math.radians(degrees)), molecules_beyond(math.radians(degrees))
 
     half = beyond(90.0)
-    share = 3.19 - 3.28 * math.radians(case.half_angle)
+    share = 3.47 - 3.54 * math.radians(case.half_angle)
     back = np.maximum(lost(*(min(share * one, 1.0) for one in half)), 0.5 * lost(0.0, 0.0))  # none loses more than all
     lamp = lost(*beyond(20.2 + 0.86 * case.half_angle))
     a_way = lost(0.0, 0.0) * case.altitude
@@ -324,7 +324,7 @@ def more_met(case: Case) -> Array:
             second = np.array([np.roots([1.0, 2.0 * s * math.cos(one), s * s - 1.0]).max() for one in angle])
             aslant = angle - np.arctan2(second * np.sin(angle), s + second * np.cos(angle))
             chi += weight * np.array([eval_legendre(n, np.cos(aslant)) @ mass for n in range(121)])
-        log_gain += 2.88 * float((own * way * seen).sum() / seen.sum()) * (chi - chi[0])
+        log_gain += 2.82 * float((own * way * seen).sum() / seen.sum()) * (chi - chi[0])
     gain, cos = np.exp(log_gain), np.cos(np.linspace(0.0, math.pi, 2001))
     found = (gain[-1] - 1.0) * particle_phase(np.minimum(cos, 0.5))
     for n in range(121):

@@ -12,7 +12,7 @@ lobe's half angle at half power in water. Only c counts for what forms the image
     lamp to floor                  s = S(20.2 deg + 0.86 beta)
     floor to camera, near its way  s = S(13.3 deg)
     floor to camera, all           1 - s what turns by less than 81.3 deg and bears its longer way
-    backscatter, both legs         s = (3.19 - 3.28 beta / rad) S(90 deg), at most 1
+    backscatter, both legs         s = (3.47 - 3.54 beta / rad) S(90 deg), at most 1
     daylight, floor to camera      s = S(59.4 deg); what the way sends: `sunlight.diffuse_path_radiance_w_m2_sr_nm`
 
 What the third leg lets through and the second does not comes from elsewhere on the floor: `veil.wide` says from where.
@@ -34,8 +34,8 @@ from uwopt.model.spectrum import FloatArray
 
 LAMP_DEG, LAMP_BY_LOBE = 20.2, 0.86
 NEAR_DEG, VEIL_DEG = 13.3, 81.3
-BACK, BACK_BY_LOBE = 3.19, 3.28
-BACK_WAY = 2.88  # of `sent_back`: times what small angles alone widen the phase function by
+BACK, BACK_BY_LOBE = 3.47, 3.54
+BACK_WAY = 2.82  # of `sent_back`: times what small angles alone widen the phase function by
 LEAST_OF_ABSORPTION = 0.5  # K of backscatter over a, no less: wide lobes get some back that was lost beside them
 #: Factor on the share that lamp light loses of what is scattered, where the phase function is not known: that of
 #: Fournier-Forand functions of b_b/b 0.005 to 0.03 and Petzold's over 0.0183's is 0.3 to 1.8 for lobes up to 40 deg.
@@ -62,9 +62,9 @@ def lamp_angle_rad(half_power_angle_rad: ArrayLike) -> Any:
 def back_share(half_power_angle_rad: ArrayLike) -> Any:
     """How much of what is scattered backwards is lost to backscatter on its legs [1].
 
-        3.19 - 3.28 beta / rad
+        3.47 - 3.54 beta / rad
 
-    Below 0 for lobes of 50 deg and more: what went aside comes back by a second turn.
+    Below 0 for lobes of 56 deg and more: what went aside comes back by a second turn.
     """
     return BACK - BACK_BY_LOBE * np.asarray(half_power_angle_rad, dtype=float)
 

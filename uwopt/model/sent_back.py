@@ -10,11 +10,11 @@ alpha is where light seems to come from that turns by psi at a share s of its wa
 comes aslant. p_0 is p but even within 60 deg: what turns by less is not sent back, and stays as it is. Where the
 function is hollow its surroundings fill it; an even one stays. No light is lost by it: that is K of backscatter.
 
-t = 2.88 b times the mean way, from the lamp and to the camera, of what evenly lit water sends back once from within d,
+t = 2.82 b times the mean way, from the lamp and to the camera, of what evenly lit water sends back once from within d,
 
     2 d (1 / x - 1 / (e^x - 1)),   x = 2 c d
 
-which is d in clear water and 1 / c in murky water. 2.88 is fitted with the other constants of `multiple`: one turn
+which is d in clear water and 1 / c in murky water. 2.82 is fitted with the other constants of `multiple`: one turn
 alone would have 1.
 """
 
