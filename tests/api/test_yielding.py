@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Any, cast
 
 import pytest
 
 import uwopt
+from uwopt.api.choosing import surer
 from uwopt.api.risks import risks_of
 from uwopt.mission.mission import load_mission
 from uwopt.mission.yielding import FRAME_LESS_DB, YIELDS, with_yields, yields_of
@@ -173,3 +175,50 @@ def test_the_frame_gives_way_though_one_scene_asks_of_its_mean() -> None:
 def test_no_more_room_is_kept_than_can_be_asked() -> None:
     result = uwopt.solve(survey(199.5), top=1, quick=True)
     assert result.status == "infeasible" and given_way(result) == []
+
+
+@dataclass(frozen=True)
+class CountStub:
+    """What `surer` reads of a count."""
+
+    asked: float
+    held: float
+
+    @property
+    def enough(self) -> bool:
+        """As counts have it."""
+        return self.held >= self.asked
+
+
+@dataclass(frozen=True)
+class ChoiceStub:
+    """What `surer` reads of a choice."""
+
+    counted: Any
+
+
+def in_doubt(**asked: Any) -> dict[str, Any]:
+    """A frame in which something fits with all of good practice, but not often: 3 dB are kept in hand."""
+    brightest = uwopt.solve(over_frame(0.0) | {"objective": "snr_db"}, top=1, quick=True)
+    mission = over_frame(float(brightest.objective.value or 0.0) - 8.0, **asked) | {"confidence": 0.9}
+    return mission | {"reserve": mission["reserve"] | {"snr_db": 3.0}, "doubt": {"scenarios": 128}}
+
+
+def test_practice_gives_way_so_that_what_is_recommended_holds_as_often_as_asked() -> None:
+    """The step that is told holds as often if it is asked for; with less, and with all of practice, nothing does."""
+    result = uwopt.solve(in_doubt(), top=1, quick=True)
+    assert given_way(result) == ["requirements.snr_at_less_db"] and result.confidence is not None
+    assert result.confidence.enough and "good practice as often as is asked; " in risks_of(result)[0].what
+    step = result.mission["requirements"]["snr_at_less_db"]
+    before = FRAME_LESS_DB[FRAME_LESS_DB.index(step) - 1]
+    held = []
+    for less in (0.0, before, step):
+        known = uwopt.solve(in_doubt(snr_at_less_db=less) | {"practice": "bare"}, top=1, quick=True).confidence
+        held.append(known is not None and known.enough)
+    assert held == [False, False, True]
+
+
+@pytest.mark.parametrize(("held", "taken"), [(0.9, True), (0.71, True), (0.69, False)])
+def test_practice_does_not_give_way_for_less_than_half_of_what_is_short(held: float, taken: bool) -> None:
+    first, other = (cast(Any, ChoiceStub(CountStub(0.9, share))) for share in (0.5, held))
+    assert (surer(first, other) is other) is taken

@@ -106,8 +106,8 @@ DEFECTS = (
     Defect(
         name="estimates of the central optimum are told of what is recommended",
         file="uwopt/api/solving.py",
-        old="    best = sought.outcome.best[0]\n    cut_short",
-        new="    best = proven_outcome.best[0]\n    cut_short",
+        old="    best = sought.outcome.best[0]\n    generic",
+        new="    best = chosen.proven.best[0]\n    generic",
         test="tests/api/test_confidence.py::test_estimates_are_those_of_what_is_recommended",
     ),
     Defect(

@@ -114,6 +114,27 @@ DEFECTS = (
         test=f"{YIELDING}::test_the_frame_has_as_little_less_than_its_mean_as_will_do",
     ),
     Defect(
+        name="all that may give way does, so that something is certain",
+        file="uwopt/api/yielding.py",
+        old="    return _in_order(given_way, _fewest(base, further, holds, patience))",
+        new="    return _in_order(given_way, further)",
+        test=f"{YIELDING}::test_practice_gives_way_so_that_what_is_recommended_holds_as_often_as_asked",
+    ),
+    Defect(
+        name="practice gives way for hardly anything",
+        file="uwopt/api/choosing.py",
+        old="or other.counted.held >= halfway(one.counted)",
+        new="or other.counted.held > one.counted.held",
+        test=f"{YIELDING}::test_practice_does_not_give_way_for_less_than_half_of_what_is_short",
+    ),
+    Defect(
+        name="light in more columns changes with the water as in fewer",
+        file="uwopt/solvers/confidence/together.py",
+        old="colours = (self.scenarios.nodes, columns), colours_of(camera)",
+        new="colours = self.scenarios.nodes, colours_of(camera)",
+        test="tests/solvers/test_confidence_deciding.py::test_how_light_changes_is_known_by_what_is_asked_of_it",
+    ),
+    Defect(
         name="the image's mean may have as little as its frame",
         file="uwopt/solvers/settings/windows.py",
         old='(("mean", rows.min_snr_mean), ("red"',
@@ -166,7 +187,7 @@ DEFECTS = (
     Defect(
         name="good practice that gave way is not told",
         file="uwopt/api/solving.py",
-        old="            *yield_notes(given_way, winner),\n",
+        old="            *yield_notes(chosen.given_way, winner, to_hold=chosen.to_hold),\n",
         new="",
         test=f"{YIELDING}::test_a_reserve_that_nothing_keeps_gives_way_and_is_told_first",
     ),

@@ -1068,8 +1068,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="who is in a hurry waits for doubts",
         file="uwopt/api/solving.py",
-        old="ToTell(sought, doubts=not quick,",
-        new="ToTell(sought, doubts=True,",
+        old="chosen.sought, doubts=not quick,",
+        new="chosen.sought, doubts=True,",
         test="tests/test_deadline.py::test_quick_leaves_doubts_out_and_nothing_else",
     ),
     Defect(

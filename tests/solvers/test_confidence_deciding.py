@@ -13,7 +13,7 @@ from test_confidence import FAST, NOTHING, between, counted, sought_of
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.mission.doubt import Doubt
 from uwopt.solvers.confidence.counted import Counted
-from uwopt.solvers.confidence.deciding import decided_by, nearest, shares, would_hold
+from uwopt.solvers.confidence.deciding import decided_by, held_with, nearest, shares, would_hold
 from uwopt.solvers.confidence.outcomes import outcomes, outcomes_of_each
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.recommend import Sought
@@ -159,3 +159,14 @@ def test_numbers_of_one_lamp_count_together_as_alone() -> None:
         (alone,) = outcomes_of_each(problem, [found], case_.objective, scenarios)
         assert np.isfinite(alone.value).any()
         assert made.value == pytest.approx(alone.value, rel=1e-6)
+
+
+def test_how_light_changes_is_known_by_what_is_asked_of_it() -> None:
+    """Counted in a mission that asks for a white balance, then in one that does not, and has fewer columns of light."""
+    sought = sought_of(one(wanted=FAST))
+    one_, scenarios = seen(sought, 0.9, clarity=True, floor=[0.5, 1.5])
+    problem, goal, mission = sought.problem, sought.search.objective, sought.problem.mission
+    balanced = mission.with_changes(requirements=mission.to_dict()["requirements"] | {"max_white_balance": 4.0})
+    afresh = replace(scenarios, responses={})
+    assert held_with(problem, goal, one_.found, afresh, balanced) == one_.held  # mono: 1 in any water
+    assert held_with(problem, goal, one_.found, afresh, mission) == one_.held

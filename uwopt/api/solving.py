@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 from uwopt.api.accuracy import (
     Searched,
@@ -15,6 +16,7 @@ from uwopt.api.accuracy import (
     plain_accuracy,
     search_within,
 )
+from uwopt.api.choosing import Recommendation, chosen_of, held_by_yielding
 from uwopt.api.common import (
     Progress,
     Source,
@@ -45,7 +47,7 @@ from uwopt.evaluation.breathing import breathing_notes
 from uwopt.evaluation.influences import influences_of
 from uwopt.forward.assembly import Generic, load_catalog
 from uwopt.forward.effects import Influence
-from uwopt.mission.doubt import CENTRAL
+from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import Yield, with_yields
 from uwopt.model.fineness import DEFAULT, Fineness
@@ -57,7 +59,6 @@ from uwopt.solvers.exact.certificate import certificate
 from uwopt.solvers.recommend import (
     BETTER_UNSETTABLE,
     Sought,
-    best_settable,
     colour_notes,
     design_of,
     hardware_of,
@@ -128,8 +129,8 @@ def solve(
     with timed(timing, "catalogue"):
         catalog = load_catalog(wanted)
 
-    def search(fineness: Fineness) -> Searched:
-        return searched(wanted, catalog, goal, top, for_search, progress, timing, fineness)
+    def search(fineness: Fineness, mission: Mission = wanted, scenes_of: Problem | None = None) -> Searched:
+        return searched(mission, catalog, goal, top, for_search, progress, timing, fineness, scenes_of=scenes_of)
 
     if tolerance is None:
         (sought, alternative), measured = search(DEFAULT), None
@@ -140,24 +141,31 @@ def solve(
             tolerance, search, goal, paper=paper, sunlit=sunlit, deadline=deadline
         )
     given_way: tuple[Yield, ...] = ()
-    if not sought.outcome.best and (alternative or sought).outcome.complete and explain and not every_price:
+    asked, may_yield = wanted, explain and not every_price
+    if not sought.outcome.best and (alternative or sought).outcome.complete and may_yield:
         with timed(timing, "practice", progress):
             given_way = gives_way(wanted, catalog, (alternative or sought).problem, for_search)
         if given_way:
             wanted = with_yields(wanted, given_way)
-            sought, alternative = search(sought.problem.fineness)
-    result = base_result("solve", wanted, goal, sought.problem)
+            sought, alternative = search(sought.problem.fineness, wanted)
     if not sought.outcome.best:
         result = infeasible_result(
-            result, wanted.without_gain_cap, catalog, goal, sought, alternative, timing, deadline, progress,
-            explain=explain, since_s=since_s,
+            base_result("solve", wanted, goal, sought.problem), wanted.without_gain_cap, catalog, goal, sought,
+            alternative, timing, deadline, progress, explain=explain, since_s=since_s,
         )  # fmt: skip
     else:
         central = sought
+        chosen = chosen_of(wanted, sought, alternative, goal, deadline, progress, timing, given_way=given_way)
+        if may_yield:
+            look_again = partial(search, sought.problem.fineness)
+            chosen = held_by_yielding(asked, chosen, look_again, goal, deadline, progress, timing)
+            wanted = chosen.mission
         result, sought = found_result(
-            result, goal, sought, alternative, timing, deadline, progress, solver=solver, first=first,
-            given_way=given_way,
-            wanted=ToTell(sought, doubts=not quick, ranges=ranges and not every_price, alternatives=alternatives),
+            base_result("solve", wanted, goal, chosen.sought.problem), goal, chosen, timing, deadline, progress,
+            solver=solver, first=first,
+            wanted=ToTell(
+                chosen.sought, doubts=not quick, ranges=ranges and not every_price, alternatives=alternatives
+            ),
         )  # fmt: skip
         assert result.recommendation is not None
         yielded = gain_warnings(wanted, sought, result.recommendation)
@@ -191,15 +199,13 @@ def solve(
 def found_result(
     result: Result,
     goal: Objective,
-    sought: Sought,
-    alternative: Sought | None,
+    chosen: Recommendation,
     timing: dict[str, float],
     deadline: Deadline,
     progress: Progress | None,
     *,
     solver: str,
     wanted: ToTell,
-    given_way: Sequence[Yield] = (),
     first: First | None = None,
 ) -> tuple[Result, Sought]:
     """A result with a recommendation, and the search with what is recommended at its head.
@@ -208,33 +214,10 @@ def found_result(
     """
     from uwopt.solvers.explain.robustness import assumptions
 
-    cut = alternative is not None and alternative.outcome.interrupted
-    cut_short = cut or sought.outcome.interrupted
-    others: list[Design] = []
-    central, winner = sought.problem.mission.confidence == CENTRAL, None
-    with timed(timing, "evaluation"):
-        try:
-            if central or math.isfinite(deadline.end_s):  # else what is recommended is still to be counted
-                sought, winner = best_settable(sought, goal, deadline)
-            runners_up = sought.outcome.best[1:]
-            others = [design_of(sought, found, goal, with_rounding=False) for found in runners_up]
-        except KeyboardInterrupt:  # what is proven is not lost; asked again, it is
-            cut, winner = True, design_of(sought, sought.outcome.best[0], goal)
-    certain, choice, surely_best, proven_outcome = None, None, True, sought.outcome  # of central numbers
-    if not cut and not central:
-        from uwopt.api.certainty import with_confidence
-
-        try:
-            made_sure = with_confidence(sought, winner, goal, deadline, progress, timing)
-            sought, proven_outcome, winner = made_sure.sought, made_sure.proven, made_sure.design
-            certain, choice, surely_best = made_sure.counted, made_sure.choice, made_sure.is_best
-            if made_sure.of_all_parts:
-                alternative, others = None, []
-        except KeyboardInterrupt:
-            cut = True
-    winner = winner or design_of(sought, sought.outcome.best[0], goal)
+    sought, winner, sure, alternative = chosen.sought, chosen.design, chosen.made_sure, chosen.alternative
+    cut_short = chosen.cut or sought.outcome.interrupted
+    cut_short |= alternative is not None and alternative.outcome.interrupted
     best = sought.outcome.best[0]
-    cut_short = cut_short or cut
     generic = None
     if alternative is not None and alternative.outcome.best:
         generic = design_of(alternative, alternative.outcome.best[0], goal, deadline=deadline)
@@ -242,29 +225,30 @@ def found_result(
     hardware = hardware_of(best)
     given = given_of(sought.problem, hardware, best.settings)
     influences = influences_of(sought.problem, hardware, given)
-    proof = certificate(sought.selection, sought.problem, proven_outcome, goal)
+    proof = certificate(sought.selection, sought.problem, chosen.proven, goal)
     wide = proven and (proof.gap_rel or 0.0) > PROVEN_GAP_REL
     second_best = any(warning["code"] == BETTER_UNSETTABLE for warning in winner.warnings)
+    surely_best, choice = sure is None or sure.is_best, None if sure is None else sure.choice
     made = replace(
         result,
         physics=replace(result.physics, effects=[item.used() for item in proven_in_full(influences)]),
-        confidence=certain,
+        confidence=chosen.counted,
         status=status_of(proven=proven, exact=winner.is_settable and not wide and surely_best),
         recommendation=winner,
-        runners_up=others,
+        runners_up=chosen.others,
         generic_alternative=generic,
         certificate=proof,
         assumptions=assumptions(sought.problem, best),
         objective=replace(result.objective, value=winner.objective_value),
         warnings=[
-            *yield_notes(given_way, winner),
+            *yield_notes(chosen.given_way, winner, to_hold=chosen.to_hold),
             *result.warnings,
             *selection_warnings(sought.selection),
             *winner.warnings,
             *breathing_notes(winner.as_set),
             *taken_instead(sought.problem.mission),
             *colour_notes(sought.problem, hardware),
-            *(interruption_warnings(sought) or (cut_warnings() if cut else [])),
+            *(interruption_warnings(sought) or (cut_warnings() if chosen.cut else [])),
             *(gap_warnings(proof) if wide and not second_best else []),
         ],
     )

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+import math
+from collections.abc import Callable, Collection
+from typing import TYPE_CHECKING
 
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import Deadline, effort_s
@@ -10,13 +12,19 @@ from uwopt.errors import MissionError
 from uwopt.forward.assembly import Generic
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
-from uwopt.mission.yielding import SNR_AT, SNR_LESS, Yield, with_yields, yields_of
+from uwopt.mission.yielding import SNR_AT, SNR_LESS, YIELDS, Yield, with_yields, yields_of
+from uwopt.objectives.objective import Objective
 from uwopt.results.design import PRACTICE_YIELDS, Design, Note
 from uwopt.solvers.explain.relaxed import ANY
 from uwopt.solvers.recommend import seek
 from uwopt.units import ratio_to_db
 
+if TYPE_CHECKING:
+    from uwopt.api.certainty import Recommended
+
 YIELD_S = 20.0  # of work, for what has to give way: what is recommended hangs on it
+SUREST = 3  # hardware of those counted, for which it is asked what would make it hold
+LUCK = 1.64  # standard errors: of a share that was chosen, one in twenty is as far above the truth
 ROOM_DB = 1.0  # of signal to noise that is left where it can be: settings come in steps, and estimates may be wrong
 
 
@@ -59,8 +67,71 @@ def _least(lifted: Mission, catalog: Catalog, like: Problem, patience: Deadline)
         return bool(found.outcome.best)
 
     known = yields_of(lifted)
-    if not known or not fits(known):
-        return ()
+    return _fewest(lifted, known, fits, patience) if known and fits(known) else ()
+
+
+def all_to_hold(asked: Mission, given_way: Collection[Yield]) -> tuple[Yield, ...]:
+    """What has given way so that anything fits, and all that may give way so that it holds as often as is asked.
+
+    That is what is kept in hand, colour, and what the frame may have less than its mean: certainty has not to be got by
+    frames that are dark or soft at their edges.
+
+    asked : the mission with all of good practice
+    """
+    return _in_order(given_way, [one for one in yields_of(asked) if one.for_certainty])
+
+
+def fewest_to_hold(
+    asked: Mission, given_way: Collection[Yield], made: Recommended, goal: Objective, deadline: Deadline
+) -> tuple[Yield, ...]:
+    """The least that has to give way so that some hardware holds as often as is asked, where with all it does.
+
+    asked : the mission with all of good practice
+    given_way : what of it has given way so that anything fits
+    made : what is recommended where that or more has given way
+    """
+    base = with_yields(asked, given_way)
+    patience = deadline.or_after(YIELD_S, effort_s).at_most(YIELD_S)
+    further = tuple(
+        one for one in yields_of(asked)
+        if one.for_certainty and with_yields(asked, _in_order(given_way, [one])).to_dict() != base.to_dict()
+    )  # fmt: skip
+
+    def held(more: Collection[Yield]) -> float:
+        return most_held(made, goal, with_yields(base, more))
+
+    least = min(share_to_hold(made), held(further))
+
+    def holds(more: Collection[Yield]) -> bool:
+        return held(more) >= least
+
+    return _in_order(given_way, _fewest(base, further, holds, patience))
+
+
+def share_to_hold(made: Recommended) -> float:
+    """Share of the scenarios of a choice in which hardware has to hold to do so as often as asked in others too."""
+    assert made.choice is not None
+    share = made.choice.asked
+    return min(share + LUCK * math.sqrt(share * (1.0 - share) / made.choice.scenarios.count), 1.0)
+
+
+def most_held(made: Recommended, goal: Objective, mission: Mission) -> float:
+    """In how many of the same scenarios any of the hardware that held most often holds in a mission like that."""
+    from uwopt.solvers.confidence.deciding import held_with
+
+    assert made.choice is not None
+    choice, problem, most = made.choice, made.sought.problem, 0.0
+    for one in sorted(choice.tried, key=lambda one: one.held, reverse=True)[:SUREST]:
+        most = max(most, held_with(problem, goal, one.found, choice.scenarios, mission))
+        if most >= share_to_hold(made):
+            break
+    return most
+
+
+def _fewest(
+    mission: Mission, known: tuple[Yield, ...], fits: Callable[[Collection[Yield]], bool], patience: Deadline
+) -> tuple[Yield, ...]:
+    """The first of these with which it fits, but for what is not needed then; with all of them it does."""
     few, enough = 0, len(known)  # so many of the first do not do, and so many do
     while enough - few > 1 and not patience.passed():
         middle = (few + enough) // 2
@@ -68,19 +139,32 @@ def _least(lifted: Mission, catalog: Catalog, like: Problem, patience: Deadline)
     given_way = known[:enough]
     for one in reversed(known[: enough - 1]):
         rest = tuple(other for other in given_way if other is not one)
-        overruled = with_yields(lifted, rest).to_dict() == with_yields(lifted, given_way).to_dict()
+        overruled = with_yields(mission, rest).to_dict() == with_yields(mission, given_way).to_dict()
         if overruled or (not patience.passed() and fits(rest)):
             given_way = rest
     return given_way
 
 
-def yield_notes(given_way: Collection[Yield], winner: Design | None = None) -> list[Note]:
-    """What has given way, and what the winner's darkest places get where the SNR holds in the mean."""
+def _in_order(given_way: Collection[Yield], more: Collection[Yield]) -> tuple[Yield, ...]:
+    """All of them as they give way, but for those that a later one overrules."""
+    every = [one for one in YIELDS if one in given_way or one in more]
+    last = {one.path: one for one in every}
+    return tuple(one for one in every if last[one.path] is one)
+
+
+def yield_notes(
+    given_way: Collection[Yield], winner: Design | None = None, *, to_hold: bool = False
+) -> list[Note]:
+    """What has given way, and what the winner's darkest places get where the SNR holds in the mean.
+
+    to_hold : whether any of it did so that something holds as often as is asked
+    """
     if not given_way:
         return []
     reached = [scene.figures.get("snr_db_p05") for scene in winner.as_set.scenes] if winner is not None else []
     known = [float(value) for value in reached if value is not None]
     of_frame = f" (95 % of which reach {min(known):.0f} dB)" if known else ""
     words = (one.words + (of_frame if one.key in (SNR_AT, SNR_LESS) else "") for one in given_way)
-    text = "nothing meets all of good practice; what has given way: " + "; ".join(words)
+    often = " as often as is asked" if to_hold else ""
+    text = f"nothing meets all of good practice{often}; what has given way: " + "; ".join(words)
     return [Note(PRACTICE_YIELDS, ", ".join(one.path for one in given_way), text)]

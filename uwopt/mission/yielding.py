@@ -29,6 +29,7 @@ class Yield:
     kept: Any  # by good practice
     instead: Any
     words: str  # what is then held no more
+    for_certainty: bool = True  # whether it gives way too where something fits, but not as often as is asked
 
     @property
     def path(self) -> str:
@@ -46,7 +47,7 @@ def _reserve(key: str, words: str) -> Yield:
 
 
 def _asked(key: str, instead: Any, words: str) -> Yield:
-    return Yield("requirements", key, RECOMMENDED_KEYS["requirements"][key], instead, words)
+    return Yield("requirements", key, RECOMMENDED_KEYS["requirements"][key], instead, words, for_certainty=False)
 
 
 #: What gives way first, first: what is kept in hand, then colour, then what is asked of the frame's darkest places.
@@ -60,7 +61,10 @@ YIELDS: tuple[Yield, ...] = (
     _asked(SNR_AT, "mean", "the signal to noise holds in the image's mean, not over the frame"),
     _asked("dof_at", "axis", "the depth of field holds on the axis, not in the corners"),
     _asked("lens_stop_down", 0.0, "the lens need not be stopped down"),
-    Yield("requirements", "min_uniformity", LEAST_UNIFORMITY, 0.0, "the darkest place of the floor may be dark"),
+    Yield(
+        "requirements", "min_uniformity", LEAST_UNIFORMITY, 0.0, "the darkest place of the floor may be dark",
+        for_certainty=False,
+    ),
 )
 
 

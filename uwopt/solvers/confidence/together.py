@@ -276,7 +276,8 @@ class Together:
         """
         problem, found = self.problem, self.found[self.hardware[row]]
         camera, port = problem.parts.cameras[self.imagers.camera[row]], problem.parts.ports[self.imagers.port[row]]
-        colours = self.scenarios.nodes, colours_of(camera)
+        columns = tuple((scene.channels, scene.pixels) for scene in problem.scenes)  # of light, that are asked for
+        colours = (self.scenarios.nodes, columns), colours_of(camera)
         if self.scenarios.rough:
             return colours
         ends = (*colours, port.geometry, found.lighting.mount, min(found.count, 2), found.lighting.optics)

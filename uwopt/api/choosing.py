@@ -1,0 +1,148 @@
+"""What is recommended of what a search found: the best by central numbers, or what holds as often as asked."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from uwopt.api.accuracy import Searched
+from uwopt.api.common import Progress
+from uwopt.api.timing import timed
+from uwopt.api.yielding import all_to_hold, fewest_to_hold, most_held, share_to_hold
+from uwopt.deadline import Deadline
+from uwopt.mission.doubt import CENTRAL
+from uwopt.mission.mission import Mission
+from uwopt.mission.yielding import Yield, with_yields
+from uwopt.objectives.objective import Objective
+from uwopt.results.certainty import Confidence
+from uwopt.results.design import Design
+from uwopt.solvers.exact.account import Outcome
+from uwopt.solvers.recommend import Sought, best_settable, design_of
+
+if TYPE_CHECKING:
+    from uwopt.api.certainty import Recommended
+
+
+MOST_ROUNDS = 3  # in which less and less gives way
+
+
+@dataclass(frozen=True)
+class Recommendation:
+    """What is recommended for a mission, before anything else is told of it."""
+
+    mission: Mission  # with what of good practice has given way
+    sought: Sought  # with what is recommended at its head
+    alternative: Sought | None  # with parts to be made
+    proven: Outcome  # of the search by central numbers
+    design: Design
+    others: list[Design]
+    made_sure: Recommended | None = None  # None: by central numbers
+    given_way: tuple[Yield, ...] = ()
+    to_hold: bool = False  # whether any of it did so that something holds as often as is asked
+    cut: bool = False  # whether a person wants no more
+
+    @property
+    def counted(self) -> Confidence | None:
+        """How often it holds, where that was counted."""
+        return None if self.made_sure is None else self.made_sure.counted
+
+
+def chosen_of(
+    mission: Mission, sought: Sought, alternative: Sought | None, goal: Objective, deadline: Deadline,
+    progress: Progress | None, timing: dict[str, float], *, given_way: tuple[Yield, ...] = (),
+    before: Recommended | None = None,
+) -> Recommendation:  # fmt: skip
+    """What is recommended at the mission's confidence.
+
+    before : what is recommended for a mission that differs in a few keys
+    """
+    cut = alternative is not None and alternative.outcome.interrupted
+    others, proven = list[Design](), sought.outcome
+    central, winner = mission.confidence == CENTRAL, None
+    with timed(timing, "evaluation"):
+        try:
+            if central or math.isfinite(deadline.end_s):  # else what is recommended is still to be counted
+                sought, winner = best_settable(sought, goal, deadline)
+            runners_up = sought.outcome.best[1:]
+            others = [design_of(sought, found, goal, with_rounding=False) for found in runners_up]
+        except KeyboardInterrupt:  # what is proven is not lost; asked again, it is
+            cut, winner = True, design_of(sought, sought.outcome.best[0], goal)
+    if not cut and not central:
+        from uwopt.api.certainty import with_confidence
+
+        try:
+            sure = with_confidence(sought, winner, goal, deadline, progress, timing, before)
+            if sure.of_all_parts:
+                alternative, others = None, []
+            return Recommendation(
+                mission, sure.sought, alternative, sure.proven, sure.design, others, sure, given_way=given_way
+            )
+        except KeyboardInterrupt:
+            cut = True
+    winner = winner or design_of(sought, sought.outcome.best[0], goal)
+    return Recommendation(mission, sought, alternative, proven, winner, others, given_way=given_way, cut=cut)
+
+
+def held_by_yielding(
+    asked: Mission, first: Recommendation, search: Callable[[Mission], Searched], goal: Objective, deadline: Deadline,
+    progress: Progress | None, timing: dict[str, float],
+) -> Recommendation:  # fmt: skip
+    """What is recommended where good practice gives way so that it holds as often as is asked; the first if it does.
+
+    asked : the mission with all of good practice
+    search : of a mission that differs in what has given way
+    """
+    sure = first.made_sure
+    every = all_to_hold(asked, first.given_way)
+    if first.cut or first.counted is None or first.counted.enough or every == first.given_way:
+        return first
+    if sure is None or sure.choice is None or not sure.choice.scenarios.is_drawn:
+        return first
+
+    def with_given_way(given_way: tuple[Yield, ...], before: Recommendation) -> Recommendation:
+        weaker = with_yields(asked, given_way)
+        sought, alternative = search(weaker)
+        if not sought.outcome.best or not sought.outcome.complete:
+            return before
+        made = chosen_of(
+            weaker, sought, alternative, goal, deadline, progress, timing, given_way=given_way, before=before.made_sure
+        )
+        return replace(before, cut=True) if made.cut else surer(before, replace(made, to_hold=True))
+
+    best = first
+    try:
+        with timed(timing, "practice", progress):
+            reached = most_held(sure, goal, with_yields(asked, every))
+        if reached < halfway(first.counted):
+            return first
+        if reached < share_to_hold(sure):  # other hardware may do better
+            best = with_given_way(every, first)
+        if best is first and reached < share_to_hold(sure):
+            return best
+        for _ in range(MOST_ROUNDS):  # hardware that was found on the way may need less
+            if best.cut or best.made_sure is None or best.made_sure.choice is None:
+                break
+            with timed(timing, "practice", progress):
+                given_way = fewest_to_hold(asked, first.given_way, best.made_sure, goal, deadline)
+            made = with_given_way(given_way, best) if given_way != best.given_way else best
+            if made is best:
+                break
+            best = made
+    except KeyboardInterrupt:  # what is known is not lost
+        best = replace(best, cut=True)
+    return best
+
+
+def halfway(counted: Confidence) -> float:
+    """Share that is half as far from what is asked as what was counted: for less, practice does not give way."""
+    assert not isinstance(counted.asked, str)
+    return 0.5 * (counted.held + counted.asked)
+
+
+def surer(one: Recommendation, other: Recommendation) -> Recommendation:
+    """Of two, the other where it holds as often as asked, or at least half as far from that."""
+    if one.counted is None or other.counted is None:
+        return one
+    return other if other.counted.enough or other.counted.held >= halfway(one.counted) else one
