@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 
 MOST_ROUNDS = 3  # in which less and less gives way
+AS_SURE = 0.02  # shares of fresh scenarios that lie as near are as good as the same
 
 
 @dataclass(frozen=True)
@@ -109,7 +110,10 @@ def held_by_yielding(
         made = chosen_of(
             weaker, sought, alternative, goal, deadline, progress, timing, given_way=given_way, before=before.made_sure
         )
-        return replace(before, cut=True) if made.cut else surer(before, replace(made, to_hold=True))
+        if made.cut:
+            return replace(before, cut=True)
+        made = replace(made, to_hold=True)
+        return made if surer(first, made) is made and as_sure(made, before) else before
 
     best = first
     try:
@@ -125,11 +129,11 @@ def held_by_yielding(
             if best.cut or best.made_sure is None or best.made_sure.choice is None:
                 break
             with timed(timing, "practice", progress):
-                given_way = fewest_to_hold(asked, first.given_way, best.made_sure, goal, deadline)
+                given_way = fewest_to_hold(asked, first.given_way, every, best.made_sure, goal, deadline)
             made = with_given_way(given_way, best) if given_way != best.given_way else best
             if made is best:
                 break
-            best = made
+            best, every = made, made.given_way
     except KeyboardInterrupt:  # what is known is not lost
         best = replace(best, cut=True)
     return best
@@ -139,6 +143,13 @@ def halfway(counted: Confidence) -> float:
     """Share that is half as far from what is asked as what was counted: for less, practice does not give way."""
     assert not isinstance(counted.asked, str)
     return 0.5 * (counted.held + counted.asked)
+
+
+def as_sure(one: Recommendation, other: Recommendation) -> bool:
+    """Whether one holds as often as asked, or as often as another."""
+    if one.counted is None or other.counted is None:
+        return False
+    return one.counted.enough or one.counted.held >= other.counted.held - AS_SURE
 
 
 def surer(one: Recommendation, other: Recommendation) -> Recommendation:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from typing import TYPE_CHECKING
 
 from uwopt.catalog.catalogue import Catalog
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from uwopt.api.certainty import Recommended
 
 YIELD_S = 20.0  # of work, for what has to give way: what is recommended hangs on it
-SUREST = 3  # hardware of those counted, for which it is asked what would make it hold
+SUREST = 2  # hardware of those counted, for which it is asked what would make it hold
 LUCK = 1.64  # standard errors: of a share that was chosen, one in twenty is as far above the truth
 ROOM_DB = 1.0  # of signal to noise that is left where it can be: settings come in steps, and estimates may be wrong
 
@@ -82,19 +82,23 @@ def all_to_hold(asked: Mission, given_way: Collection[Yield]) -> tuple[Yield, ..
 
 
 def fewest_to_hold(
-    asked: Mission, given_way: Collection[Yield], made: Recommended, goal: Objective, deadline: Deadline
-) -> tuple[Yield, ...]:
-    """The least that has to give way so that some hardware holds as often as is asked, where with all it does.
+    asked: Mission, given_way: Collection[Yield], every: Sequence[Yield], made: Recommended, goal: Objective,
+    deadline: Deadline,
+) -> tuple[Yield, ...]:  # fmt: skip
+    """The least that has to give way so that some hardware holds as often as is asked, where with `every` it does.
 
     asked : the mission with all of good practice
     given_way : what of it has given way so that anything fits
-    made : what is recommended where that or more has given way
+    every : that and what else may give way, the last of each key
+    made : what is recommended where some of that has given way
     """
     base = with_yields(asked, given_way)
     patience = deadline.or_after(YIELD_S, effort_s).at_most(YIELD_S)
+    last = {one.path: YIELDS.index(one) for one in every}
     further = tuple(
         one for one in yields_of(asked)
-        if one.for_certainty and with_yields(asked, _in_order(given_way, [one])).to_dict() != base.to_dict()
+        if YIELDS.index(one) <= last.get(one.path, -1)
+        and with_yields(asked, _in_order(given_way, [one])).to_dict() != base.to_dict()
     )  # fmt: skip
 
     def held(more: Collection[Yield]) -> float:
