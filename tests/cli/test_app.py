@@ -19,7 +19,7 @@ import pytest
 from typer.testing import CliRunner
 
 import uwopt
-from uwopt.api import doubting
+from uwopt.api import choosing, doubting
 from uwopt.api import solving as api
 from uwopt.api.evaluating import evaluate
 from uwopt.catalog.edition import AS_OF, EDITION
@@ -269,7 +269,7 @@ def test_interruption_before_a_result_is_status_130(monkeypatch: pytest.MonkeyPa
 
 @pytest.mark.parametrize(
     ("where", "stage"),
-    [(doubting, "told_together"), (doubting, "second_opinions"), (api, "estimator_of_search"), (api, "design_of")],
+    [(doubting, "told_together"), (doubting, "second_opinions"), (api, "estimator_of_search"), (choosing, "design_of")],
 )
 def test_interruption_after_the_proof_keeps_what_is_proven(
     where: Any, stage: str, monkeypatch: pytest.MonkeyPatch

@@ -60,7 +60,7 @@ def chosen_of(
     before : what is recommended for a mission that differs in a few keys
     """
     cut = alternative is not None and alternative.outcome.interrupted
-    others, proven = list[Design](), sought.outcome
+    others: list[Design] = []
     central, winner = mission.confidence == CENTRAL, None
     with timed(timing, "evaluation"):
         try:
@@ -83,7 +83,7 @@ def chosen_of(
         except KeyboardInterrupt:
             cut = True
     winner = winner or design_of(sought, sought.outcome.best[0], goal)
-    return Recommendation(mission, sought, alternative, proven, winner, others, given_way=given_way, cut=cut)
+    return Recommendation(mission, sought, alternative, sought.outcome, winner, others, given_way=given_way, cut=cut)
 
 
 def held_by_yielding(
