@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
+from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
@@ -177,26 +177,6 @@ def test_no_more_room_is_kept_than_can_be_asked() -> None:
     assert result.status == "infeasible" and given_way(result) == []
 
 
-@dataclass(frozen=True)
-class CountStub:
-    """What `surer` reads of a count."""
-
-    asked: float
-    held: float
-
-    @property
-    def enough(self) -> bool:
-        """As counts have it."""
-        return self.held >= self.asked
-
-
-@dataclass(frozen=True)
-class ChoiceStub:
-    """What `surer` reads of a choice."""
-
-    counted: Any
-
-
 def in_doubt(**asked: Any) -> dict[str, Any]:
     """A frame in which something fits with all of good practice, but not often: 3 dB are kept in hand."""
     brightest = uwopt.solve(over_frame(0.0) | {"objective": "snr_db"}, top=1, quick=True)
@@ -220,5 +200,8 @@ def test_practice_gives_way_so_that_what_is_recommended_holds_as_often_as_asked(
 
 @pytest.mark.parametrize(("held", "taken"), [(0.9, True), (0.71, True), (0.69, False)])
 def test_practice_does_not_give_way_for_less_than_half_of_what_is_short(held: float, taken: bool) -> None:
-    first, other = (cast(Any, ChoiceStub(CountStub(0.9, share))) for share in (0.5, held))
+    first, other = (
+        cast(Any, SimpleNamespace(counted=SimpleNamespace(asked=0.9, held=share, enough=share >= 0.9)))
+        for share in (0.5, held)
+    )
     assert (surer(first, other) is other) is taken

@@ -47,7 +47,6 @@ from uwopt.evaluation.breathing import breathing_notes
 from uwopt.evaluation.influences import influences_of
 from uwopt.forward.assembly import Generic, load_catalog
 from uwopt.forward.effects import Influence
-from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import Yield, with_yields
 from uwopt.model.fineness import DEFAULT, Fineness
@@ -129,8 +128,8 @@ def solve(
     with timed(timing, "catalogue"):
         catalog = load_catalog(wanted)
 
-    def search(fineness: Fineness, mission: Mission = wanted, scenes_of: Problem | None = None) -> Searched:
-        return searched(mission, catalog, goal, top, for_search, progress, timing, fineness, scenes_of=scenes_of)
+    def search(fineness: Fineness, mission: Mission = wanted) -> Searched:
+        return searched(mission, catalog, goal, top, for_search, progress, timing, fineness)
 
     if tolerance is None:
         (sought, alternative), measured = search(DEFAULT), None
