@@ -15,7 +15,37 @@ ROUNDS = "tests/solvers/test_in_rounds.py"
 
 SIBLINGS, OF_SIBLINGS = "uwopt/solvers/explain/siblings.py", "tests/solvers/test_siblings.py"
 
+SOON = "tests/solvers/test_soon_known.py"
+
 DEFECTS = (
+    Defect(
+        name="what likely stands in the way waits for all that does not",
+        file="uwopt/solvers/explain/infeasible.py",
+        old="    singles.ask_suspects()\n",
+        new="",
+        test=f"{SOON}::test_what_the_last_rules_speak_of_is_asked_first_and_drawn_in",
+    ),
+    Defect(
+        name="what stands in the way once the first has given is not asked",
+        file="uwopt/solvers/explain/singles.py",
+        old="            then = asked_by(self.useless.get(name, ()), trials.limits)\n",
+        new="            then = asked_by((), trials.limits)\n",
+        test=f"{SOON}::test_requirements_that_nothing_meets_by_themselves_are_told_to_have_to_give",
+    ),
+    Defect(
+        name="a requirement that parts do meet by itself is told to have to give",
+        file="uwopt/solvers/explain/singles.py",
+        old="            self._take_the_only_miss(found, others)\n            return\n        left",
+        new="            self._take_the_only_miss(found, others)\n        left",
+        test=f"{SOON}::test_requirements_that_nothing_meets_by_themselves_are_told_to_have_to_give",
+    ),
+    Defect(
+        name="of rules of imagers the first is taken for the likeliest in the way",
+        file="uwopt/solvers/explain/suspects.py",
+        old="else lost[::-1])]",
+        new="else lost)]",
+        test=f"{SOON}::test_likeliest_in_the_way_is_what_the_last_designs_fall_by[lost1-0-suspects1]",
+    ),
     Defect(
         name="a camera with the same sensor is told though it misses the mission",
         file=SIBLINGS,

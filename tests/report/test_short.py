@@ -349,3 +349,6 @@ def test_moves_and_contradictions_are_told(make_result: Make) -> None:
     assert "speed (speed_m_s) 1.500 m/s 0.6200 m/s no less will do water III IB less may do" in text
     assert "whether less than what is told of water is enough. uwopt explain with --seconds 60 goes on." in text
     assert "These contradict each other" in text and "swath (min_swath_m)" in text
+    unmet = why | {"contradiction": [], "unmet": ["min_snr", "cost"]}
+    text = text_of(make_result(status="infeasible", recommendation=None, runners_up=[], infeasible=unmet))
+    assert "all of them have to give: signal to noise (min_snr) and cost (cost)" in text

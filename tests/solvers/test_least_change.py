@@ -342,7 +342,7 @@ def test_what_a_design_misses_alone_is_known_to_help(parts, catalog):
 def test_a_budget_that_is_missed_by_far_weakens_no_limit_to_less_than_nothing(parts, catalog, monkeypatch):
     """Parts cost 1700 USD, 5.8 times what is asked; five times less of a swath would be a negative one."""
     shares: list[float] = []
-    monkeypatch.setattr(CommonShare, "_search", lambda self, share: shares.append(share))
+    monkeypatch.setattr(CommonShare, "_search", lambda self, share, *_: shares.append(share))
     wanted = mission(parts, min_swath_m=0.5).with_changes(limits={"cost": 250.0})
     why = explained(wanted, catalog)
     assert [one.name for one in why.relaxations] == ["cost"] and why.relaxations[0].miss_rel > 5.0

@@ -15,13 +15,15 @@ from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.exact.account import Outcome
+from uwopt.results.basis import WhyNothing
+from uwopt.solvers.exact.account import Account, Outcome
 from uwopt.solvers.exact.certificate import certificate
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain.infeasible import why_nothing
 from uwopt.solvers.explain.least_change import same_hardware
 from uwopt.solvers.explain.relaxed import Relaxer
 from uwopt.solvers.explain.singles import Singles
+from uwopt.solvers.explain.suspects import suspects_of
 from uwopt.solvers.explain.together import first_of_all, least_set
 from uwopt.solvers.explain.trials import BRIGHT, Trials
 from uwopt.solvers.recommend import Sought, seek
@@ -117,3 +119,59 @@ def test_all_imagers_are_asked_first_only_where_bounds_settle_what_is_asked(part
         known = seek(wanted, catalog, POWER, generic="never", top=1)
         assert not known.outcome.best and bool(known.outcome.account.evaluated) is tried
         assert Relaxer(wanted, catalog, "never", known).is_soon_known() is not tried
+
+
+def asked_in_vain(wanted: Mission, catalog: Catalog, searches: float) -> WhyNothing:
+    """Why nothing fits, as far as so many searches tell."""
+    known, run, count = seek(wanted, catalog, POWER, generic="never", top=1), Search.run, [0]
+    assert not known.outcome.best
+
+    def counted(self: Search) -> Outcome:
+        count[0] += 1
+        return run(self)
+
+    proof = certificate(known.selection, known.problem, known.outcome, POWER)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Search, "run", counted)
+        clock = Deadline(searches, lambda: float(count[0]))
+        return why_nothing(Trials(wanted, catalog, POWER, "never", clock, like=known), proof)
+
+
+def fits(wanted: Mission, catalog: Catalog, **weaker: float) -> bool:
+    """Whether something does, with other numbers asked."""
+    asked = wanted.with_changes(requirements={**wanted.to_dict()["requirements"], **weaker})
+    return bool(seek(asked, catalog, POWER, generic="never", top=1).outcome.best)
+
+
+def test_what_the_last_rules_speak_of_is_asked_first_and_drawn_in(parts, catalog):
+    """Of seven requirements and keys the one that is in the way is told within fewer searches than there are."""
+    wanted = mission(parts, min_snr_db=70.0)
+    (told,) = asked_in_vain(wanted, catalog, 6.0).relaxations
+    assert told.name == "min_snr" and told.needed is not None
+    assert fits(wanted, catalog, min_snr=None, min_snr_db=told.needed)
+
+
+def test_requirements_that_nothing_meets_by_themselves_are_told_to_have_to_give(parts, catalog, monkeypatch):
+    """Light for 120 dB no pixel holds, and parts for 100 USD are not sold, whatever else is asked."""
+    wanted = mission(parts, min_snr_db=120.0).with_changes(limits={"cost": 100.0})
+    why = asked_in_vain(wanted, catalog, 1e9)
+    assert sorted(why.unmet) == ["cost", "min_snr"] and not why.relaxations
+    dear = mission(parts).with_changes(limits={"cost": 100.0})
+    assert asked_in_vain(dear, catalog, 1e9).unmet == ["cost"]
+    monkeypatch.setattr(Relaxer, "is_soon_known", lambda self, freed=(): True)
+    dark = mission(parts, min_snr_db=40.0, max_blur_px=0.5).with_changes(limits={"power_w": 6.0})
+    assert asked_in_vain(dark, catalog, 1e9).unmet == []  # the lamp of 200 W has light for 40 dB
+
+
+@pytest.mark.parametrize(
+    ("lost", "evaluated", "suspects"),
+    [
+        ({"max_gsd_mm": 9, "light": 3, "cost": 5}, 0, ["cost", "min_snr"]),  # lamps decide last, most first
+        ({"max_gsd_mm": 9, "min_swath_m": 7}, 0, ["min_swath_m", "max_gsd_mm"]),  # the last rule first
+        ({"max_gsd_mm": 9}, 4, ["min_snr"]),  # tried in vain: no settings
+        ({"mount": 9, "image_circle": 2}, 0, []),  # nobody asked for that
+    ],
+)  # fmt: skip
+def test_likeliest_in_the_way_is_what_the_last_designs_fall_by(lost, evaluated, suspects):
+    account = Account(100, evaluated, dict(lost))
+    assert suspects_of(account, ["min_snr", "max_gsd_mm", "min_swath_m", "cost"]) == suspects

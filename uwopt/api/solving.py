@@ -297,7 +297,13 @@ def infeasible_result(
     alternative: Sought | None, timing: dict[str, float], deadline: Deadline, progress: Progress | None,
     *, explain: bool = True, since_s: float = 0.0,
 ) -> Result:  # fmt: skip
-    """A result without a recommendation: why, and what would help; `since_s`: of the processor, when it was asked."""
+    """A result without a recommendation: why, and what would help; `since_s`: of the processor, when it was asked.
+
+    Where nobody gave a time, its patience is of the processor: that other programs make it wait takes nothing from it,
+    as it would of the wall's clock, though a core that is shared does about half as much in a second. Counted work,
+    which is the same everywhere, is no measure here: most of what is done lists and bounds imagers, of which next to
+    nothing is counted. So the proof is the same on every machine, but not how much is told beside it.
+    """
     from uwopt.solvers.explain.infeasible import why_nothing
     from uwopt.solvers.explain.trials import Trials
 

@@ -236,6 +236,11 @@ class WhyNothing(Record):
     not_known: list[str] = Field(
         default_factory=list, description="requirements and keys of which there was no time to know whether they help"
     )
+    unmet: list[str] = Field(
+        default_factory=list,
+        description="requirements that nothing meets even where no other is asked, as the scene and the vehicle are: "
+        "each has to give",
+    )
 
 
 @dataclass(frozen=True, config=RECORD)

@@ -133,13 +133,17 @@ def asked_depth_m(mission: Mapping[str, Any]) -> float:
 
 def contradiction_lines(result: Result | FrontResult) -> list[Line]:
     """Requirements that contradict each other, none too many."""
-    names = result.infeasible.contradiction if result.infeasible is not None else []
+    why = result.infeasible
+    names = [] if why is None else why.contradiction or (why.unmet if len(why.unmet) > 1 else [])
     if not names:
         return []
     told = words.listed([f"{words.requirement_name(name)} ({formats.one_line(name)})" for name in names])
     if len(names) == 1:
         return [sentence(f"As the scene and the vehicle are, no parts meet this even by itself: {told}.")]
-    assert result.infeasible is not None
-    if not result.infeasible.contradiction_is_least:
+    assert why is not None
+    if not why.contradiction:
+        said = "As the scene and the vehicle are, no parts meet any of these even by itself: all of them have to give"
+        return [sentence(f"{said}: {told}.")]
+    if not why.contradiction_is_least:
         return [sentence(f"These contradict each other, and fewer of them may do so already: {told}.")]
     return [sentence(f"These contradict each other; any one of them left out, the rest of them can be met: {told}.")]

@@ -7,6 +7,8 @@ each other (`contradiction`). What there was no time for is noted.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from uwopt.results.basis import Excluded, Moved, NoHelp, Relaxed, WhyNothing
 from uwopt.results.design import Design
 from uwopt.results.result import Certificate
@@ -40,6 +42,7 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
     by_size = any(item.rule.startswith("housing") and item.count for item in certificate.discarded)
     singles, mover = Singles(trials), Mover(trials.relaxer, trials.deadline)
     soon, quick = None, trials.relaxer.is_soon_known()
+    singles.ask_suspects()
     if quick:
         whole = trials.deadline
         trials.deadline = mover.deadline = whole.but_for(QUICK_SHARE)
@@ -83,7 +86,7 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
     if not relaxations and not moves and not together:  # a limit that is out of reach by far: better told than nothing
         relaxations = every
         nearest = design_of(trials, every)
-    clash = clash_of(trials, relaxations)
+    clash = clash_of(trials, relaxations, singles.unmet)
     helpful = [
         Relaxed(r.name, r.limit, r.needed, r.miss_rel, r.fits_at_central_prices, r.is_least) for r in relaxations
     ]
@@ -99,6 +102,7 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
         none_left=[*none_left(trials.mission, trials.relaxer.selection)],
         no_help=[NoHelp(name, [*rules]) for name, rules in (singles.useless | mover.useless).items()],
         not_known=[*singles.left, *mover.not_known],
+        unmet=[*singles.unmet],
     )
 
 
@@ -133,9 +137,14 @@ def design_of(trials: Trials, relaxations: list[Relaxation]) -> Design | None:
     return trials.judged(relaxations[0].found) if relaxations else None
 
 
-def clash_of(trials: Trials, relaxations: list[Relaxation]) -> Contradiction:
-    """Requirements that contradict each other, none too many if there is time to know."""
-    if trials.over:
+def clash_of(trials: Trials, relaxations: list[Relaxation], unmet: Sequence[str] = ()) -> Contradiction:
+    """Requirements that contradict each other, none too many if there is time to know.
+
+    unmet : those that nothing meets where no other is asked
+    """
+    if unmet and {one.name for one in relaxations}.issuperset(unmet):
+        return Contradiction(tuple(unmet), is_least=True)
+    if trials.over or len(unmet) > 1:
         return Contradiction()
     trials.say(0.95, "which requirements contradict each other")
     names = [name for name in trials.by_effort() if name in MAY_PASS]

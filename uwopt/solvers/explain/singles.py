@@ -12,9 +12,11 @@ from functools import partial
 
 from uwopt.deadline import Deadline
 from uwopt.objectives.objective import Objective
+from uwopt.solvers.explain.least_change import in_rounds
 from uwopt.solvers.explain.least_limit import LeastLimit, Without
 from uwopt.solvers.explain.reached import missed_by
-from uwopt.solvers.explain.relaxed import ANY, CHEAPEST, FEW_IMAGERS, OF_LIGHT, hope
+from uwopt.solvers.explain.relaxed import ANY, CHEAPEST, FEW_IMAGERS, MAY_PASS, OF_LIGHT, hope
+from uwopt.solvers.explain.suspects import MOST_SUSPECTS, asked_by, suspects_of
 from uwopt.solvers.explain.together import few_that_give
 from uwopt.solvers.explain.trials import BRIGHT, FINEST, Trials
 from uwopt.solvers.explain.weakened import RELAXABLE, with_central_prices, without
@@ -31,6 +33,7 @@ HOPE_SHARE, HOPE_TURN = 0.5, 0.6  # of the time left, for what is likely to help
 IMAGER_S = 1e-5  # that a search takes at least for an imager that another requirement let through
 QUICK_TURN = 0.5  # of the time left, for one of all imagers where that is soon known
 FEW = 3  # requirements that are as well dropped one by one
+SUSPECT_TURN, LAST_SUSPECT = 0.45, 0.7  # of the time left, for one that likely stands in the way
 
 
 @dataclass
@@ -46,6 +49,60 @@ class Singles:
     dear: set[str] = field(default_factory=set)  # limits of cost that central prices do not keep either
     in_vain: dict[str, int] = field(default_factory=dict)  # among how many imagers, all of them looked at
     together: tuple[list[str], Sought] | None = None  # that give together, and a design without them
+    drawn: dict[str, LeastLimit] = field(default_factory=dict)
+    unmet: list[str] = field(default_factory=list)  # which nothing meets where no other is asked: each has to give
+
+    def ask_suspects(self) -> None:
+        """First of all drop those that likely stand in the way, and draw in what helps.
+
+        Where bounds tell soon, all others are dropped at once before: where nothing fits even so none of them helps,
+        and that one has to give.
+        """
+        trials, like = self.trials, self.trials.relaxer.like
+        waiting = [] if like is None else suspects_of(like.outcome.account, trials.limits)
+        asked = list[str]()
+        while waiting and len(asked) < MOST_SUSPECTS and not trials.over:
+            name = waiting.pop(0)
+            asked.append(name)
+            trials.say(0.0, f"why nothing fits: without {name}")
+            if trials.relaxer.are_too_many or trials.relaxer.is_soon_known():
+                self._ask_all_but(name)
+            if name in self._open(trials.limits):
+                self._ask_suspect(name, SUSPECT_TURN if waiting else LAST_SUSPECT)
+            then = asked_by(self.useless.get(name, ()), trials.limits)
+            waiting += [other for other in then if other not in (*asked, *waiting)]
+        if self.helpful and not trials.over:
+            self.draw_in(SUSPECT_TURN)
+
+    def _ask_suspect(self, name: str, share: float) -> None:
+        """Drop one that likely stands in the way, in a share of the time left: among a few imagers, then among all."""
+        trials = self.trials
+        try:
+            if name in MAY_PASS and not trials.relaxer.is_soon_known():
+                self._try_among(name, FEW_IMAGERS, trials.deadline.at_most(share * trials.deadline.left_s))
+            if self._asks_central_first(name):
+                self._is_known_at_central_prices(name, trials.limits[name])
+            if name in self._open(trials.limits) and not trials.interrupted:
+                self._is_known(name, trials.limits[name], trials.deadline.at_most(share * trials.deadline.left_s))
+        except KeyboardInterrupt:
+            trials.interrupted = True
+
+    def _ask_all_but(self, name: str) -> None:
+        """Drop all others at once, or those that leave the imagers as they are where else there are many to look at."""
+        trials, relaxer = self.trials, self.trials.relaxer
+        every = [other for other in trials.limits if other in MAY_PASS and other != name]
+        all_soon = relaxer.are_too_many or relaxer.is_soon_known(every)
+        others = every if all_soon else [other for other in every if not MAY_PASS[other]]
+        found = trials.seek_without(others) if others else None
+        if found is None:
+            return
+        if found.outcome.best:
+            self._take_the_only_miss(found, others)
+            return
+        left = self._open(dict.fromkeys(others, 0.0))
+        self.useless |= {other: trials.relaxer.why_not(found, other) for other in left}
+        if len(others) == len(every):
+            self.unmet.append(name)
 
     def try_few(self, number: int = FEW_IMAGERS) -> None:
         """Drop each and look among a few imagers.
@@ -55,7 +112,7 @@ class Singles:
         """
         trials = self.trials
         _ = trials.relaxer.broken  # takes longer than a turn, and all share it
-        phase = trials.deadline.at_most(FEW_SHARE * trials.deadline.left_s)
+        phase = trials.deadline.at_most(self.share(FEW_SHARE) * trials.deadline.left_s)
         names = sorted(
             self._hopeful_of_light(number, phase),
             key=lambda name: (not trials.is_own(name), name not in OF_LIGHT, name == "min_snr"),
@@ -129,8 +186,8 @@ class Singles:
         trials.interrupted |= found.outcome.interrupted
 
     def share(self, share: float) -> float:
-        """Of the time left, for what else may help: less where something does, of which the least is to be found."""
-        return share * (HELPED if self.helpful else 1.0)
+        """Of the time left, for what else may help: less where something does, or several have to give together."""
+        return share * (HELPED if self.helpful or len(self.unmet) > 1 else 1.0)
 
     def _asks_central_first(self, name: str) -> bool:
         """Whether a limit is of cost at high prices, which central ones might keep."""
@@ -247,14 +304,8 @@ class Singles:
             trials.relaxer.seek, goal=goal_without(name), freed={name}, enough=True,
             few_first=self._asks_central_first(name),
         )  # fmt: skip
-        if self._asks_central_first(name) and name not in self.dear:
-            central = with_central_prices(trials.mission)
-            found = seek_one(central, deadline=trials.deadline.at_most(LONG_TURN * trials.deadline.left_s))
-            if found.outcome.best:
-                self.helpful.append(Without(name, limit, central, found, at_central_prices=True))
-                return True
-            if found.outcome.complete:
-                self.dear.add(name)
+        if self._asks_central_first(name) and self._is_known_at_central_prices(name, limit):
+            return True
         if by_depth:
             deep = trials.relaxer.any_design(trials.mission, turn, depth_m=0.0)
             if deep is None:
@@ -270,11 +321,34 @@ class Singles:
             raise KeyboardInterrupt
         return found.outcome.complete or bool(found.outcome.best)
 
+    def _is_known_at_central_prices(self, name: str, limit: float) -> bool:
+        """Whether a limit of cost is known to do with estimated prices at their middle; asked once."""
+        trials = self.trials
+        if name in self.dear:
+            return False
+        central, turn = with_central_prices(trials.mission), trials.deadline.at_most(LONG_TURN * trials.deadline.left_s)
+        found = trials.relaxer.seek(central, CHEAPEST, {name}, deadline=turn, enough=True)
+        if found.outcome.best:
+            self.helpful.append(Without(name, limit, central, found, at_central_prices=True))
+        elif found.outcome.complete:
+            self.dear.add(name)
+        return bool(found.outcome.best)
+
     # ------------------------------------------------------------ the least change
 
+    def draw_in(self, share: float) -> None:
+        """Draw in those that help, in a share of the time left."""
+        trials = self.trials
+        try:
+            in_rounds(self.changes(), trials.deadline.at_most(share * trials.deadline.left_s))
+        except KeyboardInterrupt:
+            trials.interrupted = True
+
     def changes(self) -> list[LeastLimit]:
-        """Those that help, to be drawn in."""
-        return [LeastLimit(self.trials, one) for one in self.helpful]
+        """Those that help, as far as they are drawn in."""
+        for one in self.helpful:
+            self.drawn.setdefault(one.name, LeastLimit(self.trials, one))
+        return [self.drawn[one.name] for one in self.helpful]
 
 
 def goal_without(name: str) -> Objective:

@@ -37,7 +37,7 @@ FIRST_TURN = 0.7  # of the time for a few imagers, for the first of them that fi
 SHARES = 4  # by which all together are tried to give
 FARTHEST = (0.4, 0.75)  # shares that are tried where nothing is known to help alone
 FARTHEST_SOON = (0.75, 0.85)  # among a few imagers, of which a share that is small finds none
-SOON_TURN = 0.7  # of the time left, for one search of these
+SOON_TURN = 0.7  # of the time left, for one search of these, and for the first of all that fits
 DRAW_SHARE = 0.5  # of all the time left, for what their hardware needs no more
 SOON_PAIRS = 1500  # of camera and lens behind ports, where speed and height give too
 NO_MORE = 0.95  # of a limit from below: all of it would ask for nothing
@@ -95,10 +95,11 @@ class CommonShare:
     def of_all(self) -> CommonFit | None:
         """Changes that help together where none is known to alone, and what fits with them."""
         low, self.by_factor = 0.0, True
-        for share in FARTHEST_SOON if self.few else FARTHEST:
+        far = FARTHEST[-1:] if self.trials.relaxer.are_too_many else FARTHEST  # of all parts any share is as soon known
+        for share in FARTHEST_SOON if self.few else far:
             for moved in ({}, self.vehicle):
                 self.moved = moved
-                found = self._search(share) if len(self.asked) > 1 else None
+                found = self._search(share, SOON_TURN) if len(self.asked) > 1 else None
                 if found is not None and found.outcome.best:
                     known = (share, found) if self.few else self._halved(low, share, found)
                     return None if known is None else self._drawn_back(*known)
@@ -144,12 +145,12 @@ class CommonShare:
             mission, {name: values[name] for name in values if name in self.limits}
         )
 
-    def _search(self, share: float) -> Sought | None:
+    def _search(self, share: float, turn_share: float = TURN) -> Sought | None:
         """A search with everything weaker by a share; None where it ends before it knows, or is no mission."""
         trials = self.trials
         if trials.over or self.phase.passed():
             return None
-        turn = self.phase.at_most((SOON_TURN if self.few else TURN) * self.phase.left_s)
+        turn = self.phase.at_most((SOON_TURN if self.few else turn_share) * self.phase.left_s)
         try:
             mission = self.mission(self.weaker_by(share))
             if self.few:

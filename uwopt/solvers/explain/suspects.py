@@ -1,0 +1,28 @@
+"""Requirements that likely stand in the way: those by whose rules the last designs of a search fall."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+
+from uwopt.solvers.exact.account import RULES, Account
+from uwopt.solvers.explain.relaxed import LATE_RULES, SETTINGS
+
+MOST, MOST_SUSPECTS = 2, 3  # of one search, and of all: what more rules speak of is asked in its turn
+ASKED_BY = {"light": "min_snr", SETTINGS: "min_snr"}  # what a rule of another name holds
+
+
+def suspects_of(account: Account, names: Collection[str]) -> list[str]:
+    """Of these requirements those that are likeliest in the way, the likeliest first.
+
+    What passes all else falls last: by rules that know of lamps, the one that discards most first; else what no rule
+    discards has no settings, mostly for want of light; else by the last rules of imagers.
+    """
+    lost = [rule for rule in RULES if account.discarded.get(rule, 0) > 0]
+    late = sorted((rule for rule in lost if rule in LATE_RULES), key=lambda rule: -account.discarded[rule])
+    first = [*late, *([SETTINGS] if account.evaluated else []), *([] if late or account.evaluated else lost[::-1])]
+    return asked_by(first, names)[:MOST]
+
+
+def asked_by(rules: Iterable[str], names: Collection[str]) -> list[str]:
+    """The requirements that these rules hold, of those with such names."""
+    return [name for name in dict.fromkeys(ASKED_BY.get(rule, rule) for rule in rules) if name in names]
