@@ -17,7 +17,7 @@ from thorough import THOROUGH
 import uwopt
 from uwopt.api import certainty
 from uwopt.cli.status import result_status
-from uwopt.deadline import NEVER, OutOfTimeError
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError, effort_s
 from uwopt.errors import MissionError
 from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import load_mission
@@ -27,8 +27,10 @@ from uwopt.report.text.console import print_blocks
 from uwopt.report.text.short import short_text_blocks
 from uwopt.results.certainty import Surest
 from uwopt.results.result import Result
+from uwopt.solvers import beside
+from uwopt.solvers.beside import cores
 from uwopt.solvers.confidence import search
-from uwopt.solvers.confidence.counted import Counted
+from uwopt.solvers.confidence.counted import Counted, names
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.search import Looked
 from uwopt.solvers.recommend import seek
@@ -269,3 +271,33 @@ def test_parts_to_be_made_are_asked_only_where_they_may_be_surer() -> None:
     assert not asked("never", "fallback", 0.9)
     assert not asked("never", "never", 0.3)
     assert not asked("allow", "fallback", 0.3)
+
+
+def test_the_surest_of_what_is_sold_is_the_same_whoever_looks_for_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """While parts to be made are searched, or once none of them is surer; light in waters is known after either."""
+    monkeypatch.setattr(beside, "usable_cores", lambda: 2)
+    monkeypatch.setattr(certainty, "surer_of_all_parts", lambda *_: None)
+    needs = STROBED["requirements"] | {"min_snr_db": 33}
+    wanted = load_mission(STROBED | {"practice": "bare", "catalog": ONE_OF_EACH, "requirements": needs})
+    goal, spent_s, found = goal_of(wanted), [], []
+    sought = seek(wanted, load_catalog(wanted), goal, generic="never", top=1)
+    for count in (1, 2):
+        with cores(count):
+            seen = search.look(sought, goal, 0.9, NEVER, search.unheard, with_room=True)
+            seen.scenarios.responses.clear()
+            before_s = effort_s()
+            surer, made = certainty.surer_or_surest(
+                sought, goal, seen, Deadline.after(100.0, effort_s), None, timing := dict[str, float]()
+            )
+        spent_s.append(effort_s() - before_s)
+        assert seen.fits == {0.75: False} and len(made.tried) > len(seen.tried)
+        assert surer is None and made.complete and made.scenarios is seen.scenarios and timing["certainty"] > 0.0
+        found.append(made)
+    (one, other), known = found, set(seen.scenarios.responses)
+    assert spent_s[0] == pytest.approx(spent_s[1]) and spent_s[0] > 0.0
+    assert set(one.scenarios.responses) == known and known
+    assert [names(sought.problem, some.found) for some in one.tried] == [
+        names(sought.problem, some.found) for some in other.tried
+    ]
+    for here, there in zip(one.tried, other.tried, strict=True):
+        np.testing.assert_array_equal(here.outcomes.value, there.outcomes.value)

@@ -176,6 +176,13 @@ DEFECTS = (
         test="tests/solvers/test_confidence_proof.py::test_what_further_scenarios_refute_comes_last_however_cheap",
     ),
     Defect(
+        name="what was searched with room is searched again",
+        file=f"{ROOM}/search.py",
+        old="            fits = True\n            continue\n",
+        new="            fits = True\n",
+        test=f"{PROOF}::test_what_goes_on_from_what_has_room_finds_and_counts_what_one_look_does[28.0-0.75-True]",
+    ),
+    Defect(
         name="no hardware with room is looked for",
         file=f"{ROOM}/search.py",
         old="    for worse in (*WORSE, *LESS_WORSE):\n",
@@ -486,8 +493,8 @@ DEFECTS = (
     Defect(
         name="worse numbers are searched where milder ones fit nothing",
         file=f"{ROOM}/search.py",
-        old="if worse >= least:",
-        new="if worse > 1.0:",
+        old="        if any(worse >= share for share, fit in seen.fits.items() if not fit):",
+        new="        if False:",
         test=f"{PROOF}::test_where_nothing_fits_no_worse_numbers_are_searched",
     ),
     Defect(

@@ -1101,6 +1101,27 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{BESIDE}::test_an_interrupted_process_leaves_no_copy",
     ),
     Defect(
+        name="what is asked for after it was done ahead is not counted",
+        file="uwopt/solvers/beside.py",
+        old="        done.take_over(lists)\n        return done.value",
+        new="        return done.value",
+        test=f"{BESIDE}::test_what_is_done_ahead_counts_and_appends_where_it_is_asked_for[2]",
+    ),
+    Defect(
+        name="a copy works on for what nobody asked for",
+        file="uwopt/solvers/beside.py",
+        old="        queue.close()\n        copy.end()",
+        new="        queue.close()",
+        test=f"{BESIDE}::test_what_was_not_asked_for_is_ended[None]",
+    ),
+    Defect(
+        name="light in waters that a copy has worked out is forgotten",
+        file="uwopt/api/certainty.py",
+        old="    seen.scenarios.responses.update(responses)\n",
+        new="",
+        test="tests/api/test_confidence.py::test_the_surest_of_what_is_sold_is_the_same_whoever_looks_for_it",
+    ),
+    Defect(
         name="a recommendation waits for its doubts",
         file="uwopt/api/solving.py",
         old="""    if first is not None:

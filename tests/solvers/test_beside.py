@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import select
 import signal
@@ -14,7 +15,7 @@ import uwopt
 from uwopt.deadline import effort_s, processor_s, spend
 from uwopt.errors import SolverError
 from uwopt.solvers import beside
-from uwopt.solvers.beside import cores, side_by_side
+from uwopt.solvers.beside import ahead, cores, side_by_side
 
 WAIT_S = 100.0  # for what never comes if works are not done side by side
 copied = pytest.mark.skipif(not beside.COPIES, reason="this system makes no copies of a process")
@@ -151,3 +152,64 @@ def test_a_result_does_not_tell_how_many_cores_worked_on_it(confidence: str | fl
     one = told(1)
     assert one["robustness"] and one["alternatives"] and one["prices"]
     assert one == told(2)
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_what_is_done_ahead_counts_and_appends_where_it_is_asked_for(count: int) -> None:
+    """Whoever does it: here once it is asked for, or a copy meanwhile."""
+    told: list[str] = []
+
+    def work() -> str:
+        spend("views", 2)
+        told.append("ahead")
+        return "made"
+
+    before_s = effort_s()
+    with cores(count), ahead(work, lists=[told]) as asked:
+        told.append("before")
+        assert effort_s() == before_s
+        assert asked() == "made"
+    assert told == ["before", "ahead"]
+    assert effort_s() - before_s == pytest.approx(0.0045 * 2)
+
+
+@copied
+def test_what_is_done_ahead_is_done_by_a_copy_while_this_process_works() -> None:
+    begun, begins = os.pipe()
+    with cores(2), ahead(lambda: (os.write(begins, b"!"), os.getpid())) as asked:
+        assert select.select([begun], [], [], WAIT_S)[0]  # before anybody asks
+        assert asked()[1] != os.getpid()
+    os.close(begun)
+    os.close(begins)
+
+
+@copied
+@pytest.mark.parametrize("fault", [KeyboardInterrupt, None])
+def test_what_was_not_asked_for_is_ended(fault: type[BaseException] | None) -> None:
+    with contextlib.suppress(KeyboardInterrupt), cores(2), ahead(lambda: select.select([], [], [], WAIT_S)):
+        if fault is not None:
+            raise fault
+    with pytest.raises(ChildProcessError):
+        os.waitpid(-1, os.WNOHANG)
+
+
+@copied
+def test_what_a_copy_that_is_ended_did_ahead_is_done_here() -> None:
+    here = os.getpid()
+
+    def work() -> int:
+        if os.getpid() != here:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return os.getpid()
+
+    with cores(2), ahead(work) as asked:
+        assert asked() == here
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_a_fault_of_what_is_done_ahead_is_raised_where_it_is_asked_for(count: int) -> None:
+    def fail() -> None:
+        raise SolverError("ahead")
+
+    with cores(count), ahead(fail) as asked, pytest.raises(SolverError, match="ahead"):
+        asked()

@@ -307,9 +307,41 @@ def test_where_nothing_fits_no_worse_numbers_are_searched(monkeypatch: pytest.Mo
     monkeypatch.setattr(search_module, "Search", lambda *_, **__: nothing)
     monkeypatch.setattr(search_module, "worse_problem", worse_problem)
     never = dict(done=lambda: False, hopeful=lambda: False)
-    found = list(search_module.candidates(sought, sought.search.objective, certain.scenarios, NEVER, **never))
+    seen = search_module.Looked(SHARE, certain.scenarios, [], True)
+    found = list(search_module.candidates(sought, sought.search.objective, seen, NEVER, **never))
     assert worse == [search_module.WORSE[0], *search_module.LESS_WORSE]
     assert [len(some) for some in found] == [min(len(sought.outcome.best), search_module.OF_CENTRAL)]
+
+
+@pytest.mark.parametrize(("min_snr_db", "worse", "roomy"), [(28.0, 0.75, True), (31.0, 0.5, False)])
+def test_what_goes_on_from_what_has_room_finds_and_counts_what_one_look_does(
+    monkeypatch: pytest.MonkeyPatch, min_snr_db: float, worse: float, roomy: bool
+) -> None:
+    """Nothing is searched or counted twice; with room something fits, or only with less, and never enough holds."""
+    case_ = rivals()
+    wanted = {"max_blur_px": 1.0, "min_snr_db": min_snr_db}
+    sought = sought_of(replace(case_, mission=case_.mission.with_changes(requirements=wanted)))
+    runs: list[Any] = []
+
+    class Counting(Search):
+        def run(self) -> Any:
+            runs.append(self.objective)
+            return super().run()
+
+    monkeypatch.setattr(search_module, "Search", Counting)
+
+    def look(**how: Any) -> tuple[search_module.Looked, int]:
+        before = len(runs)
+        return search_module.look(sought, sought.search.objective, 1.01, NEVER, unheard, **how), len(runs) - before
+
+    (whole, searches), (first, of_first) = look(), look(with_room=True)
+    further, of_further = look(before=first)
+    assert searches == of_first + of_further and (of_further > 0) != roomy
+    assert whole.fits == further.fits and whole.fits[worse] and whole.tried
+    assert first.fits == ({0.75: False} if not roomy else whole.fits)
+    for ours, theirs in zip(further.tried, whole.tried, strict=True):
+        assert names(sought.problem, ours.found) == names(sought.problem, theirs.found)
+        np.testing.assert_array_equal(ours.outcomes.value, theirs.outcomes.value)
 
 
 def test_what_fresh_scenarios_refute_is_not_certain_enough() -> None:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import islice
+from typing import Any
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from uwopt.mission.doubt import ENDS
 from uwopt.objectives.objective import Objective
 from uwopt.results.certainty import Confidence
 from uwopt.results.design import FARTHEST_M, Design, Note
+from uwopt.solvers.beside import ahead
 from uwopt.solvers.confidence.counted import Counted, names
 from uwopt.solvers.confidence.fixed import SceneSetting
 from uwopt.solvers.confidence.outcomes import outcomes_of_each
@@ -90,16 +92,11 @@ def with_confidence(
             STAGES["certainty"], lambda: look(sought, goal, asked, first, report, with_room=others, like=like), None
         )
     if seen is not None:
-        made = patience.at_most(MADE_SHARE * patience.left_s)
-        surer = surer_of_all_parts(sought, goal, seen, made, progress, timing)
+        if others and seen.held < seen.share:
+            surer, seen = surer_or_surest(sold, goal, seen, patience, progress, timing)
         if surer is not None:
             sought, seen, proven = surer[0], surer[1], surer[0].outcome
         with timed(timing, "certainty", progress):
-            if surer is None and others and seen.held < seen.share:
-                known, like = seen, seen.scenarios.seen_by(sold.problem.mission, sold.problem.scenes)
-                seen = patience.within(
-                    STAGES["certainty"], lambda: look(sold, goal, asked, patience, report, like=like), known
-                )
             if before is not None:
                 seen = seen_too(sought.problem, goal, seen, hardware_before(before, sought.problem))
             certain = chosen(sought.problem, goal, seen, patience, report)
@@ -168,6 +165,29 @@ def as_central(
     if winner is None:
         sought, winner = best_settable(sought, goal, deadline)
     return Recommended(sought, proven, with_note(winner, Note(AS_CENTRAL, "confidence", text)), None, False)
+
+
+def surer_or_surest(
+    sold: Sought, goal: Objective, seen: Looked, patience: Deadline, progress: Progress | None,
+    timing: dict[str, float],
+) -> tuple[tuple[Sought, Looked] | None, Looked]:  # fmt: skip
+    """Parts to be made that hold as often as asked; else the surest of what is sold, looked for at the same time."""
+    made_s, rest_s = (share * patience.left_s for share in (MADE_SHARE, 1.0 - MADE_SHARE))
+
+    def surest() -> tuple[list[Counted], bool, dict[Any, Any]]:
+        """What is counted then, and how light changes with the water: all else of the scenarios is known here."""
+        rest = replace(patience, end_s=patience.clock() + rest_s)  # whoever works it out
+        made = rest.within(STAGES["certainty"], lambda: look(sold, goal, seen.asked, rest, unheard, before=seen), seen)
+        return made.tried, made.complete, made.scenarios.responses
+
+    with ahead(surest, lists=[patience.left_out]) as further:
+        surer = surer_of_all_parts(sold, goal, seen, patience.at_most(made_s), progress, timing)
+        if surer is not None:
+            return surer, seen
+        with timed(timing, "certainty", progress):
+            tried, complete, responses = further()
+    seen.scenarios.responses.update(responses)
+    return None, replace(seen, tried=tried, complete=complete)
 
 
 def surer_of_all_parts(

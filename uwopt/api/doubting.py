@@ -57,13 +57,7 @@ def doubted(
     winner, cut, none = made.recommendation, False, list[dict[str, Any]]()
     assert winner is not None
     patience = deadline.or_after(DOUBTS_S, processor_s)
-    counted = made.confidence
     try:
-        if wanted.doubts and counted is not None and choice is not None and not counted.enough:
-            from uwopt.api.certainty import eased
-
-            with timed(timing, "eased", progress):
-                made = replace(made, confidence=eased(sought.problem, goal, counted, choice, deadline))
         if wanted.doubts and goal.quality:
             with timed(timing, "knee", progress):
                 bought = deadline.within(STAGES["knee"], lambda: knee(sought, goal, deadline), None)
@@ -97,6 +91,11 @@ def told_together(
     assert winner is not None
     doubts = doubts_of(sought, winner, goal, patience, choice) if wanted.doubts else {}
     works: dict[str, Callable[[], Any]] = {}
+    counted = made.confidence
+    if wanted.doubts and counted is not None and choice is not None and not counted.enough:
+        from uwopt.api.certainty import eased
+
+        works["eased"] = partial(eased, sought.problem, goal, counted, choice, deadline)
     if wanted.ranges and wanted.central.outcome.complete:
         works["ranges"] = partial(ranged, made, wanted.central, deadline)
     works |= doubts
@@ -110,11 +109,12 @@ def told_together(
 
     made_of_each = side_by_side([partial(clocked, work) for work in works.values()], lists=lists, begins=begins)
     answers = dict(zip(works, made_of_each, strict=True))
-    timing |= {name: answers[name][1] for name in ("ranges", "alternatives") if name in answers}
+    timing |= {name: answers[name][1] for name in ("eased", "ranges", "alternatives") if name in answers}
     told = {name: value for name, (value, _) in answers.items()}
     firm = told.get("robustness")
     return replace(
-        made, prices=told.get("ranges", made.prices), alternatives=told.get("alternatives", made.alternatives),
+        made, confidence=told.get("eased", counted), prices=told.get("ranges", made.prices),
+        alternatives=told.get("alternatives", made.alternatives),
         robustness=None if firm is None else {**firm, **{name: told[name] for name in doubts if name != "robustness"}},
     )  # fmt: skip
 

@@ -77,6 +77,31 @@ def side_by_side(
     return [made[place].value for place in range(len(works))]
 
 
+@contextlib.contextmanager
+def ahead(work: Callable[[], Any], *, lists: Sequence[list[Any]] = ()) -> Iterator[Callable[[], Any]]:
+    """A work that may be wanted: gives what makes it, or what a copy has made of it meanwhile, if there is a core.
+
+    What is not asked for is ended and not counted. `lists`: what it appends to.
+    """
+    if _CORES.get() < 2:
+        yield work
+        return
+    queue = _Queue(1)
+    copy = _Copy([work], queue, lists)
+
+    def asked() -> Any:
+        made = copy.answer()
+        done = made[0] if made else _Done.of(work, lists)
+        done.take_over(lists)
+        return done.value
+
+    try:
+        yield asked
+    finally:
+        queue.close()
+        copy.end()
+
+
 class _Done:
     """What a work made or raised, what it appended to some lists, and the effort that it counted."""
 

@@ -11,7 +11,6 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -102,6 +101,7 @@ class Looked:
     scenarios: Scenarios
     tried: list[Counted]
     complete: bool  # whether there was time for every search
+    fits: dict[float, bool] = field(default_factory=dict)  # whether anything does with numbers worse than in so many
 
     @property
     def share(self) -> float:
@@ -116,20 +116,24 @@ class Looked:
 
 def look(
     sought: Sought, objective: Objective, asked: float | str, deadline: Deadline, report: Report, *,
-    with_room: bool = False, like: Scenarios | None = None,
+    with_room: bool = False, like: Scenarios | None = None, before: Looked | None = None,
 ) -> Looked:  # fmt: skip
     """Count hardware that is likely to hold.
 
     with_room : no more than central optima where nothing fits with room
     like : scenarios of the same mission and scenes, whose waters are known
+    before : what was counted so, to go on from
     """
     problem, mission = sought.problem, sought.problem.mission
     check_fixed(problem, objective)
-    seen = Looked(asked, scenarios_of(problem, asked, mission.seed, mission.doubt.scenarios, like), [], True)
+    if before is None:
+        seen = Looked(asked, scenarios_of(problem, asked, mission.seed, mission.doubt.scenarios, like), [], True)
+    else:
+        seen = replace(before, tried=[*before.tried], complete=True, fits={**before.fits})
     tried, hold = seen.tried, partial(holding, seen.tried, seen.share)
     try:
         for some in candidates(
-            sought, objective, seen.scenarios, deadline, done=lambda: hold() >= ENOUGH, hopeful=lambda: hold() > 0,
+            sought, objective, seen, deadline, done=lambda: hold() >= ENOUGH, hopeful=lambda: hold() > 0,
             with_room=with_room,
         ):  # fmt: skip
             made = outcomes_of_each(problem, some, objective, seen.scenarios, deadline)
@@ -270,29 +274,33 @@ def holding(tried: Sequence[Counted], share: float) -> int:
 
 
 def candidates(
-    sought: Sought, objective: Objective, scenarios: Scenarios, deadline: Deadline, *, done: Callable[[], bool],
+    sought: Sought, objective: Objective, seen: Looked, deadline: Deadline, *, done: Callable[[], bool],
     hopeful: Callable[[], bool], with_room: bool = False,
 ) -> Iterator[list[Found]]:  # fmt: skip
     """Hardware worth counting, some at a time: the best of the central search, then of those with room.
 
     What is proven besides brings up all other hardware that holds; else worse numbers are tried. Where none of these
     holds, the brightest and worse numbers still; where nothing fits with room, less room is asked for, unless that is
-    all that is wanted (`with_room`).
+    all that is wanted (`with_room`). What was looked at is not searched again, nor is counted hardware brought up.
     """
-    problem, known = sought.problem, set[Any]()
+    problem, known = sought.problem, {names(sought.problem, one.found) for one in seen.tried}
     rungs = WORSE[:1] if can_be_proven(problem, objective) else WORSE
     wants_light = objective.single != "snr_db" and any(scene.view.requirements.min_snr for scene in problem.scenes)
-    waiting = list(sought.outcome.best[:OF_CENTRAL])  # counted with the first that have room: light is worked out once
+    # Counted with the first that have room: light is worked out once.
+    waiting = [one for one in sought.outcome.best[:OF_CENTRAL] if names(problem, one) not in known]
     known.update(names(problem, found) for found in waiting)
-    fits, least = False, np.inf  # of numbers worse than so many nothing fits, so that it does not where they are worse
+    fits = False
     for worse in (*WORSE, *LESS_WORSE):
         if with_room and worse in LESS_WORSE:
             break
         if done() or (hopeful() and worse not in rungs) or (fits and worse in LESS_WORSE):
             break
-        if worse >= least:
+        if seen.fits.get(worse, False):
+            fits = True
             continue
-        changed = worse_problem(problem, scenarios, worse)
+        if any(worse >= share for share, fit in seen.fits.items() if not fit):
+            continue  # nothing does with these, or with numbers that are less worse
+        changed, fits_here = worse_problem(problem, seen.scenarios, worse), False
         for goal in (objective, Objective.of("snr_db")):
             if done() or (goal is not objective and (hopeful() or not wants_light or not fits)):
                 break
@@ -301,11 +309,12 @@ def candidates(
             if patience.passed():
                 yield waiting
                 raise OutOfTimeError
-            fits |= bool(searched.best)
+            fits_here |= bool(searched.best)
+            fits |= fits_here
             if with_room and not fits:
+                seen.fits[worse] = False
                 yield waiting
                 return
-            least = least if searched.best else min(least, worse)
             wants_light &= goal is objective
             here = {names(problem, one): one for one in (among(problem, found, changed) for found in searched.best)}
             waiting += [one for name, one in here.items() if name not in known]
@@ -313,6 +322,7 @@ def candidates(
             if waiting:
                 yield waiting
                 waiting = []
+        seen.fits[worse] = fits_here
 
 
 def tied_with_best(problem: Problem, choice: Certain, other: Found) -> bool:
