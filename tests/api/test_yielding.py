@@ -11,6 +11,7 @@ import pytest
 import uwopt
 from uwopt.api.choosing import surer
 from uwopt.api.risks import risks_of
+from uwopt.api.whatif import Work
 from uwopt.mission.mission import load_mission
 from uwopt.mission.yielding import FRAME_LESS_DB, YIELDS, with_yields, yields_of
 from uwopt.report.page.page import opening, status_words
@@ -205,3 +206,44 @@ def test_practice_does_not_give_way_for_less_than_half_of_what_is_short(held: fl
         for share in (0.5, held)
     )
     assert (surer(first, other) is other) is taken
+
+
+def test_a_table_lets_give_way_at_every_point_what_the_mission_as_it_stands_needs():
+    """So that the point of the mission as it stands is what `solve` answers, and its neighbours are asked the same."""
+    asked_db = round(brightest_db() - 1.0, 2)  # 3 dB in hand are too much
+    solved = uwopt.solve(survey(asked_db), top=1, quick=True)
+    table = uwopt.whatif(survey(asked_db), {"min_snr_db": [asked_db, asked_db - 10.0]})
+    assert table.gave_way == given_way(solved) == ["reserve.snr_db"] == [row["gave_way"] for row in table.rows()][:1]
+    assert [note.path for note in table.warnings if note.code == PRACTICE_YIELDS] == ["reserve.snr_db"]
+    assert table.mission["reserve"]["snr_db"] == 0.0
+    stated = uwopt.solve(survey(asked_db - 10.0, snr_db=0.0), top=1, quick=True)
+    values = [solved.objective.value, stated.objective.value]
+    assert [point.objective for point in table.points] == [pytest.approx(one, rel=1e-3) for one in values]
+
+
+def test_a_table_asks_nothing_of_practice_where_something_fits_everywhere(monkeypatch):
+    def asked(*_: Any) -> Any:
+        raise AssertionError("asked what gives way")
+
+    monkeypatch.setattr(Work, "ask_practice", asked)
+    easy_db = round(brightest_db() - 20.0, 2)
+    table = uwopt.whatif(survey(easy_db), {"min_snr_db": [easy_db, easy_db + 1.0]})
+    assert not table.gave_way and all("gave_way" not in row for row in table.rows())
+
+
+def test_what_is_varied_gives_way_at_no_point_and_full_practice_is_told_where_nothing_fits():
+    asked_db = round(brightest_db() - 1.0, 2)
+    table = uwopt.whatif(survey(asked_db), {"reserve.snr_db": [0.0, 3.0]})
+    assert [point.status for point in table.points] == ["optimal", "infeasible"]
+    easy_db = asked_db - 10.0
+    table = uwopt.whatif(survey(easy_db), {"min_snr_db": [easy_db, asked_db]})
+    assert [point.status for point in table.points] == ["optimal", "infeasible"] and not table.gave_way
+    assert "practice_held" in [note.code for note in table.warnings]
+
+
+def test_a_spider_is_of_the_mission_that_solve_answers():
+    asked_db = round(brightest_db() - 1.0, 2)
+    table = uwopt.whatif(survey(asked_db), spider=True)
+    assert table.gave_way == ["reserve.snr_db"]
+    as_asked = [point for line in table.spider for point in line.points if point.values == [1.0]]
+    assert as_asked and {point.status for point in as_asked} == {"optimal"}

@@ -8,7 +8,44 @@ STRICTNESS = "uwopt/mission/strictness.py"
 TESTS = "tests/api/test_whatif.py"
 MAPS, DRAWN = "uwopt/report/pictures/system_maps.py", "tests/report/test_system_maps.py"
 
+YIELDING = "tests/api/test_yielding.py"
+
 DEFECTS = (
+    Defect(
+        name="a table holds all of good practice though the mission as it stands lets it give way",
+        file="uwopt/api/varied.py",
+        old="with_given_way(made, given_way)",
+        new="with_given_way(made, ())",
+        test=f"{YIELDING}::test_a_table_lets_give_way_at_every_point_what_the_mission_as_it_stands_needs",
+    ),
+    Defect(
+        name="points that kept all of good practice stay in a table of which some gives way",
+        file="uwopt/api/varied.py",
+        old="        for known in (self.missions, self.points, self.systems.found, self.systems.parts):\n",
+        new="        for known in (self.missions, self.systems.found, self.systems.parts):\n",
+        test=f"{YIELDING}::test_a_table_lets_give_way_at_every_point_what_the_mission_as_it_stands_needs",
+    ),
+    Defect(
+        name="a key that is varied gives way",
+        file="uwopt/api/varied.py",
+        old="if (one.section, one.key) not in varied]",
+        new="]",
+        test=f"{YIELDING}::test_what_is_varied_gives_way_at_no_point_and_full_practice_is_told_where_nothing_fits",
+    ),
+    Defect(
+        name="every table asks what of good practice gives way",
+        file="uwopt/api/whatif.py",
+        old='== "infeasible" and self.given_way is None:',
+        new='in ("infeasible", "optimal") and self.given_way is None:',
+        test=f"{YIELDING}::test_a_table_asks_nothing_of_practice_where_something_fits_everywhere",
+    ),
+    Defect(
+        name="a spider is of the mission with all of good practice",
+        file="uwopt/api/whatif.py",
+        old="with_given_way(mission, self.given_way or ())\n",
+        new="with_given_way(mission, ())\n",
+        test=f"{YIELDING}::test_a_spider_is_of_the_mission_that_solve_answers",
+    ),
     Defect(
         name="a front drops the mission's confidence and says nothing",
         file="uwopt/api/trading.py",

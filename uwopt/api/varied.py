@@ -10,6 +10,7 @@ from functools import cached_property
 from uwopt.deadline import Deadline
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Value, Varied, VariedMission
+from uwopt.mission.yielding import Yield, with_given_way
 from uwopt.objectives.objective import Objective
 from uwopt.results.whatif import Switch, WhatIfPoint, WinningSystem
 from uwopt.solvers.recommend import check_claim, evaluated
@@ -78,6 +79,7 @@ class VariedGrid:
     systems: Systems
     warm: Warm
     certain: Callable[[At, Mission], WhatIfPoint] | None = None  # in place of the central optimum
+    given_way: tuple[Yield, ...] = ()  # of good practice, at every point
     missions: dict[At, Mission] = field(default_factory=dict)
     points: dict[At, WhatIfPoint] = field(default_factory=dict)
 
@@ -108,8 +110,17 @@ class VariedGrid:
     def mission(self, at: At) -> Mission:
         """The mission at a point; raises MissionError where its keys contradict each other."""
         if at not in self.missions:
-            self.missions[at] = self.base.with_values(dict(zip(self.keys, at, strict=True)))
+            made = self.base.with_values(dict(zip(self.keys, at, strict=True)))
+            varied = {(key.section, key.name) for key in self.keys}
+            given_way = [one for one in self.given_way if (one.section, one.key) not in varied]
+            self.missions[at] = with_given_way(made, given_way)
         return self.missions[at]
+
+    def begin_again(self, given_way: tuple[Yield, ...]) -> None:
+        """Forget what is solved: from now on these have given way at every point."""
+        self.given_way = given_way
+        for known in (self.missions, self.points, self.systems.found, self.systems.parts):
+            known.clear()
 
     def solve(self, at: At) -> WhatIfPoint:
         """The optimum at a point, on the grid or between its points."""

@@ -12,12 +12,14 @@ from uwopt.api.floats import own_float_rules
 from uwopt.api.search_notes import patience_warnings
 from uwopt.api.timing import timed
 from uwopt.api.varied import At, Switches, Systems, VariedGrid
+from uwopt.api.yielding import gives_way_alone, yield_notes
 from uwopt.deadline import Deadline, processor_s
 from uwopt.errors import MissionError
 from uwopt.forward.scene_checks import check_physical
 from uwopt.mission.doubt import CENTRAL
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Asked, Value, Varied, VariedMission
+from uwopt.mission.yielding import Yield, with_given_way, yields_of
 from uwopt.objectives.goal import goal_of
 from uwopt.objectives.objective import Objective
 from uwopt.results.basis import ObjectiveValue
@@ -78,6 +80,8 @@ def whatif(
     try:
         if keys:
             check_points(grid)
+            if spider:
+                work.ask_practice(grid)
             with timed(timing, "points"):
                 work.solve_all(grid)
             points = in_given_order(grid)
@@ -97,7 +101,7 @@ def whatif(
         status = "stopped"
     return WhatIf(
         status=status,
-        mission=base.base.to_dict(),
+        mission=with_given_way(base.base, work.given_way or ()).to_dict(),
         objective=ObjectiveValue(goal.name, goal.direction, None, goal.unit(base.base.limits.currency)),
         uwopt_version=__version__,
         keys=[
@@ -108,11 +112,15 @@ def whatif(
         systems=systems.found,
         switches=switches,
         spider=lines,
-        warnings=[*notes_of(points, keys, status), *unheld, *work.notes, *time_warnings(deadline)],
+        warnings=[
+            *yield_notes(work.given_way or ()), *notes_of(points, keys, status), *full_practice_notes(points, work),
+            *unheld, *work.notes, *time_warnings(deadline),
+        ],
         timing_s=timing,
         n_searches=work.n_searches,
         mission_file=base.base.source_file,
         confidence=base.base.confidence if certain else CENTRAL,
+        gave_way=[one.path for one in work.given_way or ()],
     )
 
 
@@ -128,6 +136,7 @@ class Work:
     certain: bool = False  # whether hardware has to hold in the doubt
     n_searches: int = 0
     notes: list[Note] = field(default_factory=list)
+    given_way: tuple[Yield, ...] | None = None  # of good practice, for the mission as it stands; None: not asked yet
 
     def grid_of(self, keys: Sequence[Varied]) -> VariedGrid:
         """A grid over keys, with a sweep of its own."""
@@ -144,7 +153,11 @@ class Work:
             self.progress(share, what)
 
     def solve_all(self, grid: VariedGrid) -> None:
-        """Every point of a grid, until the time is over."""
+        """Every point of a grid, until the time is over.
+
+        Where nothing fits at one, it is asked whether good practice has to give way for the mission as it stands, and
+        if so what does at every point: so all points ask for the same, and what `solve` answers is among them.
+        """
         order = grid.order()
         for number, at in enumerate(order):
             if self.deadline.passed():
@@ -152,8 +165,26 @@ class Work:
                 break
             values = ", ".join(f"{key.name} {shown(value)}" for key, value in zip(grid.keys, at, strict=True))
             self.say(number / len(order), f"point {number + 1} of {len(order)}: {values}")
-            grid.solve(at)
+            if grid.solve(at).status == "infeasible" and self.given_way is None:
+                self.ask_practice(grid)
+                if grid.given_way:
+                    self.solve_all(grid)
+                    return
         self.n_searches += grid.warm.n_searches
+
+    def ask_practice(self, grid: VariedGrid) -> None:
+        """What of good practice gives way for the mission as it stands, in a grid that begins again if any does."""
+        self.given_way, mission = (), self.base.base
+        if not yields_of(mission):
+            return
+        self.say(0.0, "what of good practice gives way")
+        answer = grid.warm.best(mission)
+        if answer.interrupted:
+            raise KeyboardInterrupt
+        if answer.found is None and answer.complete:
+            self.given_way = gives_way_alone(mission, self.deadline)
+        if self.given_way:
+            grid.begin_again(self.given_way)
 
     def switches(self, grid: VariedGrid) -> list[Switch]:
         """Where other systems take over."""
@@ -172,6 +203,8 @@ class Work:
         stated = [*self.base.stated_numbers()]
         signs = tuple(key.stricter(self.base.base) * (1 if float(key.values[0]) > 0 else -1) for key in stated)
         warm = Warm(self.deadline)
+        if self.given_way is None:
+            self.ask_practice(VariedGrid(self.base, (), self.systems, warm))
         for number, (key, sign) in enumerate(zip(stated, signs, strict=True)):
             self.say(number / len(stated), f"{key.section}.{key.name}, 20 % either way")
             if self.deadline.passed():
@@ -187,6 +220,7 @@ class Work:
         for factor in [1.0, *(factor for factor in factors if factor != 1.0)]:  # what is listed there serves all
             try:
                 mission = self.base.base if factor == 1.0 else self.base.scaled(key, factor)
+                mission = with_given_way(mission, self.given_way or ())
                 check_physical(mission)
             except MissionError:
                 continue
@@ -196,6 +230,17 @@ class Work:
             points.append(self.systems.point((factor,), answer))
         points.sort(key=lambda point: float(point.values[0]))
         return SpiderLine(f"{key.section}.{key.name}", unit_of(key, self.base.base), float(key.values[0]), points)
+
+
+def full_practice_notes(points: Sequence[WhatIfPoint], work: Work) -> list[Note]:
+    """That all of good practice is asked where nothing fits, though `solve` would let it give way there."""
+    if work.given_way or not yields_of(work.base.base) or all(point.status != "infeasible" for point in points):
+        return []
+    text = (
+        "all of good practice is asked at every point, as the mission as it stands keeps it; where nothing fits with "
+        "it, uwopt solve lets some of it give way"
+    )
+    return [Note("practice_held", "practice", text)]
 
 
 def check_keys(keys: Sequence[Varied], *, spider: bool) -> None:

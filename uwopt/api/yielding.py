@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import Deadline, effort_s
 from uwopt.errors import MissionError
-from uwopt.forward.assembly import Generic
+from uwopt.forward.assembly import Generic, build_problem, load_catalog, selected
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import SNR_AT, SNR_LESS, YIELDS, Yield, with_yields, yields_of
@@ -41,6 +41,13 @@ def gives_way(
     lifted = mission.without_gain_cap
     roomy = with_room(lifted)
     return (roomy is not None and _least(roomy, catalog, like, patience)) or _least(lifted, catalog, like, patience)
+
+
+def gives_way_alone(mission: Mission, deadline: Deadline) -> tuple[Yield, ...]:
+    """As `gives_way`, of a mission that no search is known of."""
+    catalog = load_catalog(mission)
+    generic: Generic = "never" if mission.catalog.generic == "never" else "allow"
+    return gives_way(mission, catalog, build_problem(mission, selected(mission, catalog, generic=generic)), deadline)
 
 
 def with_room(mission: Mission) -> Mission | None:

@@ -106,6 +106,10 @@ class WhatIf(FiledRecord):
         default="central",
         description="share of the scenarios in which hardware holds, or ends; the objective is then its median",
     )
+    gave_way: list[str] = Field(
+        default_factory=list,
+        description="keys of good practice that give way at every point, as nothing fits the mission as it stands else",
+    )
     command: str = Field(default="whatif", description="always whatif")
     mission_file: dict[str, str] | None = Field(default=None, description="name, folder, text as the user wrote it")
     schema: str = Field(default=WHATIF_SCHEMA, description="of this file")
@@ -123,6 +127,7 @@ class WhatIf(FiledRecord):
         system = None if point.system is None else self.systems[point.system]
         row: dict[str, Any] = {key.key: value for key, value in zip(self.keys, point.values, strict=True)}
         row |= {"status": point.status, "objective": point.objective, "gap_rel": point.gap_rel, "system": point.system}
+        row |= {"gave_way": " ".join(self.gave_way)} if self.gave_way else {}
         row |= {} if system is None else asdict(system)
         return row | {name: value for name, value in point.figures.items() if name not in row}
 
