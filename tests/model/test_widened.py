@@ -133,6 +133,30 @@ def test_bounds_of_a_widened_lobe_lie_nowhere_below_it(name: str, way: float, g:
     assert envelope[0] <= beams.peak_intensity_per_sr(made) * (1 + 1e-9)  # and no more than is needed
 
 
+@pytest.mark.parametrize("name", ["wide", "disc"])
+@pytest.mark.parametrize("most", [True, False])
+def test_a_bound_of_several_waters_lobes_is_the_extreme_of_all_at_once(name: str, most: bool) -> None:
+    """share = least of w s, or of a sharp edge the most where that is asked; halo the extreme of w h + (w s - share) I,
+    I the extreme within a knot's spacing: of whole tables."""
+    reach_m, weights, pick = 2.0, (1.0, 0.9, 0.95, 0.7), np.max if most else np.min
+    rows = [b * ways_m(reach_m) for b in (0.1, 0.6, 1.5, 0.3)]
+    each = [widened(LOBES[name], [Turned(row, 0.1, henyey_greenstein(0.9))], reach_m)[0] for row in rows]
+    own = [one.widening for one in each if one.widening is not None]
+    shares = np.array([w * one.share for w, one in zip(weights, own, strict=True)])
+    halos = np.array([w * one.halo_per_sr for w, one in zip(weights, own, strict=True)])
+    share = pick(shares, axis=0) if name == "disc" else shares.min(axis=0)
+    if name != "disc":
+        knots = halos.shape[2] - 1
+        u = np.clip((np.arange(knots + 1)[:, None] + np.arange(-8, 9) / 8.0) / knots, 0.0, 1.0)
+        about = pick(beams.intensity_per_sr(1.0 - np.square(u), LOBES[name]), axis=1)
+        halos = halos + (shares - share)[:, :, None] * about
+    made = bounding(each, weights, most=most).widening
+    assert made is not None
+    np.testing.assert_array_equal(made.share, share)
+    dark = slice(None) if most else slice(-1)  # but for the front plane of what is no upper bound
+    np.testing.assert_allclose(made.halo_per_sr[:, dark], np.maximum(pick(halos, axis=0), 0.0)[:, dark], rtol=1e-12)
+
+
 @pytest.mark.parametrize("name", ["narrow", "wide", "disc", "profile"])
 @pytest.mark.parametrize("most", [True, False])
 def test_a_bound_of_several_waters_lobes_is_one_at_every_angle(name: str, most: bool) -> None:

@@ -410,6 +410,13 @@ DEFECTS = (
         test="tests/model/test_widened.py::test_waters_side_by_side_are_as_each_alone",
     ),
     Defect(
+        name="a lobe's bound is that of the last water",
+        file="uwopt/model/widened.py",
+        old="halo = pick(halo, weight * one.halo_per_sr",
+        new="halo = (weight * one.halo_per_sr",
+        test="tests/model/test_widened.py::test_a_bound_of_several_waters_lobes_is_the_extreme_of_all_at_once[True-wide]",
+    ),
+    Defect(
         name="the water of a panel widens lobes as one of its states does",
         file="uwopt/solvers/confidence/panels.py",
         old="return bounding(each, left, most=not back)",
@@ -420,7 +427,7 @@ DEFECTS = (
     Defect(
         name="a bound of lobes is one at its knots alone",
         file="uwopt/model/widened.py",
-        old="about = pick(np.lib.stride_tricks.sliding_window_view(near, 17)[::8], axis=1)",
+        old="about = pick.reduce(np.lib.stride_tricks.sliding_window_view(near, 17)[::8], axis=1)",
         new="about = fine[::8]",
         test="tests/model/test_widened.py::test_a_bound_of_several_waters_lobes_is_one_at_every_angle[True-narrow]",
     ),

@@ -137,19 +137,21 @@ def bounding(lobes: Sequence[beams.Beam], weights: Sequence[float], *, most: boo
     -----
     Where a beam ends sharply its halo must not, so that shares and halos are taken apart: valid, less tight.
     """
-    lobe, pick = beams.own(lobes[0]), np.max if most else np.min
+    lobe, pick = beams.own(lobes[0]), np.maximum if most else np.minimum
     made = [one.widening for one in lobes if one.widening is not None]
     shares = np.array([weight * one.share for weight, one in zip(weights, made, strict=True)])
-    halos = np.array([weight * one.halo_per_sr for weight, one in zip(weights, made, strict=True)])
+    about: FloatArray = np.zeros(())
     if beams.has_sharp_edge(lobe):
-        share = pick(shares, axis=0)
+        share = pick.reduce(shares, axis=0)
     else:
         share = shares.min(axis=0)
         fine = beams.intensity_per_sr(1.0 - np.square(np.linspace(0.0, 1.0, 8 * HALO_CELLS + 1)), lobe)
         near = np.pad(fine, 8, mode="edge")
-        about = pick(np.lib.stride_tricks.sliding_window_view(near, 17)[::8], axis=1)
-        halos = halos + (shares - share)[:, :, None] * about
-    return beams.widened_by(lobe, Widening.of(share, pick(halos, axis=0), made[0].reach_m, bound=most))
+        about = pick.reduce(np.lib.stride_tricks.sliding_window_view(near, 17)[::8], axis=1)
+    halo: FloatArray = np.array(-np.inf if most else np.inf)
+    for weight, one, own in zip(weights, made, shares, strict=True):  # one by one: all at once take much memory
+        halo = pick(halo, weight * one.halo_per_sr + (own - share)[:, None] * about)
+    return beams.widened_by(lobe, Widening.of(share, halo, made[0].reach_m, bound=most))
 
 
 def carried_share(phase: PhaseTable | None, absorbed: ArrayLike = 0.0, *, sent_back: bool = False) -> FloatArray:
