@@ -16,8 +16,30 @@ ROUNDS = "tests/solvers/test_in_rounds.py"
 SIBLINGS, OF_SIBLINGS = "uwopt/solvers/explain/siblings.py", "tests/solvers/test_siblings.py"
 
 SOON = "tests/solvers/test_soon_known.py"
+BY_EITHER = f"{EVERY}::test_signal_to_noise_of_mean_and_frame_has_its_price_by_either"
 
 DEFECTS = (
+    Defect(
+        name="the mean's signal to noise binds and has no price",
+        file=PRICES,
+        old=" | ({SNR} if MEAN_SNR in names else set())",
+        new="",
+        test=f"{BY_EITHER}[1.0-False]",
+    ),
+    Defect(
+        name="what the frame may lack binds and has no price",
+        file=PRICES,
+        old="({SNR_LESS} if SNR in names else set())",
+        new="set()",
+        test=f"{BY_EITHER}[0.3-True]",
+    ),
+    Defect(
+        name="what the frame may lack is told to cost nothing nowhere",
+        file=PRICES,
+        old="return asked - spare_db[SNR] if SNR in spare_db else None",
+        new="return None",
+        test=f"{BY_EITHER}[1.0-False]",
+    ),
     Defect(
         name="what likely stands in the way waits for all that does not",
         file="uwopt/solvers/explain/infeasible.py",

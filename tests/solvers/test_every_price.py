@@ -18,6 +18,8 @@ from uwopt.objectives.goal import goal_of
 from uwopt.report.text.prices import price_text
 from uwopt.results.basis import Price
 from uwopt.results.result import Result
+from uwopt.solvers.explain.prices import prices
+from uwopt.solvers.recommend import design_of
 
 LOOSE = {"cost", "power_w"}  # limits that keep nothing better out
 
@@ -90,3 +92,28 @@ def test_sentences_tell_what_is_free_and_what_would_be_best_without(solved):
     )
     dear = Price("min_snr_db", "db", 30.0, 1.0, 0.4, 0.4, without=1.38)
     assert price_text(solved, dear).endswith("+0.400 W; without it 1.38 W in all")
+
+
+@pytest.mark.parametrize(("less_db", "frame_binds"), [(1.0, False), (0.3, True)])
+def test_signal_to_noise_of_mean_and_frame_has_its_price_by_either(reef, less_db, frame_binds):
+    """The frame reaches 0.53 dB less than its mean: whichever of both binds, what is told is another optimum."""
+    asked = {**reef.to_dict()["requirements"], "snr_at": "worst", "snr_at_less_db": less_db}
+    wanted = reef.with_changes(requirements=asked)
+    goal = goal_of(wanted)
+    sought, _ = searched(wanted, load_catalog(wanted), goal, 5, NEVER, None, {}, DEFAULT)
+    winner = design_of(sought, sought.outcome.best[0], goal)
+    told = {price.name: price for price in prices(sought, goal, winner, (), NEVER)}
+    before, snr_db = sought.outcome.best[0].power_w, 1.0 + told["min_snr_db"].asked
+    more = optimum(wanted.with_changes(requirements=asked | {"min_snr": None, "min_snr_db": snr_db}))
+    assert told["min_snr_db"].change == pytest.approx(more - before, rel=1e-3) and more > before
+    assert ("snr_at_less_db" in told) is frame_binds
+    if frame_binds:
+        all_of_it = optimum(wanted.with_changes(requirements=asked | {"snr_at_less_db": 0.0}))
+        assert told["snr_at_less_db"].change == pytest.approx(all_of_it - before, rel=1e-3) and all_of_it > before
+    every = {price.name: price for price in prices(sought, goal, winner, (), NEVER, every=True)}
+    free_db = every["snr_at_less_db"].free_until
+    assert (free_db is None) is frame_binds
+    if free_db is not None:
+        assert optimum(wanted.with_changes(requirements=asked | {"snr_at_less_db": free_db})) == pytest.approx(before)
+        less_still = optimum(wanted.with_changes(requirements=asked | {"snr_at_less_db": 0.98 * free_db}))
+        assert less_still > before * (1.0 + 1e-4)

@@ -35,7 +35,7 @@ SMALL = 1e-2  # of a step, for the slope
 HALVINGS = 6  # of the way to where a requirement may cost nothing
 SAME_REL = 2e-4  # of the objective: twice what settings are searched to
 NO_STEP = ("depth_rating_m", "mean_level", "lens_stop_down")  # a rating of parts, a middle, a count
-SNR = "min_snr_db"
+SNR, MEAN_SNR, SNR_LESS = "min_snr_db", "min_snr_mean_db", "snr_at_less_db"
 SNR_RULE = "min_snr["  # how CasADi's rules of SNR begin
 
 
@@ -52,6 +52,7 @@ def priced_keys(mission: Mission, winner: Design, *, every: bool = False) -> Ite
         if asked and key not in NO_STEP:
             step = step_of(key, asked)
             yield Varied(key, section, key, (asked,)), asked, -step if is_from_above(name) else step
+    yield from frame_keys(mission, binding, every=every)
     intervals = {view.asked.frame_interval_s for view in mission.views}
     if "frame_interval_s" in binding and len(intervals) == 1 and (interval := intervals.pop()):
         name = "frame_interval_s"
@@ -61,9 +62,40 @@ def priced_keys(mission: Mission, winner: Design, *, every: bool = False) -> Ite
         yield Varied("speed_m_s", "vehicle", "speed_m_s", (speed,)), speed, step_of("speed_m_s", speed)
 
 
+def frame_keys(mission: Mission, binding: set[str], *, every: bool) -> Iterator[tuple[Varied, float, float]]:
+    """What the frame may have less than its mean, where the frame's own signal to noise binds."""
+    lacking = {view.asked.snr_at_less_db for view in mission.views}
+    if len(lacking) == 1 and (less := lacking.pop()) > 0.0 and (every or SNR_LESS in binding):
+        yield Varied(SNR_LESS, "requirements", SNR_LESS, (less,)), less, -min(step_of(SNR_LESS, less), less)
+
+
 def binding_keys(winner: Design) -> set[str]:
-    """Requirements that a design just meets."""
-    return {margin.requirement for scene in winner.scenes for margin in scene.margins if margin.binding}
+    """Requirements that a design just meets; of the signal to noise the one that is asked, of mean or frame."""
+    names = {margin.requirement for scene in winner.scenes for margin in scene.margins if margin.binding}
+    return names | ({SNR_LESS} if SNR in names else set()) | ({SNR} if MEAN_SNR in names else set())
+
+
+def met_as_it_is(mission: Mission, winner: Design, key: str, asked: float) -> float | None:
+    """The value of a requirement that a design meets as it is; None where that is no figure.
+
+    Where mean and frame are both held to one signal to noise, what is left of either counts, and what the frame may
+    lack is as much less as is left of the frame's.
+    """
+    spare_db = {
+        name: min(spare)
+        for name in (SNR, MEAN_SNR)
+        if (spare := [
+            float(one.value - one.limit)
+            for scene in winner.scenes for one in scene.margins
+            if one.requirement == name and one.value is not None and one.limit is not None
+        ])
+    }  # fmt: skip
+    if key == SNR_LESS:
+        return asked - spare_db[SNR] if SNR in spare_db else None
+    if key == SNR and MEAN_SNR in spare_db:
+        return asked + min(spare_db.values())
+    reached = reached_value(winner, key)
+    return None if reached is None else asked_when_held(mission.reserve, key, reached)
 
 
 def free_until(mission: Mission, winner: Design, key: str, asked: float, step: float) -> float | None:
@@ -72,10 +104,9 @@ def free_until(mission: Mission, winner: Design, key: str, asked: float, step: f
     What asks for more allows no more systems, and up to there it allows the best of those that are allowed now: so that
     system stays the best, at what it costs now.
     """
-    reached = None if key in binding_keys(winner) else reached_value(winner, key)
-    if reached is None:
+    held = None if key in binding_keys(winner) else met_as_it_is(mission, winner, key, asked)
+    if held is None:
         return None
-    held = asked_when_held(mission.reserve, key, reached)
     value = rounded_away(held, math.inf if held > asked else -math.inf)  # no further than it reaches
     return value if (value - asked) * step > 0.0 else None
 

@@ -35,6 +35,7 @@ RELAXABLE: dict[str, tuple[str, str, str | None]] = {
     "power_w": ("limits", "power_w", "power"),
     "peak_power_w": ("limits", "peak_power_w", None),
     "mass_kg": ("limits", "mass_kg", "mass"),
+    "mass_water_kg": ("limits", "mass_water_kg", None),
     "data_rate_mb_s": ("limits", "data_rate_mb_s", None),
     "energy_wh": ("limits", "energy_wh", None),
     "storage_gb": ("limits", "storage_gb", None),
