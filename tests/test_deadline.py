@@ -235,7 +235,7 @@ def test_a_search_for_any_design_ends_with_the_first() -> None:
 def test_quick_leaves_doubts_out_and_nothing_else() -> None:
     told: list[str] = []
     wanted = mission(catalog=FEW_PARTS)
-    result = api.solve(wanted, quick=True, progress=lambda share, what: told.append(what))
+    result = api.solve(wanted, quick=True, so_far=told.append)
     full = api.solve(wanted)
     assert result.robustness is None and result.solvers == [] and full.robustness is not None
     assert result.recommendation == full.recommendation and result.warnings == full.warnings

@@ -15,7 +15,7 @@ import pytest
 from thorough import THOROUGH
 
 import uwopt
-from uwopt.api import certainty
+from uwopt.api import certainty, counting
 from uwopt.cli.status import result_status
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError, effort_s
 from uwopt.errors import MissionError
@@ -263,8 +263,8 @@ def test_parts_to_be_made_are_asked_only_where_they_may_be_surer() -> None:
             raise OutOfTimeError
 
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(certainty, "of_all_parts", of_all_parts)
-            assert certainty.surer_of_all_parts(sought, goal, sold, NEVER, None, {}) is None
+            patch.setattr(counting, "of_all_parts", of_all_parts)
+            assert counting.surer_of_all_parts(sought, goal, sold, NEVER, None, {}) is None
         return bool(tried)
 
     assert asked("never", "fallback", 0.3)
@@ -276,7 +276,7 @@ def test_parts_to_be_made_are_asked_only_where_they_may_be_surer() -> None:
 def test_the_surest_of_what_is_sold_is_the_same_whoever_looks_for_it(monkeypatch: pytest.MonkeyPatch) -> None:
     """While parts to be made are searched, or once none of them is surer; light in waters is known after either."""
     monkeypatch.setattr(beside, "usable_cores", lambda: 2)
-    monkeypatch.setattr(certainty, "surer_of_all_parts", lambda *_: None)
+    monkeypatch.setattr(counting, "surer_of_all_parts", lambda *_: None)
     needs = STROBED["requirements"] | {"min_snr_db": 33}
     wanted = load_mission(STROBED | {"practice": "bare", "catalog": ONE_OF_EACH, "requirements": needs})
     goal, spent_s, found = goal_of(wanted), [], []
@@ -286,7 +286,7 @@ def test_the_surest_of_what_is_sold_is_the_same_whoever_looks_for_it(monkeypatch
             seen = search.look(sought, goal, 0.9, NEVER, search.unheard, with_room=True)
             seen.scenarios.responses.clear()
             before_s = effort_s()
-            surer, made = certainty.surer_or_surest(
+            surer, made = counting.surer_or_surest(
                 sought, goal, seen, Deadline.after(100.0, effort_s), None, timing := dict[str, float]()
             )
         spent_s.append(effort_s() - before_s)

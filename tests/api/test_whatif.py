@@ -239,14 +239,14 @@ def chosen(held: float, *, enough: bool) -> Any:
     totals = SimpleNamespace(power_w=3.0, cost=SimpleNamespace(value=900.0), mass_kg=None)
     hardware = SimpleNamespace(named=named, light_count=2)
     return SimpleNamespace(
-        sought=found()[0], proven=None, is_best=enough,
+        sought=found()[0], proven=None, is_best=enough, counts=held,
         counted=SimpleNamespace(enough=enough, held=held, objective_p50=4.5),
         design=SimpleNamespace(hardware=hardware, totals=totals, is_settable=True),
     )  # fmt: skip
 
 
 def stub_points(monkeypatch: pytest.MonkeyPatch, searches: list[Any], choices: list[Any]) -> list[Any]:
-    """Points that find these, one after another; what each is asked: confidence, speed, and the choice before."""
+    """Points that find these, one after another; what each is asked: confidence, speed, and what was counted."""
     asked, told = [], iter(choices)
 
     def searched_(mission: Mission, *_: Any, **more: Any) -> Any:
@@ -267,7 +267,7 @@ def test_with_certainty_each_point_knows_what_was_recommended_at_the_last(monkey
     one, other = chosen(0.93, enough=True), chosen(0.6, enough=False)
     asked = stub_points(monkeypatch, [found(), found()], [one, other])
     table = uwopt.whatif(reef(), {"speed_m_s": [0.3, 0.6]}, confidence=0.9)
-    assert asked == [(0.9, 0.3, None), (0.9, 0.6, one)] and table.confidence == 0.9
+    assert asked == [(0.9, 0.3, None), (0.9, 0.6, 0.93)] and table.confidence == 0.9
     first, second = table.points
     assert (first.status, first.objective) == ("optimal", 4.5)
     assert first.figures == {"held": 0.93, "power_w": 3.0, "cost": 900.0}

@@ -13,6 +13,22 @@ BANDS = "tests/solvers/test_own_bands.py::test_each_camera_sees_what_it_sees_ove
 
 DEFECTS = (
     Defect(
+        name="what is known is counted with what is searched for only",
+        file="uwopt/solvers/confidence/search.py",
+        old="    if known and provable:\n",
+        new="    if False:\n",
+        test="tests/solvers/test_confidence.py::"
+        "test_where_known_hardware_holds_the_proof_alone_brings_up_what_is_better",
+    ),
+    Defect(
+        name="what is known is all there is",
+        file="uwopt/solvers/confidence/search.py",
+        old="    if known and provable:\n        yield waiting\n",
+        new="    if known and provable:\n        yield waiting\n        return\n",
+        test="tests/solvers/test_confidence.py::"
+        "test_where_known_hardware_holds_the_proof_alone_brings_up_what_is_better",
+    ),
+    Defect(
         name="what holds seldom stands in for what cannot be set",
         file="uwopt/api/certainty.py",
         old="if other.held >= least else None",

@@ -1116,7 +1116,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="light in waters that a copy has worked out is forgotten",
-        file="uwopt/api/certainty.py",
+        file="uwopt/api/counting.py",
         old="    seen.scenarios.responses.update(responses)\n",
         new="",
         test="tests/api/test_confidence.py::test_the_surest_of_what_is_sold_is_the_same_whoever_looks_for_it",

@@ -105,7 +105,7 @@ DEFECTS = (
     Defect(
         name="what holds elsewhere is not looked at here",
         file="uwopt/api/certain_points.py",
-        old="        self.last = made\n",
+        old="        self.last = made.counts\n",
         new="",
         test="tests/api/test_whatif.py::test_with_certainty_each_point_knows_what_was_recommended_at_the_last",
     ),

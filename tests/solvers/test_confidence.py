@@ -27,9 +27,12 @@ from uwopt.solvers.confidence.search import (
     Certain,
     Counted,
     at_its_stop,
+    chosen,
     imagers_of,
     judged_anew,
+    look,
     rank,
+    unheard,
 )
 from uwopt.solvers.confidence.summary import ids, missed_centrally, surest, told
 from uwopt.solvers.confidence.together import Together
@@ -379,6 +382,28 @@ def test_a_sure_camera_is_bought_where_the_other_holds_too_seldom(monkeypatch: p
     assert record.held_low <= share <= record.held_high
     assert [point.confidence for point in record.curve][-1] == 0.99
     assert record.curve[0].hardware[0] == "camera" and record.curve[-1].hardware[0] == "camera-0"
+
+
+def test_where_known_hardware_holds_the_proof_alone_brings_up_what_is_better(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The dearer camera, which holds in all scenarios, is known; where it does not hold, others are searched for."""
+    monkeypatch.setattr(search_module, "OF_CENTRAL", 0)
+    sought, searched = sought_of(rivals()), list[float]()
+    problem, objective = sought.problem, sought.search.objective
+    cameras = [part.id for part in problem.parts.cameras]
+    found = {cameras[one.camera]: one for one in sought.outcome.best}
+    worse = search_module.worse_problem
+
+    def counted_search(*given: Any) -> Any:
+        searched.append(given[-1])
+        return worse(*given)
+
+    monkeypatch.setattr(search_module, "worse_problem", counted_search)
+    seen = look(sought, objective, 0.5, NEVER, unheard, known=[found["camera-0"]])
+    assert [cameras[one.found.camera] for one in seen.tried] == ["camera-0"] and searched == []
+    best = chosen(problem, objective, seen, NEVER, unheard)
+    assert best is not None and best.proven and cameras[best.best.found.camera] == "camera"
+    look(sought, objective, 0.97, NEVER, unheard, known=[found["camera"]])
+    assert searched
 
 
 def test_no_hardware_of_a_small_catalogue_holds_and_is_better() -> None:

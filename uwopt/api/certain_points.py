@@ -8,7 +8,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from uwopt.api.certainty import Recommended, with_confidence
+from uwopt.api.certainty import with_confidence
+from uwopt.api.counting import Counts
 from uwopt.api.searching import searched
 from uwopt.api.solving import SEARCH_SHARE, status_of
 from uwopt.api.varied import Systems
@@ -35,7 +36,7 @@ class CertainPoints:
 
     systems: Systems
     deadline: Deadline
-    last: Recommended | None = None
+    last: Counts | None = None
     scenes_of: Problem | None = None
 
     def point(self, values: Sequence[Value], mission: Mission) -> WhatIfPoint:
@@ -60,7 +61,7 @@ class CertainPoints:
         counted, design = made.counted, made.design
         if counted is None:
             return WhatIfPoint(list(values), "stopped")
-        self.last = made
+        self.last = made.counts
         if not counted.enough:
             return WhatIfPoint(list(values), "infeasible", figures={"held": counted.held})
         proof = certificate(made.sought.selection, made.sought.problem, made.proven, goal)

@@ -6,14 +6,13 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import islice
-from typing import Any
 
 import numpy as np
 
 from uwopt.api.common import Progress
-from uwopt.api.searching import leaves_out_generic, of_all_parts
-from uwopt.api.timing import STAGES, timed
-from uwopt.deadline import NEVER, Deadline, OutOfTimeError, effort_s
+from uwopt.api.counting import CERTAINTY_S, Counts, counts_of
+from uwopt.api.timing import timed
+from uwopt.deadline import NEVER, Deadline, effort_s
 from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
 from uwopt.forward.problem import Problem
@@ -21,36 +20,26 @@ from uwopt.mission.doubt import ENDS
 from uwopt.objectives.objective import Objective
 from uwopt.results.certainty import Confidence
 from uwopt.results.design import FARTHEST_M, Design, Note
-from uwopt.solvers.beside import ahead
 from uwopt.solvers.confidence.counted import Counted, names
 from uwopt.solvers.confidence.fixed import SceneSetting
 from uwopt.solvers.confidence.outcomes import outcomes_of_each
-from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.search import (
     Certain,
-    Looked,
     at_its_stop,
     check_fixed,
     chosen,
     judged_anew,
-    look,
     scenarios_of,
-    seen_too,
     unheard,
 )
 from uwopt.solvers.confidence.summary import told
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.explain.robustness import among
-from uwopt.solvers.recommend import Sought, best_settable, design_of, same_scenes
+from uwopt.solvers.recommend import Sought, best_settable, design_of
 
 MADE_IS_SURER = "made_is_surer"  # code of the warning that parts to be made hold as often as asked, sold ones not
-ALL_PARTS = "parts to be made that may hold more often"  # where there is no time for them
 NOT_CERTAIN = "not_certain"  # code of the warning that nothing holds as often as asked
-CERTAINTY_S = 15.0  # of work, where no time is given
-SOLD_SHARE = 0.4  # of it, until parts to be made are looked at where those that are sold do not hold
-MADE_SHARE = 0.6  # of what is left then, for these: the rest is for the most certain of what is sold
 EASED_S = 2.0  # of work, likewise, for what asked less would make certain enough
 MOST_SET = 6  # stops of a ring, of one hardware or the next, that are tried to be set
 OF_A_SYSTEM = 10_000  # scenarios in which a given system is counted
@@ -66,41 +55,35 @@ class Recommended:
     design: Design
     counted: Confidence | None
     is_best: bool  # whether it is proven best
-    of_all_parts: bool = False  # whether parts to be made were taken though what is sold fits by central numbers
+    counts: Counts | None = None  # of all hardware that it was chosen of
     choice: Certain | None = None  # with the scenarios that it was made on
+
+    @property
+    def of_all_parts(self) -> bool:
+        """Whether parts to be made were taken though what is sold fits by central numbers."""
+        return self.counts is not None and self.counts.of_all_parts
 
 
 def with_confidence(
     sought: Sought, winner: Design | None, goal: Objective, deadline: Deadline, progress: Progress | None,
-    timing: dict[str, float], before: Recommended | None = None,
+    timing: dict[str, float], before: Counts | None = None,
 ) -> Recommended:  # fmt: skip
     """What is recommended at the mission's confidence: its design, and what was counted.
 
     There must be a design, and a mission that does not take every number as central.
 
     winner : the best by central numbers, as it can be set; None: made only where nothing was counted
-    before : what is recommended for a mission that differs in a few keys: its waters and its hardware are known
+    before : what was counted for a mission that differs in a few keys: its waters and its hardware are known
     """
     asked, report, proven = sought.problem.mission.confidence, progress or unheard, sought.outcome
     patience = deadline.or_after(CERTAINTY_S, effort_s)
-    sold, certain, surer = sought, None, None
-    like = None if before is None else waters_of(before, sought.problem)
-    with timed(timing, "certainty", progress):
-        others = leaves_out_generic(sought)
-        first = patience.at_most(SOLD_SHARE * patience.left_s) if others else patience
-        seen = patience.within(
-            STAGES["certainty"], lambda: look(sought, goal, asked, first, report, with_room=others, like=like), None
-        )
-    if seen is not None:
-        if others and seen.held < seen.share:
-            surer, seen = surer_or_surest(sold, goal, seen, patience, progress, timing)
-        if surer is not None:
-            sought, seen, proven = surer[0], surer[1], surer[0].outcome
+    sold, certain = sought, None
+    counts = counts_of(sought, goal, patience, progress, timing, before)
+    if counts is not None:
+        sought, proven = counts.sought, counts.sought.outcome
         with timed(timing, "certainty", progress):
-            if before is not None:
-                seen = seen_too(sought.problem, goal, seen, hardware_before(before, sought.problem))
-            certain = chosen(sought.problem, goal, seen, patience, report)
-    if certain is None:
+            certain = chosen(sought.problem, goal, counts.seen, patience, report)
+    if counts is None or certain is None:
         return as_central(sold, winner, goal, deadline, patience)
     with timed(timing, "certainty", progress):
         certain, design = as_settable(sought, certain, goal, deadline)
@@ -114,7 +97,7 @@ def with_confidence(
         none = "nothing in the catalogue" if certain.proven else "nothing that was counted"
         text = f"{none} holds in {share}; this does in {100.0 * min(counted.held, counted.held_in_choice):.0f} %"
         design = with_note(design, Note(NOT_CERTAIN, "confidence", text))
-    if surer is not None:
+    if counts.of_all_parts:
         share = "at every end" if asked == ENDS else f"in {100.0 * certain.asked:g} % of the scenarios"
         text = (
             f"nothing sold that was counted holds {share}; with parts to be made this does in "
@@ -123,31 +106,7 @@ def with_confidence(
         design = with_note(design, Note(MADE_IS_SURER, "catalog.generic", text))
     next_best = [one for one in sought.outcome.best if not same_hardware(one, certain.central)]
     headed = replace(sought, outcome=replace(sought.outcome, best=[certain.central, *next_best]))
-    return Recommended(headed, proven, design, counted, counted.enough and certain.proven, surer is not None, certain)
-
-
-def waters_of(before: Recommended, problem: Problem) -> Scenarios | None:
-    """Scenarios of a mission like this as it sees them; None where its water, heights or doubts are others."""
-    mission, old = problem.mission, before.sought.problem
-    same = mission.doubt == old.mission.doubt and mission.seed == old.mission.seed
-    if before.choice is None or not same or same_scenes(old, mission) is None:
-        return None
-    return before.choice.scenarios.seen_by(mission, problem.scenes)
-
-
-def hardware_before(before: Recommended, problem: Problem) -> list[Found]:
-    """What was recommended for a mission like this, by its places among these parts, if it is there."""
-    if before.choice is None:
-        return []
-    try:
-        found = among(problem, before.choice.best.found, before.sought.problem)
-    except ValueError:
-        return []
-    mounts, low, high = problem.mounts, *problem.count_range
-    if found.lighting.mount not in mounts or not low <= found.count <= high:
-        return []
-    optics = int(problem.lights.optics_index[found.light])
-    return [replace(found, lighting=Lighting(optics, mounts.index(found.lighting.mount), found.lighting.mount))]
+    return Recommended(headed, proven, design, counted, counted.enough and certain.proven, counts, certain)
 
 
 def with_note(design: Design, note: Note) -> Design:
@@ -165,53 +124,6 @@ def as_central(
     if winner is None:
         sought, winner = best_settable(sought, goal, deadline)
     return Recommended(sought, proven, with_note(winner, Note(AS_CENTRAL, "confidence", text)), None, False)
-
-
-def surer_or_surest(
-    sold: Sought, goal: Objective, seen: Looked, patience: Deadline, progress: Progress | None,
-    timing: dict[str, float],
-) -> tuple[tuple[Sought, Looked] | None, Looked]:  # fmt: skip
-    """Parts to be made that hold as often as asked; else the surest of what is sold, looked for at the same time."""
-    made_s, rest_s = (share * patience.left_s for share in (MADE_SHARE, 1.0 - MADE_SHARE))
-
-    def surest() -> tuple[list[Counted], bool, dict[Any, Any]]:
-        """What is counted then, and how light changes with the water: all else of the scenarios is known here."""
-        rest = replace(patience, end_s=patience.clock() + rest_s)  # whoever works it out
-        made = rest.within(STAGES["certainty"], lambda: look(sold, goal, seen.asked, rest, unheard, before=seen), seen)
-        return made.tried, made.complete, made.scenarios.responses
-
-    with ahead(surest, lists=[patience.left_out]) as further:
-        surer = surer_of_all_parts(sold, goal, seen, patience.at_most(made_s), progress, timing)
-        if surer is not None:
-            return surer, seen
-        with timed(timing, "certainty", progress):
-            tried, complete, responses = further()
-    seen.scenarios.responses.update(responses)
-    return None, replace(seen, tried=tried, complete=complete)
-
-
-def surer_of_all_parts(
-    sought: Sought, goal: Objective, sold: Looked, deadline: Deadline, progress: Progress | None,
-    timing: dict[str, float],
-) -> tuple[Sought, Looked] | None:  # fmt: skip
-    """The same search with parts to be made, and what was counted of them: where only they hold as often as asked.
-
-    None where what is sold holds as often, no other parts do, none were left out, or time is out.
-    """
-    if sold.held >= sold.share or not leaves_out_generic(sought):
-        return None
-
-    def found() -> tuple[Sought, Looked] | None:
-        with timed(timing, "search_generic"):
-            every = of_all_parts(sought, goal, deadline, progress)
-        if not every.outcome.complete:
-            raise OutOfTimeError
-        with timed(timing, "certainty", progress):
-            like = sold.scenarios.seen_by(every.problem.mission, every.problem.scenes)
-            seen = look(every, goal, sold.asked, deadline, progress or unheard, with_room=True, like=like)
-        return (every, seen) if seen.held >= seen.share else None
-
-    return deadline.within(ALL_PARTS, found, None)
 
 
 def as_settable(sought: Sought, certain: Certain, goal: Objective, deadline: Deadline) -> tuple[Certain, Design]:

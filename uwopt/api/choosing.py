@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 
 from uwopt.api.accuracy import Searched
 from uwopt.api.common import Progress
+from uwopt.api.so_far import SoFar, held_line
 from uwopt.api.timing import timed
 from uwopt.api.yielding import all_to_hold, fewest_to_hold, most_held, share_to_hold
-from uwopt.deadline import Deadline
+from uwopt.deadline import Deadline, effort_s
 from uwopt.mission.doubt import CENTRAL
 from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import Yield, with_yields
@@ -23,6 +24,7 @@ from uwopt.solvers.recommend import Sought, best_settable, design_of
 
 if TYPE_CHECKING:
     from uwopt.api.certainty import Recommended
+    from uwopt.api.counting import Counts
 
 
 MOST_ROUNDS = 3  # in which less and less gives way
@@ -49,15 +51,25 @@ class Recommendation:
         """How often it holds, where that was counted."""
         return None if self.made_sure is None else self.made_sure.counted
 
+    @property
+    def counts(self) -> Counts | None:
+        """What else was counted."""
+        return None if self.made_sure is None else self.made_sure.counts
+
+    @property
+    def is_enough(self) -> bool:
+        """Whether it holds as often as is asked, as far as that was counted."""
+        return self.counted is None or self.counted.enough
+
 
 def chosen_of(
     mission: Mission, sought: Sought, alternative: Sought | None, goal: Objective, deadline: Deadline,
     progress: Progress | None, timing: dict[str, float], *, given_way: tuple[Yield, ...] = (),
-    before: Recommended | None = None,
+    before: Counts | None = None,
 ) -> Recommendation:  # fmt: skip
     """What is recommended at the mission's confidence.
 
-    before : what is recommended for a mission that differs in a few keys
+    before : what was counted for a mission that differs in a few keys
     """
     cut = alternative is not None and alternative.outcome.interrupted
     others: list[Design] = []
@@ -88,55 +100,77 @@ def chosen_of(
 
 def held_by_yielding(
     asked: Mission, first: Recommendation, search: Callable[[Mission], Searched], goal: Objective, deadline: Deadline,
-    progress: Progress | None, timing: dict[str, float],
+    progress: Progress | None, timing: dict[str, float], so_far: SoFar,
 ) -> Recommendation:  # fmt: skip
     """What is recommended where good practice gives way so that it holds as often as is asked; the first if it does.
 
     asked : the mission with all of good practice
     search : of a mission that differs in what has given way
     """
-    sure = first.made_sure
     every = all_to_hold(asked, first.given_way)
-    if first.cut or first.counted is None or first.counted.enough or every == first.given_way:
+    if first.cut or first.counts is None or first.is_enough or every == first.given_way:
         return first
-    if sure is None or sure.choice is None or not sure.choice.scenarios.is_drawn:
+    if not first.counts.seen.scenarios.is_drawn:
         return first
 
-    def with_given_way(given_way: tuple[Yield, ...], before: Recommendation) -> Recommendation:
+    def with_given_way(given_way: tuple[Yield, ...], counts: Counts, before: Recommendation) -> Recommendation:
         weaker = with_yields(asked, given_way)
         sought, alternative = search(weaker)
         if not sought.outcome.best or not sought.outcome.complete:
             return before
         made = chosen_of(
-            weaker, sought, alternative, goal, deadline, progress, timing, given_way=given_way, before=before.made_sure
+            weaker, sought, alternative, goal, deadline, progress, timing, given_way=given_way, before=counts
         )
         if made.cut:
             return replace(before, cut=True)
-        made = replace(made, to_hold=True)
-        return made if surer(first, made) is made and as_sure(made, before) else before
+        return replace(made, to_hold=True) if surer(first, made) is made and as_sure(made, before) else before
 
     best = first
+    so_far(held_line(first, goal))
     try:
-        with timed(timing, "practice", progress):
-            reached = most_held(sure, goal, with_yields(asked, every))
-        if reached < halfway(first.counted):
+        counts, reached = counted_with(with_yields(asked, every), first, search, goal, deadline, progress, timing)
+        if first.counted is None or reached < halfway(first.counted):
             return first
-        if reached < share_to_hold(sure):  # other hardware may do better
-            best = with_given_way(every, first)
-        if best is first and reached < share_to_hold(sure):
-            return best
-        for _ in range(MOST_ROUNDS):  # hardware that was found on the way may need less
-            if best.cut or best.made_sure is None or best.made_sure.choice is None:
+        given_way = every
+        for _ in range(MOST_ROUNDS):  # hardware that is found on the way may need less
+            if best.cut or best.counts is None:
                 break
             with timed(timing, "practice", progress):
-                given_way = fewest_to_hold(asked, first.given_way, every, best.made_sure, goal, deadline)
-            made = with_given_way(given_way, best) if given_way != best.given_way else best
+                given_way = fewest_to_hold(asked, first.given_way, given_way, counts, goal, deadline)
+            made = with_given_way(given_way, counts, best) if given_way != best.given_way else best
             if made is best:
                 break
-            best, every = made, made.given_way
+            best, counts = made, made.counts or counts
+        could_hold = min(reached, share_to_hold(counts)) - AS_SURE
+        unsure = best.counted is not None and best.counted.held_in_choice < could_hold
+        if unsure and not best.cut and not best.is_enough and best.given_way != every:
+            best = with_given_way(every, counts, best)
     except KeyboardInterrupt:  # what is known is not lost
         best = replace(best, cut=True)
     return best
+
+
+def counted_with(
+    weaker: Mission, first: Recommendation, search: Callable[[Mission], Searched], goal: Objective, deadline: Deadline,
+    progress: Progress | None, timing: dict[str, float],
+) -> tuple[Counts, float]:  # fmt: skip
+    """Hardware that may hold as often as is asked in a weaker mission, and in what share of the scenarios some does.
+
+    Of what was counted, or where that does not hold as often, and yet at least half as far, of a search.
+    """
+    from uwopt.api.counting import CERTAINTY_S, counts_of
+
+    counts, counted = first.counts, first.counted
+    assert counts is not None and counted is not None
+    with timed(timing, "practice", progress):
+        reached = most_held(counts, goal, weaker)
+    if halfway(counted) <= reached < share_to_hold(counts):  # other hardware may do better
+        sought, _ = search(weaker)
+        if sought.outcome.best and sought.outcome.complete:
+            patience = deadline.or_after(CERTAINTY_S, effort_s)
+            counts = counts_of(sought, goal, patience, progress, timing, counts) or counts
+            reached = max(reached, counts.seen.held)
+    return counts, reached
 
 
 def halfway(counted: Confidence) -> float:

@@ -38,6 +38,7 @@ from uwopt.api.search_notes import (
     patience_warnings,
 )
 from uwopt.api.searching import searched
+from uwopt.api.so_far import SoFar, central_line, proven_line, untold
 from uwopt.api.timing import timed
 from uwopt.api.yielding import gives_way, yield_notes
 from uwopt.catalog.catalogue import Catalog
@@ -47,12 +48,13 @@ from uwopt.evaluation.breathing import breathing_notes
 from uwopt.evaluation.influences import influences_of
 from uwopt.forward.assembly import Generic, load_catalog
 from uwopt.forward.effects import Influence
+from uwopt.mission.doubt import CENTRAL
 from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import Yield, with_yields
 from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.goal import goal_of, taken_instead
 from uwopt.objectives.objective import Objective
-from uwopt.results.design import Design, Note
+from uwopt.results.design import Note
 from uwopt.results.result import Result
 from uwopt.solvers.exact.certificate import certificate
 from uwopt.solvers.recommend import (
@@ -64,7 +66,6 @@ from uwopt.solvers.recommend import (
 )
 from uwopt.solvers.settable.rounding import given_of
 from uwopt.tolerances import PROVEN_GAP_REL
-from uwopt.units import format_quantity
 
 EXPLAIN_S = 9.0  # of the processor, for a mission that nothing meets and what would help, where no time is given
 EXPLAIN_SHARE = 0.4  # of the time that the search took, where that is more
@@ -93,6 +94,7 @@ def solve(
     progress: Progress | None = None,
     quick: bool = False,
     first: First | None = None,
+    so_far: SoFar = untold,
     explain: bool = True,
 ) -> Result:
     """The best system for a mission, with a certificate; see the package's documentation.
@@ -114,6 +116,7 @@ def solve(
     tolerance : largest error of a figure, a share: integrals are taken as coarsely as it allows
     quick : leave out how firm the answer is, and second opinions
     first : called with the result as soon as its recommendation is proven, before all that is told beyond the proof
+    so_far : called with a line whenever something is known that who waits may want to read
     explain : where nothing fits, let give way what good practice has filled in, as little of it as possible, with a
         warning; where nothing fits even so, say why and what would help
     """
@@ -142,6 +145,7 @@ def solve(
     given_way: tuple[Yield, ...] = ()
     asked, may_yield = wanted, explain and not every_price
     if not sought.outcome.best and (alternative or sought).outcome.complete and may_yield:
+        so_far("nothing meets all of good practice: what of it has to give way is looked for")
         with timed(timing, "practice", progress):
             given_way = gives_way(wanted, catalog, (alternative or sought).problem, for_search)
         if given_way:
@@ -154,14 +158,16 @@ def solve(
         )  # fmt: skip
     else:
         central = sought
+        if wanted.confidence != CENTRAL and sought.outcome.complete:
+            so_far(central_line(sought, goal))
         chosen = chosen_of(wanted, sought, alternative, goal, deadline, progress, timing, given_way=given_way)
         if may_yield:
             look_again = partial(search, sought.problem.fineness)
-            chosen = held_by_yielding(asked, chosen, look_again, goal, deadline, progress, timing)
+            chosen = held_by_yielding(asked, chosen, look_again, goal, deadline, progress, timing, so_far)
             wanted = chosen.mission
         result, sought = found_result(
             base_result("solve", wanted, goal, chosen.sought.problem), goal, chosen, timing, deadline, progress,
-            solver=solver, first=first,
+            solver=solver, first=first, so_far=so_far,
             wanted=ToTell(
                 chosen.sought, doubts=not quick, ranges=ranges and not every_price, alternatives=alternatives
             ),
@@ -206,6 +212,7 @@ def found_result(
     solver: str,
     wanted: ToTell,
     first: First | None = None,
+    so_far: SoFar = untold,
 ) -> tuple[Result, Sought]:
     """A result with a recommendation, and the search with what is recommended at its head.
 
@@ -251,8 +258,8 @@ def found_result(
             *(gap_warnings(proof) if wide and not second_best else []),
         ],
     )
-    if progress is not None and proven:
-        progress(0.0, proven_line(winner, goal, sought.problem.mission.limits.currency))
+    if proven and first is None:
+        so_far(proven_line(winner, goal, sought.problem.mission.limits.currency))
     if cut_short:
         return made, sought
     if first is not None:
@@ -284,12 +291,6 @@ def status_of(*, proven: bool, exact: bool) -> str:
     if not proven:
         return "stopped"
     return "optimal" if exact else "feasible"
-
-
-def proven_line(winner: Design, goal: Objective, currency: str) -> str:
-    """The recommendation in a line, for who waits for its doubts."""
-    value = format_quantity(winner.objective_value, goal.unit(currency), 4)
-    return f"proven best: {' + '.join(part.id for part in winner.hardware.named.values())}, {goal.name} {value}"
 
 
 def infeasible_result(

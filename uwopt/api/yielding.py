@@ -20,7 +20,7 @@ from uwopt.solvers.recommend import seek
 from uwopt.units import ratio_to_db
 
 if TYPE_CHECKING:
-    from uwopt.api.certainty import Recommended
+    from uwopt.api.counting import Counts
 
 YIELD_S = 20.0  # of work, for what has to give way: what is recommended hangs on it
 SUREST = 2  # hardware of those counted, for which it is asked what would make it hold
@@ -89,7 +89,7 @@ def all_to_hold(asked: Mission, given_way: Collection[Yield]) -> tuple[Yield, ..
 
 
 def fewest_to_hold(
-    asked: Mission, given_way: Collection[Yield], every: Sequence[Yield], made: Recommended, goal: Objective,
+    asked: Mission, given_way: Collection[Yield], every: Sequence[Yield], counts: Counts, goal: Objective,
     deadline: Deadline,
 ) -> tuple[Yield, ...]:  # fmt: skip
     """The least that has to give way so that some hardware holds as often as is asked, where with `every` it does.
@@ -97,7 +97,7 @@ def fewest_to_hold(
     asked : the mission with all of good practice
     given_way : what of it has given way so that anything fits
     every : that and what else may give way, the last of each key
-    made : what is recommended where some of that has given way
+    counts : of hardware where some of that has given way
     """
     base = with_yields(asked, given_way)
     patience = deadline.or_after(YIELD_S, effort_s).at_most(YIELD_S)
@@ -109,9 +109,9 @@ def fewest_to_hold(
     )  # fmt: skip
 
     def held(more: Collection[Yield]) -> float:
-        return most_held(made, goal, with_yields(base, more))
+        return most_held(counts, goal, with_yields(base, more))
 
-    least = min(share_to_hold(made), held(further))
+    least = min(share_to_hold(counts), held(further))
 
     def holds(more: Collection[Yield]) -> bool:
         return held(more) >= least
@@ -119,22 +119,20 @@ def fewest_to_hold(
     return _in_order(given_way, _fewest(base, further, holds, patience))
 
 
-def share_to_hold(made: Recommended) -> float:
+def share_to_hold(counts: Counts) -> float:
     """Share of the scenarios of a choice in which hardware has to hold to do so as often as asked in others too."""
-    assert made.choice is not None
-    share = made.choice.asked
-    return min(share + LUCK * math.sqrt(share * (1.0 - share) / made.choice.scenarios.count), 1.0)
+    share = counts.seen.share
+    return min(share + LUCK * math.sqrt(share * (1.0 - share) / counts.seen.scenarios.count), 1.0)
 
 
-def most_held(made: Recommended, goal: Objective, mission: Mission) -> float:
+def most_held(counts: Counts, goal: Objective, mission: Mission) -> float:
     """In how many of the same scenarios any of the hardware that held most often holds in a mission like that."""
     from uwopt.solvers.confidence.deciding import held_with
 
-    assert made.choice is not None
-    choice, problem, most = made.choice, made.sought.problem, 0.0
-    for one in sorted(choice.tried, key=lambda one: one.held, reverse=True)[:SUREST]:
-        most = max(most, held_with(problem, goal, one.found, choice.scenarios, mission))
-        if most >= share_to_hold(made):
+    problem, seen, most = counts.sought.problem, counts.seen, 0.0
+    for one in sorted(seen.tried, key=lambda one: one.held, reverse=True)[:SUREST]:
+        most = max(most, held_with(problem, goal, one.found, seen.scenarios, mission))
+        if most >= share_to_hold(counts):
             break
     return most
 

@@ -175,6 +175,7 @@ def solve_command(
             progress=bar.report,
             quick=quick,
             first=None if as_json or full else first,
+            so_far=bar.line,
         )
     hand_over(result, full=full, as_json=as_json, out=out, quiet=quiet, begun=bool(begun), deadline=deadline)
     return result_status(result)

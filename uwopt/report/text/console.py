@@ -145,6 +145,13 @@ class ProgressBar:
             if self._bar is not None:
                 self._bar.start()
 
+    def line(self, text: str) -> None:
+        """A line on the error stream that stays there, where a bar is wanted."""
+        if self._wanted:
+            with self.aside(), contextlib.suppress(OSError, ValueError):  # nobody reads it
+                spent_s = self._clock() - self._start_s
+                print(f"uwopt: {text} ({spent_s:.0f} s)", file=sys.stderr, flush=True)
+
     def _wait(self, seconds: float, then: Callable[[], None]) -> None:
         self._timer = self._new_timer(seconds, then)
         self._timer.daemon = True

@@ -116,13 +116,14 @@ class Looked:
 
 def look(
     sought: Sought, objective: Objective, asked: float | str, deadline: Deadline, report: Report, *,
-    with_room: bool = False, like: Scenarios | None = None, before: Looked | None = None,
+    with_room: bool = False, like: Scenarios | None = None, before: Looked | None = None, known: Sequence[Found] = (),
 ) -> Looked:  # fmt: skip
     """Count hardware that is likely to hold.
 
     with_room : no more than central optima where nothing fits with room
     like : scenarios of the same mission and scenes, whose waters are known
     before : what was counted so, to go on from
+    known : hardware that is good in a mission like this
     """
     problem, mission = sought.problem, sought.problem.mission
     check_fixed(problem, objective)
@@ -134,7 +135,7 @@ def look(
     try:
         for some in candidates(
             sought, objective, seen, deadline, done=lambda: hold() >= ENOUGH, hopeful=lambda: hold() > 0,
-            with_room=with_room,
+            with_room=with_room, known=known,
         ):  # fmt: skip
             made = outcomes_of_each(problem, some, objective, seen.scenarios, deadline)
             tried += [Counted(found, one, one.best(seen.share)) for found, one in zip(some, made, strict=True)]
@@ -144,17 +145,6 @@ def look(
             raise
         return replace(seen, complete=False)
     return seen
-
-
-def seen_too(problem: Problem, objective: Objective, seen: Looked, known: Sequence[Found]) -> Looked:
-    """With further hardware counted, if it is not yet: what is known to be good in a mission like this."""
-    had = {names(problem, one.found) for one in seen.tried}
-    some = [one for one in known if names(problem, one) not in had]
-    if not some or not seen.complete:
-        return seen
-    made = outcomes_of_each(problem, some, objective, seen.scenarios)
-    counted = [Counted(found, one, one.best(seen.share)) for found, one in zip(some, made, strict=True)]
-    return replace(seen, tried=[*seen.tried, *counted])
 
 
 def chosen(
@@ -275,20 +265,25 @@ def holding(tried: Sequence[Counted], share: float) -> int:
 
 def candidates(
     sought: Sought, objective: Objective, seen: Looked, deadline: Deadline, *, done: Callable[[], bool],
-    hopeful: Callable[[], bool], with_room: bool = False,
+    hopeful: Callable[[], bool], with_room: bool = False, known: Sequence[Found] = (),
 ) -> Iterator[list[Found]]:  # fmt: skip
-    """Hardware worth counting, some at a time: the best of the central search, then of those with room.
+    """Hardware worth counting, some at a time: the best of the central search and what is known to be good, then of
+    those with room.
 
     What is proven besides brings up all other hardware that holds; else worse numbers are tried. Where none of these
     holds, the brightest and worse numbers still; where nothing fits with room, less room is asked for, unless that is
     all that is wanted (`with_room`). What was looked at is not searched again, nor is counted hardware brought up.
+    Where some that is known holds and a proof is to come, no other is searched for.
     """
-    problem, known = sought.problem, {names(sought.problem, one.found) for one in seen.tried}
-    rungs = WORSE[:1] if can_be_proven(problem, objective) else WORSE
+    problem, provable = sought.problem, can_be_proven(sought.problem, objective)
+    rungs = WORSE if not provable else () if known else WORSE[:1]
     wants_light = objective.single != "snr_db" and any(scene.view.requirements.min_snr for scene in problem.scenes)
-    # Counted with the first that have room: light is worked out once.
-    waiting = [one for one in sought.outcome.best[:OF_CENTRAL] if names(problem, one) not in known]
-    known.update(names(problem, found) for found in waiting)
+    had, first = {names(problem, one.found) for one in seen.tried}, (*sought.outcome.best[:OF_CENTRAL], *known)
+    waiting = list({name: one for one in first if (name := names(problem, one)) not in had}.values())
+    had.update(names(problem, found) for found in waiting)
+    if known and provable:
+        yield waiting
+        waiting = []  # else they are counted with the first that have room: light is worked out once
     fits = False
     for worse in (*WORSE, *LESS_WORSE):
         if with_room and worse in LESS_WORSE:
@@ -317,8 +312,8 @@ def candidates(
                 return
             wants_light &= goal is objective
             here = {names(problem, one): one for one in (among(problem, found, changed) for found in searched.best)}
-            waiting += [one for name, one in here.items() if name not in known]
-            known.update(here)
+            waiting += [one for name, one in here.items() if name not in had]
+            had.update(here)
             if waiting:
                 yield waiting
                 waiting = []

@@ -1,0 +1,138 @@
+"""Hardware that is likely to hold as often as asked, counted: of what is sold, or where that does not, of all parts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+from uwopt.api.common import Progress
+from uwopt.api.searching import leaves_out_generic, of_all_parts
+from uwopt.api.timing import STAGES, timed
+from uwopt.deadline import Deadline, OutOfTimeError
+from uwopt.forward.problem import Problem
+from uwopt.objectives.objective import Objective
+from uwopt.solvers.beside import ahead
+from uwopt.solvers.confidence.counted import Counted
+from uwopt.solvers.confidence.scenarios import Scenarios
+from uwopt.solvers.confidence.search import Looked, look, unheard
+from uwopt.solvers.exact.lightings import Lighting
+from uwopt.solvers.exact.ranking import Found
+from uwopt.solvers.explain.robustness import among
+from uwopt.solvers.recommend import Sought, same_scenes
+
+ALL_PARTS = "parts to be made that may hold more often"  # where there is no time for them
+CERTAINTY_S = 15.0  # of work, where no time is given
+SOLD_SHARE = 0.4  # of it, until parts to be made are looked at where those that are sold do not hold
+MADE_SHARE = 0.6  # of what is left then, for these: the rest is for the most certain of what is sold
+KNOWN = 4  # hardware of a mission like this that is counted first
+
+
+@dataclass(frozen=True)
+class Counts:
+    """What was counted for a mission; what is compared with it later is counted too."""
+
+    sought: Sought  # the search that its places are of
+    seen: Looked
+    of_all_parts: bool = False  # whether parts to be made were taken though what is sold fits by central numbers
+
+
+def counts_of(
+    sought: Sought, goal: Objective, patience: Deadline, progress: Progress | None, timing: dict[str, float],
+    before: Counts | None = None,
+) -> Counts | None:  # fmt: skip
+    """How often hardware holds that is likely to at the mission's confidence; None where there is no time.
+
+    before : what was counted for a mission that differs in a few keys: its waters and its hardware are known
+    """
+    asked, report = sought.problem.mission.confidence, progress or unheard
+    like = None if before is None else waters_of(before, sought.problem)
+    known = [] if before is None else hardware_of(before, sought.problem)
+    others = leaves_out_generic(sought)
+    with timed(timing, "certainty", progress):
+        first = patience.at_most(SOLD_SHARE * patience.left_s) if others else patience
+        seen = patience.within(
+            STAGES["certainty"],
+            lambda: look(sought, goal, asked, first, report, with_room=others, like=like, known=known), None,
+        )  # fmt: skip
+    if seen is None:
+        return None
+    if others and seen.held < seen.share:
+        surer, seen = surer_or_surest(sought, goal, seen, patience, progress, timing, before)
+        if surer is not None:
+            return surer
+    return Counts(sought, seen)
+
+
+def waters_of(before: Counts, problem: Problem) -> Scenarios | None:
+    """Scenarios of a mission like this as it sees them; None where its water, heights or doubts are others."""
+    mission, old = problem.mission, before.sought.problem
+    same = mission.doubt == old.mission.doubt and mission.seed == old.mission.seed
+    if not same or same_scenes(old, mission) is None:
+        return None
+    return before.seen.scenarios.seen_by(mission, problem.scenes)
+
+
+def hardware_of(before: Counts, problem: Problem) -> list[Found]:
+    """What held most often in a mission like this, by its places among these parts, if it is there."""
+    made, mounts = list[Found](), problem.mounts
+    low, high = problem.count_range
+    for one in sorted(before.seen.tried, key=lambda one: one.held, reverse=True)[:KNOWN]:
+        try:
+            found = among(problem, one.found, before.sought.problem)
+        except ValueError:
+            continue
+        if found.lighting.mount in mounts and low <= found.count <= high:
+            optics = int(problem.lights.optics_index[found.light])
+            lighting = Lighting(optics, mounts.index(found.lighting.mount), found.lighting.mount)
+            made.append(replace(found, lighting=lighting))
+    return made
+
+
+def surer_or_surest(
+    sold: Sought, goal: Objective, seen: Looked, patience: Deadline, progress: Progress | None,
+    timing: dict[str, float], before: Counts | None = None,
+) -> tuple[Counts | None, Looked]:  # fmt: skip
+    """Parts to be made that hold as often as asked; else the surest of what is sold, looked for at the same time."""
+    made_s, rest_s = (share * patience.left_s for share in (MADE_SHARE, 1.0 - MADE_SHARE))
+
+    def surest() -> tuple[list[Counted], bool, dict[Any, Any]]:
+        """What is counted then, and how light changes with the water: all else of the scenarios is known here."""
+        rest = replace(patience, end_s=patience.clock() + rest_s)  # whoever works it out
+        made = rest.within(STAGES["certainty"], lambda: look(sold, goal, seen.asked, rest, unheard, before=seen), seen)
+        return made.tried, made.complete, made.scenarios.responses
+
+    with ahead(surest, lists=[patience.left_out]) as further:
+        surer = surer_of_all_parts(sold, goal, seen, patience.at_most(made_s), progress, timing, before)
+        if surer is not None:
+            return surer, seen
+        with timed(timing, "certainty", progress):
+            tried, complete, responses = further()
+    seen.scenarios.responses.update(responses)
+    return None, replace(seen, tried=tried, complete=complete)
+
+
+def surer_of_all_parts(
+    sought: Sought, goal: Objective, sold: Looked, deadline: Deadline, progress: Progress | None,
+    timing: dict[str, float], before: Counts | None = None,
+) -> Counts | None:  # fmt: skip
+    """The same search with parts to be made, and what was counted of them: where only they hold as often as asked.
+
+    None where what is sold holds as often, no other parts do, none were left out, or time is out.
+    """
+    if sold.held >= sold.share or not leaves_out_generic(sought):
+        return None
+
+    def found() -> Counts | None:
+        with timed(timing, "search_generic"):
+            every = of_all_parts(sought, goal, deadline, progress)
+        if not every.outcome.complete:
+            raise OutOfTimeError
+        with timed(timing, "certainty", progress):
+            like = sold.scenarios.seen_by(every.problem.mission, every.problem.scenes)
+            known = [] if before is None else hardware_of(before, every.problem)
+            seen = look(
+                every, goal, sold.asked, deadline, progress or unheard, with_room=True, like=like, known=known
+            )
+        return Counts(every, seen, of_all_parts=True) if seen.held >= seen.share else None
+
+    return deadline.within(ALL_PARTS, found, None)

@@ -1,0 +1,52 @@
+"""Lines for who waits: what is known so far, and what is looked for next."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING
+
+from uwopt.objectives.objective import Objective
+from uwopt.results.design import Design
+from uwopt.solvers.explain.one_hardware import parts_of
+from uwopt.solvers.recommend import Sought
+from uwopt.units import format_quantity
+
+if TYPE_CHECKING:
+    from uwopt.api.choosing import Recommendation
+
+SoFar = Callable[[str], None]  # takes a line
+
+
+def untold(line: str) -> None:
+    """Where nobody waits for it."""
+
+
+def central_line(sought: Sought, goal: Objective) -> str:
+    """The best by central numbers, where it is counted next how often hardware holds."""
+    best, mission = sought.outcome.best[0], sought.problem.mission
+    value = goal.reported(best.minimised)
+    parts = (part.id for _, part in parts_of(sought.problem, best))
+    return f"best by central numbers: {of_parts(parts, goal, value, mission.limits.currency)}"
+
+
+def held_line(made: Recommendation, goal: Objective) -> str:
+    """How often what would be recommended holds, where practice may give way so that something does more often."""
+    counted = made.counted
+    assert counted is not None and not isinstance(counted.asked, str)
+    parts = (part.id for part in made.design.hardware.named.values())
+    found = of_parts(parts, goal, made.design.objective_value, made.mission.limits.currency)
+    return (
+        f"best so far: {found}; it holds in {100.0 * counted.held:.0f} % of the scenarios, "
+        f"{100.0 * counted.asked:g} % are asked: something else may, with less of good practice"
+    )
+
+
+def proven_line(winner: Design, goal: Objective, currency: str) -> str:
+    """The recommendation in a line, for who waits for its doubts."""
+    parts = (part.id for part in winner.hardware.named.values())
+    return f"proven best: {of_parts(parts, goal, winner.objective_value, currency)}"
+
+
+def of_parts(ids: Iterable[str], goal: Objective, value: float | None, currency: str) -> str:
+    """Hardware and its objective."""
+    return f"{' + '.join(ids)}, {goal.name} {format_quantity(value, goal.unit(currency), 4)}"
