@@ -130,6 +130,27 @@ def test_transfers_that_end_early_stay_under_their_bound(end: str, step: float, 
         assert np.median(bound / truth) < 1.001, "a tangent lies near what it touches"
 
 
+def test_a_null_within_the_image_leaves_its_other_nodes_close() -> None:
+    """What is known in the middle of a cell is close there, and enough where it is sharpest, though a disc's or a
+    pupil's null moves through its image."""
+    n, rng = 200, np.random.default_rng(11)
+    f_number, snr, wide = rng.uniform(1.4, 4.0, n), np.full(n, 30.0), np.exp(0.3)
+    some = coloured(sharp().take(np.zeros(n, int)), COLOUR_PX["much"], rng)
+    period_px = rng.uniform(2.0, 4.0, n)  # nulls at 0.25 to 0.5 cycles per pixel
+    discs = replace(some, rms_disc_px=np.outer(J1_ZERO / np.pi * period_px * f_number, np.ones(3)))
+    pupils = replace(some, pixel_pitch_m=1.1 * f_number * some.wavelength_nm * 1e-9 / period_px)
+    still = 0.1 / some.blur_px_per_s[:, 1]
+    for seen, sharper in ((discs, wide), (pupils, 1.0 / wide)):
+        bound = Information(seen).bound(
+            np.arange(n), np.tile(np.log(snr)[:, None], 2), np.tile([0.0, np.log(sharper)], (n, 1)), np.zeros((n, 2)),
+            centre_log_snr=np.log(snr), f_number=(f_number / wide, f_number, f_number * wide), factor=np.full(n, 1.1),
+            blur_s=(still, still), surely=np.ones(n, bool),
+        )  # fmt: skip
+        truth = np.stack([by_model(seen, to, still, snr) for to in (f_number, f_number * sharper)], axis=1)
+        assert (truth <= bound * (1.0 + RULE_ERROR)).all()
+        assert (bound / truth)[:, 0].max() < 1.01, "nodes far from the null are close"
+
+
 def test_what_lateral_colour_joins() -> None:
     """All of the image where no colour is spread, rays where it falls along them, nodes where it comes back."""
     joined = {

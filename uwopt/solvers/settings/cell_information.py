@@ -10,7 +10,7 @@ greatest value over a polytope at a vertex.
 
 Lateral colour falls along every ray from the centre, but not along both frequencies at once: there the rays are
 integrals of their own. Where it comes back after a null, every node is, out to where no transfer of the cell goes on:
-there the tangent of a factor whose null lies before that is taken where the factor is sharpest in the cell.
+the tangent of a factor at nodes that lie next to its null or beyond is taken where the factor is sharpest in the cell.
 
 Nodes and sums are those of `model.information`, which gives the integral to `RULE_ERROR`; its derivatives are sums
 over the same nodes, for at a null the integrand and what moves with it are 0.
@@ -18,6 +18,7 @@ over the same nodes, for at a null the integrand and what moves with it are 0.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -39,7 +40,6 @@ from uwopt.model.information import (
 from uwopt.model.lateral import SpreadTable, rms_px, spread_mtf
 from uwopt.model.sharpness import (
     J1_ZERO,
-    NYQUIST_CYC_PER_PX,
     Sharpness,
     defocus_mtf,
     diffraction_mtf,
@@ -59,7 +59,9 @@ LATERAL_FROM, LATERAL_STEP = 0.1, 0.02  # of colour's phase: a bell below it; st
 BENDS = 1e-4  # of a slope in logarithms: the table is piecewise linear
 ENDS = tuple(Ends.__dataclass_fields__)
 MOST_POWER = 1e70  # (C_t SNR)^2 that no image has, and whose fourth power is still a number
-BEYOND = 1.1  # a null at so many times where the transfer ends is far enough
+#: A null at so many times a node's frequency is far enough from it; and beyond so much of a null there is nothing.
+BEYOND, LAST = 1.1, 1.0 - 1e-12
+Form = Callable[[Array], tuple[Array, Array]]
 Joined = Literal["all", "rays", "none"]  # which nodes are one integral whose logarithm is concave
 
 
@@ -150,6 +152,25 @@ def log_lens(sharp: SharpRows, design: Array, f_number: Array, radius_cyc_per_px
     return scale * pitch2[:, None], scale * (sharp.aberration_exponent[design] * (pitch2 - closed2))[:, None]
 
 
+def on_tangents(form: Form, here: Array, sharpest: Array, null: float) -> tuple[Array, Array]:
+    """Ln of a factor of the transfer and its slope in ln of its argument, by node, on a tangent of it; -inf: dark.
+
+    form : value and slope at an argument, concave in logarithms, 0 from `null` on; here, sharpest : the argument
+    (m, n_nodes), the least in a cell. The tangent is that at `here`, or where the null is next to that at the sharpest.
+    """
+    far = here * BEYOND < null
+    at = np.where(far, here, sharpest)
+    value, slope = form(at)
+    lit = at < null * LAST
+    with np.errstate(divide="ignore"):
+        log = np.log(np.where(lit, value, 0.0))
+    slope = np.where(lit, slope, 0.0)
+    if not far.all():
+        with np.errstate(divide="ignore", invalid="ignore"):
+            log += np.where(far | ~lit, 0.0, slope * np.log(here / at))
+    return log, slope
+
+
 def bell_until(table: SpreadTable) -> float:
     """The k to which ln |Phi| of lateral colour falls and is concave in ln k."""
     if table.index_rms == 0.0:
@@ -184,23 +205,24 @@ class Tangents:
 
 @dataclass(frozen=True)
 class NodeTangents:
-    """(C_t SNR MTF)^2 by node (m, n_nodes), each factor at settings of its own, and the slopes of ln MTF.
+    """Ln of C_t SNR MTF without what no setting changes, by node on the tangents of its factors, and their slopes.
 
-    Those of pupil and of disc and lens are by base node, that of motion by the folds that it tells apart. Shifts of the
-    f-number are from the pupil's, and from that of disc and lens.
+    What is round is by base node, motion by the folds that it tells apart.
     """
 
     nodes: Nodes
-    signal2: Array
-    by_pupil: Array
-    by_round: Array
+    still2: Array  # what no setting changes, squared
+    round_log: Array
+    by_n: Array
+    blur_log: Array
     by_blur: Array
 
-    def at(self, on: Array, shift_snr: Array, from_pupil: Array, from_round: Array, shift_blur: Array) -> Array:
+    def at(self, on: Array, shift_snr: Array, shift_n: Array, shift_blur: Array) -> Array:
         """Bit per px on the tangents, (k,), at shifts (k,) of some rows."""
-        rise = shift_snr[:, None] + self.by_pupil[on] * from_pupil[:, None] + self.by_round[on] * from_round[:, None]
-        moved = self.nodes.as_moving(self.by_blur[on]) * shift_blur[:, None, None] + rise[:, None]
-        grown = np.exp(2.0 * np.minimum(moved, 300.0))[:, None] * self.nodes.as_folds(self.signal2[on])
+        still = self.round_log[on] + shift_snr[:, None] + self.by_n[on] * shift_n[:, None]
+        moved = self.nodes.as_moving(self.blur_log[on] + self.by_blur[on] * shift_blur[:, None]) + still[:, None]
+        still2 = self.still2 if len(self.still2) == 1 else self.still2[on]
+        grown = np.exp(2.0 * np.minimum(moved, 300.0))[:, None] * self.nodes.as_folds(still2)
         return self.nodes.take(on).bits(np.minimum(grown, MOST_POWER, out=grown))
 
 
@@ -285,17 +307,6 @@ class Information:
             defocus_px=sharp.rms_disc_px[d, 1] / image.f_number,
             lens_pitch_px=sharp.lens_pitch_px("rms", f_number=image.f_number, rows=d),
         ))  # fmt: skip
-
-    def _beyond(
-        self, ends: Ends, design: Array, f_number: Array, working: Array, blur_px: Array
-    ) -> tuple[Array, Array, Array]:
-        """Whether nulls of pupil, disc and motion at some settings lie beyond these ends, where tangents are finite."""
-        sharp = self.sharp
-        reach = BEYOND * np.minimum(ends.round_cyc_per_px, np.hypot(ends.motion_cyc_per_px, NYQUIST_CYC_PER_PX))
-        pupil_px = working * sharp.wavelength_nm[design] * 1e-9 / sharp.pixel_pitch_m[design]
-        disc_px = sharp.rms_disc_px[design, 1] / f_number * (np.pi / J1_ZERO)
-        along = BEYOND * np.minimum(ends.round_cyc_per_px, ends.motion_cyc_per_px)
-        return pupil_px * reach < 1.0, disc_px * reach < 1.0, blur_px * along < 1.0
 
     def _chunks(self, image: Image, ends: Ends) -> list[Chunk]:
         """Images by group and by where their transfers end, few at a time."""
@@ -386,11 +397,28 @@ class Information:
         of_radius = (by_pupil + by_round)[:, None, None]
         return Tangents(bits, summed(1.0), summed(of_radius), summed(nodes.as_moving(by_blur)[:, None]))
 
-    def _node_tangents(self, chunk: Chunk, image: Image) -> NodeTangents:
-        """Powers of images by node with the slopes of each factor."""
-        still, by_pupil, by_round, moving, by_blur = self._transfer(chunk.nodes, image)
-        power = self._power(chunk, still, moving, image.snr).reshape(len(still), -1)
-        return NodeTangents(chunk.nodes, power, by_pupil, by_round, by_blur)
+    def _node_tangents(self, chunk: Chunk, image: Image, sharpest: Image) -> NodeTangents:
+        """The transfer of images by node, each factor on its tangent at the image or at the sharpest of a cell."""
+        sharp, d, nodes = self.sharp, image.design, chunk.nodes
+
+        def pupil(one: Image) -> Array:
+            cycle_px = one.working * sharp.wavelength_nm[d] * 1e-9 / sharp.pixel_pitch_m[d]
+            return np.asarray(cycle_px[:, None] * nodes.radius_cyc_per_px)
+
+        def disc(one: Image) -> Array:
+            return np.asarray((sharp.rms_disc_px[d, 1] / one.f_number)[:, None] * nodes.radius_cyc_per_px)
+
+        pupil_log, by_pupil = on_tangents(pupil_and_slope, pupil(image), pupil(sharpest), 1.0)
+        disc_log, by_disc = on_tangents(jinc_and_slope, disc(image), disc(sharpest), J1_ZERO / np.pi)
+        lens_log, by_lens = log_lens(sharp, d, image.f_number, nodes.radius_cyc_per_px)
+        moving = self._moving(nodes)
+        blur_log, by_blur = on_tangents(
+            sinc_and_slope, image.blur_px[:, None] * moving, sharpest.blur_px[:, None] * moving, 1.0
+        )
+        seen = np.log(np.maximum(TEXTURE_CONTRAST * image.snr, 1e-300))[:, None]
+        return NodeTangents(
+            nodes, chunk.still2, pupil_log + disc_log + lens_log + seen, by_pupil - by_disc - by_lens, blur_log, by_blur
+        )
 
     # ------------------------------------------------------------ cells
 
@@ -418,36 +446,27 @@ class Information:
         most = log_snr.max(axis=1, initial=-600.0, where=True if wanted is None else wanted)
         from_snr = np.where(apart, most, centre_log_snr)
         snr = np.exp(np.clip(from_snr, -600.0, 300.0))
-        pupil_n, ends = at_n, self._ends(Image(design, snr, at_n, at_n * factor, blur))
+        image, sharpest = Image(design, snr, at_n, at_n * factor, blur), Image(design, snr, high, low * factor, least)
+        ends = self._ends(image)
         if apart.any():
-            sharpest = Image(design, snr, high, low * factor, least)
             of_sharpest = self._ends(sharpest)
             ends = Ends(*(np.where(apart, getattr(of_sharpest, name), getattr(ends, name)) for name in ENDS))
-            of_pupil, of_disc, of_blur = self._beyond(of_sharpest, design, at_n, at_n * factor, blur)
-            pupil_n = np.where(apart & ~of_pupil, low, at_n)
-            at_n = np.where(apart & ~of_disc, high, at_n)
-            blur = np.where(apart & ~of_blur, least, blur)
-        from_pupil = shift_n + np.log(centre / pupil_n)[:, None]
         shift_n = shift_n + np.log(centre / at_n)[:, None]
         shift_t = shift_t + np.log(np.where(blur > 0.0, middle / np.maximum(blur, 1e-300), 1.0))[:, None]
         shift_snr = log_snr - from_snr[:, None]
-        image = Image(design, snr, at_n, pupil_n * factor, blur)
         dark = np.zeros(len(design), bool)
         for chunk in self._chunks(image, ends):
             mine = image.take(chunk.rows)
-            told = chunk.joined == "none"
-            by_node = self._node_tangents(chunk, mine) if told else None
-            joined = None if told else self._tangents(chunk, mine)
-            if joined is not None:
-                dark[chunk.rows] = joined.dark
+            tangents: Tangents | NodeTangents
+            if chunk.joined == "none":
+                tangents = self._node_tangents(chunk, mine, sharpest.take(chunk.rows))
+            else:
+                tangents = self._tangents(chunk, mine)
+                dark[chunk.rows] = tangents.dark
             for v in range(log_snr.shape[1]):
                 on = np.arange(len(chunk.rows)) if wanted is None else np.nonzero(wanted[chunk.rows, v])[0]
                 here = chunk.rows[on]
-                shifts = shift_snr[here, v], shift_n[here, v], shift_t[here, v]
-                if joined is not None:
-                    out[here, v] = joined.at(on, *shifts)
-                elif by_node is not None:
-                    out[here, v] = by_node.at(on, shifts[0], from_pupil[here, v], *shifts[1:])
+                out[here, v] = tangents.at(on, shift_snr[here, v], shift_n[here, v], shift_t[here, v])
         if dark.any():
             brightest = np.exp(np.clip(most[dark], -600.0, 300.0))
             sharpest = Image(design[dark], brightest, high[dark], low[dark] * factor[dark], least[dark])

@@ -230,14 +230,17 @@ class BoundedCells:
         ]
 
     def _opened(self, pool: Pool, s: int, box: Box, reach: Reach) -> Box:
-        """The box without f-numbers that leave too little of the lamps' light."""
+        """The box without f-numbers and times that leave too little of the lamps' light."""
         rows, d, dim = self.rows[s], pool.design, self.n_dim[s]
         with np.errstate(divide="ignore", invalid="ignore"):
-            light = rows.light_lm[d] * reach.u_hi * box.t_hi / np.square(rows.working_factor[d])
-            most = np.sqrt(light / reach.x_lo) * (1.0 + 1e-12)
+            light = rows.light_lm[d] * reach.u_hi / np.square(rows.working_factor[d])
+            most = np.sqrt(light * box.t_hi / reach.x_lo) * (1.0 + 1e-12)
+            least_s = reach.x_lo * np.square(box.n_lo) / light * (1.0 - 1e-12)
         most = np.where(np.isfinite(most), np.clip(most, box.n_lo, box.n_hi), box.n_hi)
+        enough = np.isfinite(least_s) & bool(self.information)  # no other bound gets closer by it
+        least_s = np.where(enough, np.clip(least_s, box.t_lo, box.t_hi), box.t_lo)
         pool.hi[:, dim] = np.clip(np.log(most), pool.lo[:, dim], pool.hi[:, dim])
-        return replace(box, n_hi=most)
+        return replace(box, n_hi=most, t_lo=least_s)
 
     def _value(self, power: Array, snr: Array, contrast: Array, information: Array | float) -> Array:
         """The settings' part of the objective."""
