@@ -20,6 +20,7 @@ from uwopt.report.text.short import GAVE_WAY, verdict_lines
 from uwopt.report.text.verdict import verdict
 from uwopt.results.basis import WhyNothing
 from uwopt.results.design import PRACTICE_YIELDS
+from uwopt.solvers.confidence import search
 from uwopt.solvers.explain import infeasible
 
 HARDWARE = {
@@ -179,15 +180,24 @@ def test_no_more_room_is_kept_than_can_be_asked() -> None:
     assert result.status == "infeasible" and given_way(result) == []
 
 
+@cache
+def brightest_frame_db() -> float:
+    """What the hardware reaches in all physics, over the frame."""
+    result = uwopt.solve(over_frame(0.0) | {"objective": "snr_db"}, top=1, quick=True)
+    return float(result.objective.value or 0.0)
+
+
 def in_doubt(**asked: Any) -> dict[str, Any]:
     """A frame in which something fits with all of good practice, but not often: 3 dB are kept in hand."""
-    brightest = uwopt.solve(over_frame(0.0) | {"objective": "snr_db"}, top=1, quick=True)
-    mission = over_frame(float(brightest.objective.value or 0.0) - 8.0, **asked) | {"confidence": 0.9}
+    mission = over_frame(brightest_frame_db() - 8.0, **asked) | {"confidence": 0.9}
     return mission | {"reserve": mission["reserve"] | {"snr_db": 3.0}, "doubt": {"scenarios": 128}}
 
 
-def test_practice_gives_way_so_that_what_is_recommended_holds_as_often_as_asked() -> None:
+def test_practice_gives_way_so_that_what_is_recommended_holds_as_often_as_asked(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """The step that is told holds as often if it is asked for; with less, and with all of practice, nothing does."""
+    monkeypatch.setattr(search, "FRESH", 256)
     lines: list[str] = []
     result = uwopt.solve(in_doubt(), top=1, quick=True, so_far=lines.append)
     by_central_numbers, with_all, proven = lines  # who waits reads what is known as soon as it is
