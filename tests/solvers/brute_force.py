@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from scene_search import SceneSearch
 
 from uwopt.catalog.compatibility import image_circle_ok, mount_compatible, sensor_diagonal_mm
+from uwopt.evaluation.design_light import DesignLight
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.focus import place_focus
@@ -108,7 +109,7 @@ class Bench:
                 replace(h, light=0, count=problem.count_range[0], mount=problem.mounts[0])
                 for h in buildable(problem)
             }:
-                for view in DesignModel(problem, hw).views:
+                for view in DesignLight(problem, hw).views:
                     widest = max(widest, table_reach_m(view))
             shared = problem.reaching([widest] * len(problem.scenes))
             problem.reaching = lambda widest_m: shared  # type: ignore[method-assign]
