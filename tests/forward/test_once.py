@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import pickle
+from pathlib import Path
 
+from uwopt.forward.assembly import load_catalog, selected
 from uwopt.forward.once import HashedOnce, Once, once_each
+from uwopt.mission.mission import load_mission
+
+REEF = Path(__file__).parents[2] / "problems" / "reef-mosaic.yaml"
 
 
 class Record:
@@ -56,3 +61,16 @@ def test_a_tuple_that_is_hashed_once_stands_in_keys_as_any_other():
     assert {("table", key): "known"}["table", (1, 2)] == "known"
     again = pickle.loads(pickle.dumps(HashedOnce((1, 2))))  # as copies of the process send it
     assert again == key and hash(again) == hash(key)
+
+
+def test_missions_that_choose_alike_have_one_selection_and_others_their_own():
+    mission = load_mission(REEF)
+    catalog = load_catalog(mission)
+    made = selected(mission, catalog, generic="allow")
+    cheaper = mission.with_changes(limits={**mission.to_dict()["limits"], "cost": 1000.0})
+    assert selected(cheaper, catalog, generic="allow") is made
+    deeper = selected(mission, catalog, generic="allow", depth_m=4000.0)
+    assert all(light.depth_rating_m >= 4000.0 for light in deeper.lights) and len(deeper.lights) < len(made.lights)
+    dim = selected(mission.with_changes(fixed={"f_number": 16.0}), catalog, generic="allow")
+    assert 0 < len(dim.lenses) < len(made.lenses)
+    assert not any(part.generic for part in selected(mission, catalog, generic="never").ports)

@@ -60,6 +60,20 @@ DEFECTS = (
         ),
     ),
     Defect(
+        name="a selection is taken whatever depth is asked for",
+        file="uwopt/forward/assembly.py",
+        old="repr((choice, fixed, asked))",
+        new="repr((choice, fixed))",
+        test="tests/forward/test_once.py::test_missions_that_choose_alike_have_one_selection_and_others_their_own",
+    ),
+    Defect(
+        name="a selection is taken whatever settings are fixed",
+        file="uwopt/forward/assembly.py",
+        old="repr((choice, fixed, asked))",
+        new="repr((choice, asked))",
+        test="tests/forward/test_once.py::test_missions_that_choose_alike_have_one_selection_and_others_their_own",
+    ),
+    Defect(
         name="hash of a key worked out whenever it is looked up",
         file="uwopt/forward/once.py",
         old='if "known" not in self.__dict__:',

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from uwopt.catalog.catalogue import Catalog
-from uwopt.catalog.choose import Choice, select
+from uwopt.catalog.choose import Choice
 from uwopt.evaluation.design_model import DesignModel, design_model
 from uwopt.evaluation.focus_marks import stands_at_mark
-from uwopt.forward.assembly import bare_cable_m
+from uwopt.forward.assembly import bare_cable_m, chosen
 from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.figures import SettingRows
 from uwopt.forward.lamps import mission_mounts
@@ -75,7 +75,7 @@ def other_parts(mission: Mission, catalog: Catalog, system: System) -> Iterator[
     generic = "never" if mission.catalog.generic == "never" else "allow"
     choice = Choice(**{name: getattr(mission.catalog, name) for name in names}, generic=generic)  # type: ignore[arg-type]
     vehicle = mission.vehicle
-    selection = select(
+    selection = chosen(
         catalog, choice, required_depth_m=mission.required_depth_m, lamp_supply=vehicle.lamp_supply,
         duration_h=vehicle.duration_h, cable_m=bare_cable_m(mission),
     )  # fmt: skip

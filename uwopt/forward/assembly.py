@@ -19,10 +19,12 @@ from uwopt.forward.enclosures import enclosed
 from uwopt.forward.fixed_settings import cannot_be_set
 from uwopt.forward.focus import default_dioptres_per_m
 from uwopt.forward.lamps import Mount, mount_at
+from uwopt.forward.once import Once
 from uwopt.forward.parts import Parts
 from uwopt.forward.problem import Problem
 from uwopt.forward.spacers import ring_behind_m
 from uwopt.forward.views import focus_map, views
+from uwopt.mission.fixed import Fixed
 from uwopt.mission.mission import Mission
 from uwopt.mission.sections.requirements import Requirements
 from uwopt.model.port import lens_dioptre_per_m
@@ -53,6 +55,22 @@ def wish(requirements: Requirements, key: str) -> str:
 
 
 Generic = Literal["fallback", "allow", "never"]
+#: Of missions that are tried one after another, most of which choose alike from one catalogue.
+SELECTIONS: Once[Selection] = Once(64)
+
+
+def chosen(catalog: Catalog, choice: Choice, *, fixed: Fixed | None = None, **asked: Any) -> Selection:
+    """What `select` makes of a catalogue, once for all that choose alike.
+
+    fixed : settings that every part must be able to take
+    """
+
+    def made() -> Selection:
+        if fixed is None:
+            return select(catalog, choice, **asked)
+        return select(catalog, choice, unsettable=lambda part: cannot_be_set(part, fixed), **asked)
+
+    return SELECTIONS.of((catalog,), repr((choice, fixed, asked)), made)
 
 
 def selected(
@@ -63,7 +81,7 @@ def selected(
     wanted = {name: getattr(mission.catalog, name) for name in names if name != "generic"}
     wanted["lights"] = light_patterns(mission)
     choice = Choice(**wanted, generic=generic)
-    made = select(
+    made = chosen(
         catalog,
         choice,
         required_depth_m=mission.required_depth_m if depth_m is None else depth_m,
@@ -71,7 +89,7 @@ def selected(
         duration_h=mission.vehicle.duration_h,
         camera_count=mission.vehicle.camera_count,
         cable_m=bare_cable_m(mission),
-        unsettable=lambda part: cannot_be_set(part, mission.fixed),
+        fixed=mission.fixed,
         **select_problem_mission(mission),
     )
     idle = [text for text in made.warnings if names_nothing(mission, catalog, text)]
@@ -144,7 +162,7 @@ def system_problem(mission: Mission, system: System) -> tuple[Problem, Hardware]
     """Tables of one system: its parts from the catalogue or inline."""
     from uwopt.catalog.inline import part_from_inline
 
-    selection = select(
+    selection = chosen(
         load_catalog(mission), Choice(owned=mission.catalog.owned), camera_count=mission.vehicle.camera_count
     )
 
