@@ -16,10 +16,12 @@ from uwopt.api.whatif import Work
 from uwopt.mission.mission import load_mission
 from uwopt.mission.yielding import FRAME_LESS_DB, YIELDS, with_yields, yields_of
 from uwopt.report.page.page import opening, status_words
+from uwopt.report.text.explanation import explanation_blocks
+from uwopt.report.text.layout import Block
 from uwopt.report.text.short import GAVE_WAY, verdict_lines
 from uwopt.report.text.verdict import verdict
 from uwopt.results.basis import WhyNothing
-from uwopt.results.design import PRACTICE_YIELDS
+from uwopt.results.design import PRACTICE_WOULD_YIELD, PRACTICE_YIELDS
 from uwopt.solvers.confidence import search
 from uwopt.solvers.explain import infeasible
 
@@ -263,3 +265,14 @@ def test_a_spider_is_of_the_mission_that_solve_answers():
     assert table.gave_way == ["reserve.snr_db"]
     as_asked = [point for line in table.spider for point in line.points if point.values == [1.0]]
     assert as_asked and {point.status for point in as_asked} == {"optimal"}
+
+
+def test_explain_says_that_solve_has_a_system_with_less_of_good_practice(unexplained):
+    asked_db = round(brightest_db() - 1.0, 2)
+    assert given_way(uwopt.solve(survey(asked_db), top=1, quick=True)) == ["reserve.snr_db"]
+    explained = uwopt.solve(survey(asked_db), top=1, quick=True, every_price=True)
+    assert explained.status == "infeasible" and not given_way(explained)
+    first = next(explanation_blocks(explained))
+    assert isinstance(first, Block) and "uwopt solve lets some of it give way" in " ".join(map(str, first.lines))
+    never = uwopt.solve(survey(asked_db + 10.0), top=1, quick=True, every_price=True)
+    assert PRACTICE_WOULD_YIELD not in [note.code for note in never.warnings]

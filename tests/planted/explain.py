@@ -16,9 +16,31 @@ ROUNDS = "tests/solvers/test_in_rounds.py"
 SIBLINGS, OF_SIBLINGS = "uwopt/solvers/explain/siblings.py", "tests/solvers/test_siblings.py"
 
 SOON = "tests/solvers/test_soon_known.py"
+YIELDING = "tests/api/test_yielding.py"
 BY_EITHER = f"{EVERY}::test_signal_to_noise_of_mean_and_frame_has_its_price_by_either"
 
 DEFECTS = (
+    Defect(
+        name="explain says that practice would give way though nothing fits even so",
+        file="uwopt/api/yielding.py",
+        old='"practice", text)] if found else []',
+        new='"practice", text)] if every else []',
+        test=f"{YIELDING}::test_explain_says_that_solve_has_a_system_with_less_of_good_practice",
+    ),
+    Defect(
+        name="explain says that nothing fits where solve has a system",
+        file="uwopt/api/solving.py",
+        old="would_yield_notes(mission, catalog, used.problem, turn) + notes",
+        new="notes",
+        test=f"{YIELDING}::test_explain_says_that_solve_has_a_system_with_less_of_good_practice",
+    ),
+    Defect(
+        name="that practice would give way is not told where an explanation begins",
+        file="uwopt/report/text/explanation.py",
+        old="for one in (said, *told)])",
+        new="for one in (said,)])",
+        test=f"{YIELDING}::test_explain_says_that_solve_has_a_system_with_less_of_good_practice",
+    ),
     Defect(
         name="the mean's signal to noise binds and has no price",
         file=PRICES,

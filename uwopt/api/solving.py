@@ -40,7 +40,7 @@ from uwopt.api.search_notes import (
 from uwopt.api.searching import searched
 from uwopt.api.so_far import SoFar, central_line, proven_line, untold
 from uwopt.api.timing import timed
-from uwopt.api.yielding import gives_way, yield_notes
+from uwopt.api.yielding import gives_way, would_yield_notes, yield_notes
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import Deadline, processor_s
 from uwopt.errors import MissionError
@@ -69,6 +69,7 @@ from uwopt.tolerances import PROVEN_GAP_REL
 
 EXPLAIN_S = 9.0  # of the processor, for a mission that nothing meets and what would help, where no time is given
 EXPLAIN_SHARE = 0.4  # of the time that the search took, where that is more
+YIELD_SHARE = 0.3  # of the time for all that would help, for whether less of good practice would do
 LEAST_EXPLAIN_S = 5.0  # for what would help, however long the search took: in less hardly any is found
 SEARCH_SHARE = 0.9  # of the time that is given: the rest is for settings that can be set
 SOLVERS = ("exact", "casadi", "nlopt", "bonmin")
@@ -154,7 +155,7 @@ def solve(
     if not sought.outcome.best:
         result = infeasible_result(
             base_result("solve", wanted, goal, sought.problem), wanted.without_gain_cap, catalog, goal, sought,
-            alternative, timing, deadline, progress, explain=explain, since_s=since_s,
+            alternative, timing, deadline, progress, explain=explain, since_s=since_s, would_yield=every_price,
         )  # fmt: skip
     else:
         central = sought
@@ -296,9 +297,11 @@ def status_of(*, proven: bool, exact: bool) -> str:
 def infeasible_result(
     result: Result, mission: Mission, catalog: Catalog, goal: Objective, sought: Sought,
     alternative: Sought | None, timing: dict[str, float], deadline: Deadline, progress: Progress | None,
-    *, explain: bool = True, since_s: float = 0.0,
+    *, explain: bool = True, since_s: float = 0.0, would_yield: bool = False,
 ) -> Result:  # fmt: skip
     """A result without a recommendation: why, and what would help; `since_s`: of the processor, when it was asked.
+
+    `would_yield`: also whether less than all of good practice would do.
 
     Where nobody gave a time, its patience is of the processor: that other programs make it wait takes nothing from it,
     as it would of the wall's clock, though a core that is shared does about half as much in a second. Counted work,
@@ -317,6 +320,10 @@ def infeasible_result(
         spent_s = processor_s() - since_s
         left_s = max(EXPLAIN_S - spent_s, LEAST_EXPLAIN_S, EXPLAIN_SHARE * spent_s)
         patience = deadline.or_after(left_s, processor_s)
+        if would_yield:
+            with timed(timing, "practice", progress):
+                turn = patience.at_most(YIELD_SHARE * patience.left_s)
+                notes = would_yield_notes(mission, catalog, used.problem, turn) + notes
         trials = Trials(mission, catalog, goal, generic, patience, progress, used)
         with timed(timing, "explanation"):
             why = why_nothing(trials, proof)

@@ -14,7 +14,7 @@ from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import SNR_AT, SNR_LESS, YIELDS, Yield, with_yields, yields_of
 from uwopt.objectives.objective import Objective
-from uwopt.results.design import PRACTICE_YIELDS, Design, Note
+from uwopt.results.design import PRACTICE_WOULD_YIELD, PRACTICE_YIELDS, Design, Note
 from uwopt.solvers.explain.relaxed import ANY
 from uwopt.solvers.recommend import seek
 from uwopt.units import ratio_to_db
@@ -159,6 +159,18 @@ def _in_order(given_way: Collection[Yield], more: Collection[Yield]) -> tuple[Yi
     every = [one for one in YIELDS if one in given_way or one in more]
     last = {one.path: one for one in every}
     return tuple(one for one in every if last[one.path] is one)
+
+
+def would_yield_notes(mission: Mission, catalog: Catalog, like: Problem, deadline: Deadline) -> list[Note]:
+    """That `solve` has a system though nothing fits with all of good practice, if one is found by the deadline."""
+    lifted = mission.without_gain_cap
+    every = yields_of(lifted)
+    generic: Generic = "never" if lifted.catalog.generic == "never" else "allow"
+    found = every and seek(
+        with_yields(lifted, every), catalog, ANY, generic=generic, top=1, deadline=deadline, enough=True, like=like
+    ).outcome.best
+    text = "with less than all of good practice something fits: uwopt solve lets some of it give way, and says what"
+    return [Note(PRACTICE_WOULD_YIELD, "practice", text)] if found else []
 
 
 def yield_notes(

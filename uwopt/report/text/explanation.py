@@ -9,6 +9,7 @@ from uwopt.report.text.layout import Block, Text, block, sentence
 from uwopt.report.text.nothing_fits import infeasible_block, miss_sentence
 from uwopt.report.text.prices import price_blocks
 from uwopt.report.text.tables import nearest_miss
+from uwopt.results.design import PRACTICE_WOULD_YIELD
 from uwopt.results.result import Result
 
 
@@ -21,11 +22,14 @@ def explanation_blocks(result: Result) -> Iterator[Block | Text]:
         yield block(name, [sentence(said)])
         yield from price_blocks(result)
     else:
-        yield block(name, [sentence(words.as_sentence(words.status_sentence(result)))])
+        said = words.as_sentence(words.status_sentence(result))
+        told = [words.as_sentence(note.message) for note in result.warnings if note.code == PRACTICE_WOULD_YIELD]
+        yield block(name, [sentence(one) for one in (said, *told)])
         yield infeasible_block(result)
         if nearest_miss(result) is not None and (note := miss_sentence(result)) is not None:
             yield block("What comes nearest", [note])
-    notes = [note for note in result.warnings if note.code != "time" or result.infeasible is None]  # else told above
+    above = () if result.infeasible is None else ("time", PRACTICE_WOULD_YIELD)
+    notes = [note for note in result.warnings if note.code not in above]
     if notes:
         yield block("Notes", [sentence("- " + words.as_sentence(note.message)) for note in notes])
     yield sentence(f"Took {words.run_time_sentence(result.timing_s)}.", "dim")
