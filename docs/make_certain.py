@@ -35,6 +35,7 @@ from uwopt.mission.mission import Mission  # noqa: E402
 from uwopt.objectives.goal import goal_of  # noqa: E402
 from uwopt.objectives.objective import Objective  # noqa: E402
 from uwopt.results.certainty import Confidence  # noqa: E402
+from uwopt.results.design import PRACTICE_YIELDS  # noqa: E402
 from uwopt.results.result import Result  # noqa: E402
 from uwopt.solvers.confidence.counted import Counted, names  # noqa: E402
 from uwopt.solvers.confidence.outcomes import outcomes_of_each  # noqa: E402
@@ -75,6 +76,7 @@ class Row:
     hold: int = 0
     better: list[tuple[float, float, str]] | None = None  # median over ours, share in which it holds, parts
     note: str = ""
+    gave_way: bool = False  # of good practice, some
 
 
 def looked_at(name: str, asked: float, tries: int, seconds: float) -> Row:
@@ -89,7 +91,8 @@ def looked_at(name: str, asked: float, tries: int, seconds: float) -> Row:
     if result.recommendation is None or result.confidence is None:
         return row
     row.claimed = result.confidence
-    mission = prepared(path, None, None, asked)
+    row.gave_way = any(note.code == PRACTICE_YIELDS for note in result.warnings)
+    mission = prepared(result.mission, None, None, asked)  # with what has given way
     if any(note.code == "gain_cap" for note in result.warnings):
         mission = mission.without_gain_cap
     mission = mission.with_changes(seed=SEED)
@@ -228,6 +231,7 @@ Times are seconds of the processor for a whole `solve`, doubts included, by cent
 interval of 95 %; *counted* is that share by `evaluate` in 10 000 others. The attack draws {tries} other pieces of
 hardware; *hold* are those that do at a first look in {screen} scenarios, *better* those that hold as often as asked,
 with a better median objective than the recommended by more than {much:g} %, or with any where it does not hold.
+A star: good practice has given way there, and what is drawn is held to as little of it as what is recommended.
 Where nothing is proven, what 1 024 scenarios cannot tell apart (1 % of the median) is chosen by price.
 
 | mission | status | central, s | certain, s | ratio | claimed | counted | median | drawn | hold | better |
@@ -261,8 +265,9 @@ def line(row: Row) -> str:
     claimed = f"{100 * known.held:.1f} % ({100 * known.held_low:.0f} to {100 * known.held_high:.0f})"
     median = "" if known.objective_p50 is None else format_quantity(known.objective_p50, row.unit, 4)
     better = f"**{len(row.better)}**" if row.better else "0"
+    star = "*" if row.gave_way else ""
     return (
-        f"| `{row.name}` | {row.status} | {times} | {claimed} | {100 * again.held:.1f} % | {median} | "
+        f"| `{row.name}`{star} | {row.status} | {times} | {claimed} | {100 * again.held:.1f} % | {median} | "
         f"{row.tried}{row.note} | {row.hold} | {better} |"
     )
 
