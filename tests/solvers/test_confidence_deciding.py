@@ -7,13 +7,20 @@ from typing import Any
 
 import numpy as np
 import pytest
-from one_of_each import one
+from one_of_each import RATE_HZ, one, with_parts
 from test_confidence import FAST, NOTHING, between, counted, sought_of
 
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.mission.doubt import Doubt
 from uwopt.solvers.confidence.counted import Counted
-from uwopt.solvers.confidence.deciding import decided_by, held_with, nearest, shares, would_hold
+from uwopt.solvers.confidence.deciding import (
+    decided_by,
+    held_with,
+    nearest,
+    set_and_held_with,
+    shares,
+    would_hold,
+)
 from uwopt.solvers.confidence.outcomes import outcomes, outcomes_of_each
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.recommend import Sought
@@ -170,3 +177,19 @@ def test_how_light_changes_is_known_by_what_is_asked_of_it() -> None:
     afresh = replace(scenarios, responses={})
     assert held_with(problem, goal, one_.found, afresh, balanced) == one_.held  # mono: 1 in any water
     assert held_with(problem, goal, one_.found, afresh, mission) == one_.held
+
+
+def test_what_cannot_be_set_by_central_numbers_holds_in_no_scenario_of_a_weaker_mission() -> None:
+    """0.284 images/s are asked: the first camera is as fast in most scenarios, but not by its central number."""
+    slow = {"max_frame_rate_hz": between(0.2, 0.25, 0.9)}
+    sought = sought_of(with_parts(one(wanted=FAST, camera=slow), cameras=[{"max_frame_rate_hz": 100.0}]))
+    problem, goal = sought.problem, sought.search.objective
+    scenarios = Scenarios.drawn(problem.mission, problem.scenes, Doubt.model_validate(NOTHING), seed=0, count=COUNT)
+    (fast,) = sought.outcome.best
+    held = {
+        camera: [how(problem, goal, replace(fast, camera=camera), scenarios, problem.mission)
+                 for how in (held_with, set_and_held_with)]
+        for camera in (0, 1)
+    }  # fmt: skip
+    assert held[1] == [1.0, 1.0]
+    assert held[0] == [pytest.approx((0.9 - RATE_HZ) ** 2 / (0.65 * 0.7), abs=0.01), 0.0]

@@ -126,12 +126,15 @@ def share_to_hold(counts: Counts) -> float:
 
 
 def most_held(counts: Counts, goal: Objective, mission: Mission) -> float:
-    """In how many of the same scenarios any of the hardware that held most often holds in a mission like that."""
-    from uwopt.solvers.confidence.deciding import held_with
+    """In how many of the same scenarios any of the hardware that held most often holds in a mission like that.
+
+    As it can be recommended: at a stop at which it fits by central numbers as well.
+    """
+    from uwopt.solvers.confidence.deciding import set_and_held_with
 
     problem, seen, most = counts.sought.problem, counts.seen, 0.0
     for one in sorted(seen.tried, key=lambda one: one.held, reverse=True)[:SUREST]:
-        most = max(most, held_with(problem, goal, one.found, seen.scenarios, mission))
+        most = max(most, set_and_held_with(problem, goal, one.found, seen.scenarios, mission))
         if most >= share_to_hold(counts):
             break
     return most

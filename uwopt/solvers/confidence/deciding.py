@@ -26,6 +26,7 @@ from uwopt.results.certainty import Decides
 from uwopt.solvers.confidence.counted import Counted
 from uwopt.solvers.confidence.outcomes import outcomes
 from uwopt.solvers.confidence.scenarios import Scenarios
+from uwopt.solvers.confidence.search import at_its_stop
 from uwopt.solvers.confidence.worth import numbers_of
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.explain.least_change import rounded_away
@@ -169,8 +170,26 @@ def held_with(
     problem: Problem, objective: Objective, found: Found, scenarios: Scenarios, mission: Mission, *, moved: bool = False
 ) -> float:
     """Share of the same scenarios in which one hardware holds in another mission; `moved`: at another altitude."""
+    return float(outcomes_with(problem, objective, found, scenarios, mission, moved=moved)[1].outcomes.held.max())
+
+
+def set_and_held_with(
+    problem: Problem, objective: Objective, found: Found, scenarios: Scenarios, mission: Mission
+) -> float:
+    """The same at a stop at which it fits by central numbers too, as what is recommended has to; 0 where none does."""
+    alone, one = outcomes_with(problem, objective, found, scenarios, mission)
+    for stop in np.argsort(-one.outcomes.held, kind="stable"):
+        if at_its_stop(alone, objective, replace(one, stop=int(stop))) is not None:
+            return float(one.outcomes.held[stop])
+    return 0.0
+
+
+def outcomes_with(
+    problem: Problem, objective: Objective, found: Found, scenarios: Scenarios, mission: Mission, *, moved: bool = False
+) -> tuple[Problem, Counted]:
+    """One hardware alone in another mission, counted in the same scenarios."""
     alone = problem_of(problem, found, mission=mission, scenes=same_scenes(problem, mission))
     here = scenarios.seen_by(mission, alone.scenes)
     here = replace(here, known=scenarios.known, responses={} if moved else scenarios.responses)
-    made = outcomes(alone, replace(found, camera=0, lens=0, port=0, light=0), objective, here)
-    return float(made.held.max())
+    there = replace(found, camera=0, lens=0, port=0, light=0)
+    return alone, Counted(there, outcomes(alone, there, objective, here), 0)
