@@ -10,9 +10,12 @@ from typing import Any, cast
 import pytest
 
 import uwopt
+from uwopt.api import yielding
 from uwopt.api.choosing import surer
 from uwopt.api.risks import risks_of
 from uwopt.api.whatif import Work
+from uwopt.api.yielding import gives_way_alone, patience_of
+from uwopt.deadline import NEVER, Deadline
 from uwopt.mission.mission import load_mission
 from uwopt.mission.yielding import FRAME_LESS_DB, YIELDS, with_yields, yields_of
 from uwopt.report.page.page import opening, status_words
@@ -276,3 +279,28 @@ def test_explain_says_that_solve_has_a_system_with_less_of_good_practice(unexpla
     assert isinstance(first, Block) and "uwopt solve lets some of it give way" in " ".join(map(str, first.lines))
     never = uwopt.solve(survey(asked_db + 10.0), top=1, quick=True, every_price=True)
     assert PRACTICE_WOULD_YIELD not in [note.code for note in never.warnings]
+
+
+def test_hardware_that_fitted_is_asked_before_all_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same gives way as when every question is a search of all parts, in fewer of them."""
+    wanted = load_mission(survey(brightest_db() - 1.0))
+    searched: list[float] = []
+    seek = yielding.seek
+
+    def counted(*given: Any, **more: Any) -> Any:
+        searched.append(1.0)
+        return seek(*given, **more)
+
+    monkeypatch.setattr(yielding, "seek", counted)
+    told, searches = [], []
+    for few in (yielding.WITNESSES, 0):
+        monkeypatch.setattr(yielding, "WITNESSES", few)
+        searched.clear()
+        told.append([one.path for one in gives_way_alone(wanted, NEVER)])
+        searches.append(len(searched))
+    assert told[0] == told[1] == ["reserve.snr_db"] and searches[0] < searches[1]
+
+
+def test_a_long_time_that_is_given_is_no_shorter_than_none() -> None:
+    assert patience_of(Deadline.after(1000.0)).left_s > yielding.YIELD_S
+    assert patience_of(NEVER).left_s == pytest.approx(yielding.YIELD_S)

@@ -121,6 +121,27 @@ DEFECTS = (
         test=f"{YIELDING}::test_practice_gives_way_so_that_what_is_recommended_holds_as_often_as_asked",
     ),
     Defect(
+        name="hardware that fitted is not asked first",
+        file="uwopt/api/yielding.py",
+        old="for problem, found in fitted[:WITNESSES]):",
+        new="for problem, found in fitted[:0]):",
+        test=f"{YIELDING}::test_hardware_that_fitted_is_asked_before_all_other",
+    ),
+    Defect(
+        name="hardware that fitted does for anything",
+        file="uwopt/api/yielding.py",
+        old="    return math.isfinite(best_of(alone, ANY))",
+        new="    return True",
+        test=f"{YIELDING}::test_hardware_that_fitted_is_asked_before_all_other",
+    ),
+    Defect(
+        name="a time that is given leaves no more for what gives way than none",
+        file="uwopt/api/yielding.py",
+        old="        return deadline.at_most(GIVEN_SHARE * deadline.left_s)",
+        new="        return deadline.at_most(YIELD_S)",
+        test=f"{YIELDING}::test_a_long_time_that_is_given_is_no_shorter_than_none",
+    ),
+    Defect(
         name="practice gives way for hardly anything",
         file="uwopt/api/choosing.py",
         old="or other.counted.held >= halfway(one.counted)",

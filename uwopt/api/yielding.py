@@ -15,14 +15,18 @@ from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import SNR_AT, SNR_LESS, YIELDS, Yield, with_yields, yields_of
 from uwopt.objectives.objective import Objective
 from uwopt.results.design import PRACTICE_WOULD_YIELD, PRACTICE_YIELDS, Design, Note
+from uwopt.solvers.exact.ranking import Found
+from uwopt.solvers.explain.one_hardware import best_of, problem_of
 from uwopt.solvers.explain.relaxed import ANY
-from uwopt.solvers.recommend import seek
+from uwopt.solvers.recommend import same_scenes, seek
 from uwopt.units import ratio_to_db
 
 if TYPE_CHECKING:
     from uwopt.api.counting import Counts
 
-YIELD_S = 20.0  # of work, for what has to give way: what is recommended hangs on it
+YIELD_S = 20.0  # of work, for what has to give way where no time is given: what is recommended hangs on it
+GIVEN_SHARE = 0.5  # of a time that is given
+WITNESSES = 2  # hardware that fitted last, which is asked before all other
 SUREST = 2  # hardware of those counted, for which it is asked what would make it hold
 LUCK = 1.64  # standard errors: of a share that was chosen, one in twenty is as far above the truth
 ROOM_DB = 1.0  # of signal to noise that is left where it can be: settings come in steps, and estimates may be wrong
@@ -37,10 +41,17 @@ def gives_way(
     far as something still fits, with a decibel to spare if anything does: what fits by a hair cannot be set. So no key
     that has given way could be kept beside those that are kept.
     """
-    patience = deadline.or_after(YIELD_S, effort_s).at_most(YIELD_S)
+    patience = patience_of(deadline)
     lifted = mission.without_gain_cap
     roomy = with_room(lifted)
     return (roomy is not None and _least(roomy, catalog, like, patience)) or _least(lifted, catalog, like, patience)
+
+
+def patience_of(deadline: Deadline) -> Deadline:
+    """How long it may be asked what has to give way: with less time more gives way than has to."""
+    if math.isfinite(deadline.left_s):
+        return deadline.at_most(GIVEN_SHARE * deadline.left_s)
+    return deadline.or_after(YIELD_S, effort_s)
 
 
 def gives_way_alone(mission: Mission, deadline: Deadline) -> tuple[Yield, ...]:
@@ -65,16 +76,26 @@ def with_room(mission: Mission) -> Mission | None:
 def _least(lifted: Mission, catalog: Catalog, like: Problem, patience: Deadline) -> tuple[Yield, ...]:
     """The least that gives way of a mission; nothing where no yielding is enough."""
     generic: Generic = "never" if lifted.catalog.generic == "never" else "allow"
+    fitted: list[tuple[Problem, Found]] = []
 
     def fits(given_way: Collection[Yield]) -> bool:
         weaker = with_yields(lifted, given_way)
-        found = seek(
+        if any(_fits_alone(problem, found, weaker) for problem, found in fitted[:WITNESSES]):
+            return True
+        sought = seek(
             weaker, catalog, ANY, generic=generic, top=1, deadline=patience, enough=True, like=like
         )
-        return bool(found.outcome.best)
+        fitted[:0] = [(sought.problem, found) for found in sought.outcome.best]
+        return bool(sought.outcome.best)
 
     known = yields_of(lifted)
     return _fewest(lifted, known, fits, patience) if known and fits(known) else ()
+
+
+def _fits_alone(problem: Problem, found: Found, mission: Mission) -> bool:
+    """Whether hardware that fits in a mission does in another one."""
+    alone = problem_of(problem, found, mission=mission, scenes=same_scenes(problem, mission))
+    return math.isfinite(best_of(alone, ANY))
 
 
 def all_to_hold(asked: Mission, given_way: Collection[Yield]) -> tuple[Yield, ...]:
@@ -100,7 +121,7 @@ def fewest_to_hold(
     counts : of hardware where some of that has given way
     """
     base = with_yields(asked, given_way)
-    patience = deadline.or_after(YIELD_S, effort_s).at_most(YIELD_S)
+    patience = patience_of(deadline)
     last = {one.path: YIELDS.index(one) for one in every}
     further = tuple(
         one for one in yields_of(asked)
