@@ -184,6 +184,7 @@ def drawn(problem: Problem, imagers: Imagers, own: Found, count: int, rng: np.ra
         alike = number % 2 == 1 and len(near) > 0
         row = int(rng.choice(near) if alike else rng.integers(len(imagers)))
         light, lamps = int(rng.integers(len(problem.parts.lights))), int(rng.integers(low, high + 1))
+        lamps = 0 if problem.unlit(light) else max(lamps, 1)  # that there may be none is a light of its own
         if alike and rng.random() < 0.5:
             light, lamps = own.light, own.count
         mount = problem.mounts[int(rng.integers(len(problem.mounts)))]

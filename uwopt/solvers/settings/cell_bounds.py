@@ -309,8 +309,9 @@ class SceneCells:
         alive = (
             (bottom <= top * (1 + 4 * SLACK)) & (low <= high * (1 + SLACK)) & np.isfinite(bottom) & (top >= 0)
         )
-        x_cap = np.minimum(high, top * per_level_hi)
-        x_lo = np.maximum(low, bottom * per_level_lo)
+        with np.errstate(invalid="ignore"):  # lamps without light where no level is in use: dropped
+            x_cap = np.minimum(high, top * per_level_hi)
+            x_lo = np.maximum(low, bottom * per_level_lo)
         alive &= x_lo <= x_cap * (1 + 4 * SLACK)
         x_cap, x_lo = (np.where(alive, np.maximum(x, 0.0), 0.0) for x in (x_cap, x_lo))
         with np.errstate(divide="ignore", invalid="ignore"):
