@@ -184,7 +184,6 @@ def drawn(problem: Problem, imagers: Imagers, own: Found, count: int, rng: np.ra
         alike = number % 2 == 1 and len(near) > 0
         row = int(rng.choice(near) if alike else rng.integers(len(imagers)))
         light, lamps = int(rng.integers(len(problem.parts.lights))), int(rng.integers(low, high + 1))
-        lamps = 0 if problem.unlit(light) else max(lamps, 1)  # that there may be none is a light of its own
         if alike and rng.random() < 0.5:
             light, lamps = own.light, own.count
         mount = problem.mounts[int(rng.integers(len(problem.mounts)))]
@@ -196,7 +195,7 @@ def found_of(problem: Problem, imagers: Imagers, row: int, light: int, count: in
     """Hardware as a search names it, without settings."""
     return Found(
         imager=row, camera=int(imagers.camera[row]), lens=int(imagers.lens[row]), port=int(imagers.port[row]),
-        landscape=bool(imagers.landscape[row]), light=light, count=count,
+        landscape=bool(imagers.landscape[row]), light=light, count=max(count, 1),  # no lamp is one of them
         lighting=Lighting(int(problem.lights.optics_index[light]), 0, mount), minimised=np.nan, power_w=np.nan,
         cost=np.nan, mass_kg=np.nan, snr_db=np.nan, settings=[], pulse_s=0.0,
     )  # fmt: skip
