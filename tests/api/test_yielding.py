@@ -104,6 +104,14 @@ def test_bare_missions_have_nothing_that_gives_way() -> None:
     assert yields_of(load_mission(survey(20.0) | {"practice": "bare"})) == ()
 
 
+@pytest.mark.usefixtures("unexplained")
+def test_nobody_is_told_of_practice_that_was_not_asked_for() -> None:
+    lines: list[str] = []
+    for practice in ("bare", "recommended"):
+        uwopt.solve(survey(brightest_db() + 20.0) | {"practice": practice}, top=1, quick=True, so_far=lines.append)
+        assert bool(lines) == (practice == "recommended")
+
+
 @pytest.mark.parametrize("one", YIELDS, ids=lambda one: one.path)
 def test_each_key_gives_way_alone(one: Any) -> None:
     """The weaker mission asks for less of that key, and is otherwise the same."""

@@ -121,6 +121,20 @@ DEFECTS = (
         test=f"{YIELDING}::test_practice_gives_way_so_that_what_is_recommended_holds_as_often_as_asked",
     ),
     Defect(
+        name="practice that nobody asked for is told to give way",
+        file="uwopt/api/solving.py",
+        old=" and bool(yields_of(wanted))\n",
+        new="\n",
+        test=f"{YIELDING}::test_nobody_is_told_of_practice_that_was_not_asked_for",
+    ),
+    Defect(
+        name="of known hardware the surest comes first, though another holds and is better",
+        file="uwopt/api/counting.py",
+        old="key=lambda one: rank(one, before.seen.share)",
+        new="key=lambda one: -one.held",
+        test="tests/solvers/test_confidence.py::test_of_known_hardware_the_best_that_holds_comes_first",
+    ),
+    Defect(
         name="hardware that fitted is not asked first",
         file="uwopt/api/yielding.py",
         old="for problem, found in fitted[:WITNESSES]):",

@@ -12,7 +12,7 @@ from uwopt.deadline import Deadline, OutOfTimeError
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.beside import ahead
-from uwopt.solvers.confidence.counted import Counted
+from uwopt.solvers.confidence.counted import Counted, rank
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.search import Looked, look, unheard
 from uwopt.solvers.exact.lightings import Lighting
@@ -46,7 +46,7 @@ def counts_of(
     """
     asked, report = sought.problem.mission.confidence, progress or unheard
     like = None if before is None else waters_of(before, sought.problem)
-    known = [] if before is None else hardware_of(before, sought.problem)
+    known = [] if before is None else known_hardware(before, sought.problem)
     others = leaves_out_generic(sought)
     with timed(timing, "certainty", progress):
         first = patience.at_most(SOLD_SHARE * patience.left_s) if others else patience
@@ -72,11 +72,11 @@ def waters_of(before: Counts, problem: Problem) -> Scenarios | None:
     return before.seen.scenarios.seen_by(mission, problem.scenes)
 
 
-def hardware_of(before: Counts, problem: Problem) -> list[Found]:
-    """What held most often in a mission like this, by its places among these parts, if it is there."""
+def known_hardware(before: Counts, problem: Problem) -> list[Found]:
+    """What was best in a mission like this, or held most often where none did, by its places among these parts."""
     made, mounts = list[Found](), problem.mounts
     low, high = problem.count_range
-    for one in sorted(before.seen.tried, key=lambda one: one.held, reverse=True)[:KNOWN]:
+    for one in sorted(before.seen.tried, key=lambda one: rank(one, before.seen.share))[:KNOWN]:
         try:
             found = among(problem, one.found, before.sought.problem)
         except ValueError:
@@ -129,7 +129,7 @@ def surer_of_all_parts(
             raise OutOfTimeError
         with timed(timing, "certainty", progress):
             like = sold.scenarios.seen_by(every.problem.mission, every.problem.scenes)
-            known = [] if before is None else hardware_of(before, every.problem)
+            known = [] if before is None else known_hardware(before, every.problem)
             seen = look(
                 every, goal, sold.asked, deadline, progress or unheard, with_room=True, like=like, known=known
             )

@@ -50,7 +50,7 @@ from uwopt.forward.assembly import Generic, load_catalog
 from uwopt.forward.effects import Influence
 from uwopt.mission.doubt import CENTRAL
 from uwopt.mission.mission import Mission
-from uwopt.mission.yielding import Yield, with_yields
+from uwopt.mission.yielding import Yield, with_yields, yields_of
 from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.goal import goal_of, taken_instead
 from uwopt.objectives.objective import Objective
@@ -144,7 +144,7 @@ def solve(
             tolerance, search, goal, paper=paper, sunlit=sunlit, deadline=deadline
         )
     given_way: tuple[Yield, ...] = ()
-    asked, may_yield = wanted, explain and not every_price
+    asked, may_yield = wanted, explain and not every_price and bool(yields_of(wanted))
     if not sought.outcome.best and (alternative or sought).outcome.complete and may_yield:
         so_far("nothing meets all of good practice: what of it has to give way is looked for")
         with timed(timing, "practice", progress):
