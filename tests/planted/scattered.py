@@ -405,22 +405,29 @@ DEFECTS = (
     Defect(
         name="of waters side by side each has the next one's halo",
         file="uwopt/model/widened.py",
-        old="np.split(product(series, _at_knots()), waters)",
-        new="np.split(product(series, _at_knots())[::-1], waters)",
-        test="tests/model/test_widened.py::test_waters_side_by_side_are_as_each_alone",
+        old="zip(weight, each, own - share, strict=True)",
+        new="zip(weight, each[::-1], own - share, strict=True)",
+        test="tests/model/test_widened.py::test_a_bound_of_several_waters_lobes_is_the_extreme_of_all_at_once[True-wide]",
+    ),
+    Defect(
+        name="a bound leaves out orders that a lobe has light of",
+        file="uwopt/model/widened.py",
+        old="NO_LIGHT = 1e-12",
+        new="NO_LIGHT = 1e-3",
+        test="tests/model/test_widened.py::test_a_bound_of_several_waters_lobes_is_the_extreme_of_all_at_once[True-wide]",
     ),
     Defect(
         name="a lobe's bound is that of the last water",
         file="uwopt/model/widened.py",
-        old="halo = pick(halo, weight * one.halo_per_sr",
-        new="halo = (weight * one.halo_per_sr",
+        old="halo = pick(halo, there)",
+        new="halo = there",
         test="tests/model/test_widened.py::test_a_bound_of_several_waters_lobes_is_the_extreme_of_all_at_once[True-wide]",
     ),
     Defect(
         name="the water of a panel widens lobes as one of its states does",
         file="uwopt/solvers/confidence/panels.py",
-        old="return bounding(each, left, most=not back)",
-        new="return each[0]",
+        old="WatersBeside.of(self.states))",
+        new="WatersBeside.of(self.states[:1] * len(self.states)))",
         test="tests/solvers/test_widened_lobes.py"
         "::test_the_best_of_waters_has_the_brightest_lobe_of_all_and_the_faintest_that_is_sent_back",
     ),
@@ -554,8 +561,8 @@ DEFECTS = (
     Defect(
         name="the floor sends nothing up that water turns down again",
         file="uwopt/forward/scene.py",
-        old="floor = 0.0 if back else weight @ scene.reflectance",
-        new="floor = 0.0",
+        old="reflectance=0.0 if back else weight @ self.reflectance",
+        new="reflectance=0.0",
         test=f"{FULL}::test_mean_electrons_under_smooth_lobes[all orders, flat port, narrow lobes, turbid]",
     ),
     Defect(

@@ -6,7 +6,7 @@ and in how many altitudes stand for the tolerance.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -167,12 +167,30 @@ class SceneOptics:
         One lobe for all colours: of the scattering where the lamp's light gets through there and back. K is the central
         one: what is in doubt about it remains.
         """
-        return widened_lobes([self], lobe, relative_spectrum, way_m=way_m, back=back)[0]
+        half_power = half_power_angle_rad(lobe)
+        angle = float(multiple.lamp_angle_rad(half_power))
+        ways = ways_m(way_m) if back else np.array([way_m])
+        lost = self.attenuation_per_m + self.lamp_leg_per_m(half_power)
+        weight = self.colours_weight(relative_spectrum, np.multiply.outer(ways, lost))
+        turned = [
+            Turned(ways * (weight @ one.scattering_per_m), one.share_beyond(angle), one.table)
+            for one in self.scattering
+        ]
+        absorbed = ways * (weight @ self.absorption_per_m())
+        returned = multiple.returned_gain(
+            absorbed, turned_back=ways * (weight @ self.backward_per_m()),
+            reflectance=0.0 if back else weight @ self.reflectance,
+        )  # fmt: skip
+        return widened(lobe, turned, way_m, absorbed=absorbed, returned=returned, sent_back=back)
+
+    def sent_colours(self, relative_spectrum: Array) -> tuple[Array, Array]:
+        """A lamp's light by the wavelengths' own steps, and which colours it has: of others alone nothing is left."""
+        sent = relative_spectrum * trapezoid_weights_nm(self.wavelength_nm)
+        return sent, sent > FAINTEST * sent.max()
 
     def colours_weight(self, relative_spectrum: Array, optical: Array) -> Array:
-        """How much each colour of a lamp counts of what gets through (k, n), 1 in all: the wavelengths' own steps."""
-        sent = relative_spectrum * trapezoid_weights_nm(self.wavelength_nm)
-        told = sent > FAINTEST * sent.max()  # a colour that the lamp has: of others alone nothing would be left
+        """How much each colour of a lamp counts of what gets through (k, n), 1 in all."""
+        sent, told = self.sent_colours(relative_spectrum)
         least = optical[:, told].min(axis=1, keepdims=True)
         weight = np.where(told, sent, 0.0) * np.exp(-np.maximum(optical - least, 0.0))
         return np.asarray(weight / weight.sum(axis=1, keepdims=True))
@@ -254,41 +272,6 @@ class SceneOptics:
     def radiance_index(self) -> Array | float:
         """n_w of the radiance theorem; 1 in physics `paper`, which leaves it out."""
         return 1.0 if self.paper else self.n_water_spectrum
-
-
-def widened_lobes(
-    scenes: Sequence[SceneOptics], lobe: Beam, relative_spectrum: Array, *, way_m: float, back: bool
-) -> list[Beam]:
-    """A lamp's lobe after a way through each of some waters; see `SceneOptics.widened_lobe`."""
-    half_power = half_power_angle_rad(lobe)
-    angle = float(multiple.lamp_angle_rad(half_power))
-    ways = ways_m(way_m) if back else np.array([way_m])
-    alike: dict[tuple[Any, ...], list[int]] = {}
-    for place, scene in enumerate(scenes):
-        alike.setdefault(tuple(one.table for one in scene.scattering), []).append(place)
-    made: dict[int, Beam] = {}
-    for tables, places in alike.items():
-        scattered: list[list[Array]] = [[] for _ in tables]
-        absorbed, returned = [], []
-        for scene in (scenes[place] for place in places):
-            lost = scene.attenuation_per_m + scene.lamp_leg_per_m(half_power)
-            weight = scene.colours_weight(relative_spectrum, np.multiply.outer(ways, lost))
-            for ours, one in zip(scattered, scene.scattering, strict=True):
-                ours.append(ways * (weight @ one.scattering_per_m))
-            absorbed.append(ways * (weight @ scene.absorption_per_m()))
-            back_turned = ways * (weight @ scene.backward_per_m())
-            floor = 0.0 if back else weight @ scene.reflectance
-            returned.append(multiple.returned_gain(absorbed[-1], turned_back=back_turned, reflectance=floor))
-        turned = [
-            Turned(np.concatenate(ours), share_beyond(angle, table), table)
-            for ours, table in zip(scattered, tables, strict=True)
-        ]
-        lobes = widened(
-            lobe, turned, way_m, absorbed=np.concatenate(absorbed), returned=np.concatenate(returned), sent_back=back,
-            waters=len(places),
-        )  # fmt: skip
-        made |= zip(places, lobes, strict=True)
-    return [made[place] for place in range(len(scenes))]
 
 
 def scene_optics(

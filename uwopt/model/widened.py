@@ -36,7 +36,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache, lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebvander
@@ -57,6 +57,7 @@ THICK_NODES = 64  # of a r
 PANELS, PANEL_NODES = 20, 16  # over the lobe, for its own series
 HALO_CELLS = 1024  # even in sqrt(1 - cos): 0.08 deg at the axis
 BACK_ROWS = 49  # of ways, even in their square root
+NO_LIGHT = 1e-12  # of a halo's peak: as much as all orders together that are left out of a bound
 MOST_LOG = 300.0  # of a gain: products of it are numbers
 
 
@@ -75,9 +76,9 @@ def ways_m(reach_m: float) -> FloatArray:
 
 def widened(
     lobe: beams.Beam, turned: Sequence[Turned], reach_m: float = 0.0, *, absorbed: ArrayLike = 0.0,
-    returned: ArrayLike = 1.0, sent_back: bool = False, waters: int = 1,
-) -> list[beams.Beam]:  # fmt: skip
-    """A lobe with what scattering on a way makes of it in each of some waters, over what K of that way leaves of it.
+    returned: ArrayLike = 1.0, sent_back: bool = False,
+) -> beams.Beam:  # fmt: skip
+    """A lobe with what scattering on a way makes of it, over what K of that way leaves of it.
 
         I_w = e^(t_L) I + sum over l of (2 l + 1) / (4 pi) I_l (g_l - g_L) P_l(cos theta)
         g_l = e^(t_l) + (G - 1) e^(t_0) kappa_l,   kappa_l = integral from 0 to 1 of 3 mu^2 P_l(mu) d mu
@@ -92,42 +93,35 @@ def widened(
     returned : G, all light there over that which never turned back, one, or of each way (k,); see
         `multiple.returned_gain`
     sent_back : of backscatter, widened on both its legs; else of light on a floor
-    waters : how many share these phase functions; the k ways of one come after those of the other, (waters k,)
 
     Returns
     -------
-    Beam of each water, its flux that of the lobe times g_0 but for what would go behind the front plane, which counts
-    as lost, and for ripples below 0, which are cut
+    Beam, its flux that of the lobe times g_0 but for what would go behind the front plane, which counts as lost, and
+    for ripples below 0, which are cut
 
     Notes
     -----
     Valid for lobes and ways of `multiple.TESTED_LOBES_DEG` and up to c r = `multiple.TESTED_THICKNESS`; without limit
     in form. At b r = 0 the lobe is left as it is.
     """
-    log_gain: FloatArray = np.zeros(())
-    for one in turned:
-        carried = carried_share(one.phase, absorbed, sent_back=sent_back)
-        if sent_back:
-            carried = 2.0 * carried - carried[:, :1]
-        log_gain = log_gain + np.atleast_1d(one.thickness)[:, None] * (carried - 1.0 + one.lost_share)
-    gain = np.exp(np.clip(log_gain, -MOST_LOG, MOST_LOG))
-    gain = gain + (np.atleast_1d(returned)[:, None] - 1.0) * gain[:, :1] * _from_all_about()
-    order = np.arange(ORDERS + 1)
-    series = (2 * order + 1) / (4.0 * np.pi) * lobe_series(lobe) * (gain - gain[:, -1:])
-    each = zip(np.split(gain[:, -1], waters), np.split(product(series, _at_knots()), waters), strict=True)
-    return [beams.widened_by(lobe, Widening.of(share, halo, reach_m)) for share, halo in each]
+    share, series = _of_orders(slice(None), lobe, turned, absorbed, returned, sent_back=sent_back)
+    return beams.widened_by(lobe, Widening.of(share, product(series, _at_knots()), reach_m))
 
 
-def bounding(lobes: Sequence[beams.Beam], weights: Sequence[float], *, most: bool) -> beams.Beam:
-    """A beam that at every angle and way is no less than any of these, times its weight; or no more than any.
+def bounding(
+    lobe: beams.Beam, turned: Sequence[Turned], reach_m: float = 0.0, *, absorbed: ArrayLike = 0.0,
+    returned: ArrayLike = 1.0, sent_back: bool = False, weights: Sequence[float], most: bool,
+) -> beams.Beam:  # fmt: skip
+    """A beam that at every angle and way is no less than what several waters make of a lobe, each times its weight.
 
         share = least of w_i share_i,   halo at knots = most of w_i halo_i + (w_i share_i - share) I
 
     Parameters
     ----------
-    lobes : one lamp's beam as several waters widen it, on the same ways
-    weights : one each [1]
-    most : the greatest, or the least
+    turned, reach_m, absorbed, returned, sent_back : as of `widened`, the k ways of one water after those of the other,
+        (waters k,)
+    weights : of each water (waters,) [1]
+    most : no less than any; or no more
 
     Returns
     -------
@@ -135,31 +129,66 @@ def bounding(lobes: Sequence[beams.Beam], weights: Sequence[float], *, most: boo
 
     Notes
     -----
-    Where a beam ends sharply its halo must not, so that shares and halos are taken apart: valid, less tight.
+    Where a beam ends sharply its halo must not, so that shares and halos are taken apart: valid, less tight. Orders
+    that a lobe has next to nothing of are left out, see `NO_LIGHT`.
     """
-    lobe, pick = beams.own(lobes[0]), np.maximum if most else np.minimum
-    made = [one.widening for one in lobes if one.widening is not None]
-    shares = np.array([weight * one.share for weight, one in zip(weights, made, strict=True)])
-    about: FloatArray = np.zeros(())
+    orders, pick = _orders_of(lobe), np.maximum if most else np.minimum
+    own, series = _of_orders(orders, lobe, turned, absorbed, returned, sent_back=sent_back)
+    series, at_knots = series[:, :-1], np.ascontiguousarray(_at_knots()[orders[:-1]].T)  # of the last nothing is left
+    weight = np.asarray(weights, dtype=float)
+    each, own = series.reshape(len(weight), -1, series.shape[1]), own.reshape(len(weight), -1) * weight[:, None]
+    share, about = own.min(axis=0), np.zeros(())
     if beams.has_sharp_edge(lobe):
-        share = pick.reduce(shares, axis=0)
+        share = pick.reduce(own, axis=0)
     else:
-        share = shares.min(axis=0)
         fine = beams.intensity_per_sr(1.0 - np.square(np.linspace(0.0, 1.0, 8 * HALO_CELLS + 1)), lobe)
         near = np.pad(fine, 8, mode="edge")
         about = pick.reduce(np.lib.stride_tricks.sliding_window_view(near, 17)[::8], axis=1)
     halo: FloatArray = np.array(-np.inf if most else np.inf)
-    for weight, one, own in zip(weights, made, shares, strict=True):  # one by one: all at once take much memory
-        halo = pick(halo, weight * one.halo_per_sr + (own - share)[:, None] * about)
-    return beams.widened_by(lobe, Widening.of(share, halo, made[0].reach_m, bound=most))
+    for factor, row, beside in zip(weight, each, own - share, strict=True):  # one by one: all take much memory
+        there = np.maximum(product(at_knots, factor * row.T), 0.0)  # (knots, ways)
+        there[-1] = 0.0
+        if about.ndim:
+            there += np.multiply.outer(about, beside)
+        halo = pick(halo, there)
+    return beams.widened_by(lobe, Widening.of(share, np.ascontiguousarray(halo.T), reach_m, bound=most))
 
 
-def carried_share(phase: PhaseTable | None, absorbed: ArrayLike = 0.0, *, sent_back: bool = False) -> FloatArray:
-    """chi_l for l = 0 to 120, at each a r (k, ORDERS + 1) [1], at most the share scattered forward.
+def _orders_of(lobe: beams.Beam) -> Any:
+    """The orders of a lobe, all but those that `NO_LIGHT` leaves out, and the last."""
+    size = (2 * np.arange(ORDERS) + 1) * np.abs(lobe_series(lobe)[:-1])
+    rising = np.argsort(size)
+    some = np.cumsum(size[rising]) > NO_LIGHT * size[0]
+    return np.append(np.sort(rising[some]), ORDERS)
+
+
+def _of_orders(
+    orders: Any, lobe: beams.Beam, turned: Sequence[Turned], absorbed: ArrayLike, returned: ArrayLike, *,
+    sent_back: bool,
+) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+    """What keeps the lobe's shape on each way (n,), and the halo's series of these orders, the last of all among them.
+
+    See `widened`.
+    """
+    order, log_gain = np.arange(ORDERS + 1)[orders], np.zeros(())
+    for one in turned:
+        carried = carried_share(one.phase, absorbed, sent_back=sent_back, orders=orders)
+        if sent_back:
+            carried = 2.0 * carried - carried[:, :1]
+        log_gain = log_gain + np.atleast_1d(one.thickness)[:, None] * (carried - 1.0 + one.lost_share)
+    gain = np.exp(np.clip(log_gain, -MOST_LOG, MOST_LOG))
+    gain = gain + (np.atleast_1d(returned)[:, None] - 1.0) * gain[:, :1] * _from_all_about()[order]
+    return gain[:, -1], (2 * order + 1) / (4.0 * np.pi) * lobe_series(lobe)[order] * (gain - gain[:, -1:])
+
+
+def carried_share(
+    phase: PhaseTable | None, absorbed: ArrayLike = 0.0, *, sent_back: bool = False, orders: Any = slice(None)
+) -> FloatArray:
+    """chi_l for l = 0 to 120, or of these orders, at each a r (k, n) [1], at most the share scattered forward.
 
     By a polynomial in y / (1 + y), y = sqrt(a r), within 2e-5 up to a r = 30.
     """
-    return _at_thickness(_carried(phase, sent_back), absorbed)
+    return _at_thickness(_carried(phase, sent_back)[:, orders], absorbed)
 
 
 @lru_cache(maxsize=64)

@@ -31,11 +31,11 @@ from uwopt.catalog.records import Camera, Lens, Light, exact
 from uwopt.forward.part_columns import FAVOURED
 from uwopt.forward.parts import Parts
 from uwopt.forward.problem import Problem
-from uwopt.forward.scene import SceneOptics, widened_lobes
+from uwopt.forward.scene import SceneOptics
+from uwopt.forward.waters_beside import WatersBeside
 from uwopt.model.beam import Beam, half_power_angle_rad
 from uwopt.model.scattering import PhaseTable
 from uwopt.model.sent_back import least_of
-from uwopt.model.widened import bounding
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.draws import drawn_facts
 from uwopt.solvers.confidence.scenarios import Scenarios, loss
@@ -172,12 +172,16 @@ class EasiestScene(SceneOptics):
 
     states: tuple[SceneOptics, ...] = ()
 
-    def once(self, what: Any, make: Callable[[], Array]) -> Array:
-        """A spectrum of all states, worked out when first asked for."""
+    def kept(self, what: Any, make: Callable[[], Any]) -> Any:
+        """What is of all states, worked out when first asked for."""
         key = ("of all states", what)
         if key not in self.cache:
             self.cache[key] = make()
-        return np.asarray(self.cache[key])
+        return self.cache[key]
+
+    def once(self, what: Any, make: Callable[[], Array]) -> Array:
+        """Spectra likewise."""
+        return np.asarray(self.kept(what, make))
 
     def lamp_leg_per_m(self, half_power_angle_rad: float) -> Array:
         """The least of all states."""
@@ -192,14 +196,16 @@ class EasiestScene(SceneOptics):
         A lobe stands beside its own K. On a level floor, to which no way is shorter, what K of a state takes beyond the
         least of all in every colour is taken from its lobe.
         """
-        each = widened_lobes(self.states, lobe, relative_spectrum, way_m=way_m, back=back)
-        left = [1.0] * len(each)
+        half_power, weights = half_power_angle_rad(lobe), np.ones(len(self.states))
+        legs = self.once(
+            ("lamp legs", half_power), lambda: np.stack([one.lamp_leg_per_m(half_power) for one in self.states])
+        )
         if not back and not self.slope:
-            half_power = half_power_angle_rad(lobe)
-            least_of_all = self.lamp_leg_per_m(half_power)
-            beyond = [one.lamp_leg_per_m(half_power) - least_of_all for one in self.states]
-            left = [float(np.exp(-one.min() * way_m)) for one in beyond]
-        return bounding(each, left, most=not back)
+            weights = np.exp(-(legs - self.lamp_leg_per_m(half_power)).min(axis=1) * way_m)
+        beside: WatersBeside = self.kept("waters beside", lambda: WatersBeside.of(self.states))
+        return beside.bounding_lobe(
+            lobe, relative_spectrum, legs, way_m=way_m, back=back, weights=weights.tolist()
+        )
 
     def sent_back(self, relative_spectrum: Array, range_m: float) -> tuple[PhaseTable | None, ...]:
         """At every angle the least of all states."""
