@@ -87,6 +87,20 @@ DEFECTS = (
         test=f"{SEEN}::test_pixel_and_way_of_each_end_are_those_of_its_ray",
     ),
     Defect(
+        name="the darkest place is looked at no closer than by a third of the grid's step",
+        file="uwopt/model/footprint.py",
+        old="> before * (1.0 - gain_rel)",
+        new="> before * 0.5",
+        test="tests/model/test_footprint.py::test_darkest_place_is_the_minimum",
+    ),
+    Defect(
+        name="dark wedges of beams are not looked for beyond the first look",
+        file="uwopt/model/footprint.py",
+        old="gain_rel: float = -math.inf",
+        new="gain_rel: float = LEAST_GAIN_REL",
+        test="tests/model/test_footprint.py::test_a_look_that_wins_nothing_is_the_last_where_nothing_can_hide",
+    ),
+    Defect(
         name="pixels are compared in the near corner alone",
         file=VIEWS,
         old="u, v = np.array([-1.0, 1.0]), np.ones(2)",

@@ -43,6 +43,7 @@ Array = NDArray[Any]
 LAMP_RANGES = 257  # between which the loss of the lamp's leg is interpolated
 FOOTPRINT_CELLS = 60  # a side of the grid on which the darkest place of the floor is looked for
 FEW_PLACES = 7  # a side of those of its places that give a bound of the darkest
+LEAST_GAIN_REL = 1e-6  # of the least light: a closer look that wins less is the last, where no beam ends sharply
 UNIFORMITY_MARGIN = 1.001  # of a bound: one table of water's loss serves many footprints
 
 
@@ -185,7 +186,8 @@ def footprint_illuminance_per_lm(
         x_m, y_m, _ = floor_point(tan_along * u, tan_across * v, shape=shape, range_m=range_m)
         return floor_illuminance_per_lm(x_m, y_m, **common)
 
-    return mean, least_of(there, u.ravel(), v.ravel(), 2.0 / cells_a_side)
+    smooth = not beams.has_sharp_edge(beam)
+    return mean, least_of(there, u.ravel(), v.ravel(), 2.0 / cells_a_side, LEAST_GAIN_REL if smooth else -math.inf)
 
 
 def most_uniformity(
@@ -268,10 +270,15 @@ def footprint_mean(
     return total / whole
 
 
-def least_of(function: Callable[[Array, Array], Array], u: Array, v: Array, cell: float) -> float:
+def least_of(
+    function: Callable[[Array, Array], Array], u: Array, v: Array, cell: float, gain_rel: float = -math.inf
+) -> float:
     """Least value of a function over the square |u|, |v| <= 1: on a grid, then ever closer about its lowest points.
 
     Narrow beams leave dark wedges between the grid's points; a few of the lowest are followed down.
+
+    gain_rel : of the value, that a step must win for another to follow. Steps are a third as long as those before: of
+        a function with finite slopes the next win a third of it at most, or a ninth about a smooth minimum
     """
     values = function(u, v)
     steps = np.linspace(-1.0, 1.0, 7)
@@ -280,7 +287,9 @@ def least_of(function: Callable[[Array, Array], Array], u: Array, v: Array, cell
         low = np.argsort(values, kind="stable")[:LEAST_STARTS]
         u = np.clip(u[low, None] + cell * step_u, -1.0, 1.0).ravel()
         v = np.clip(v[low, None] + cell * step_v, -1.0, 1.0).ravel()
-        values, cell = function(u, v), cell / 3.0
+        before, values, cell = float(values.min()), function(u, v), cell / 3.0
+        if float(values.min()) > before * (1.0 - gain_rel):
+            break
     return float(values.min())
 
 

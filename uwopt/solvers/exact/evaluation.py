@@ -129,6 +129,7 @@ class Evaluation:
             lighting, table = self.tables.lightings[k], self.bounds.light_tables[k]
             if self.refusals.are_most:
                 kept = self._may_keep_rules(rows, lighting, table)
+                self.refusals.count(kept)
                 self.account.evaluated += int((~kept).sum()) * len(table.light)
                 rows = rows[kept]
                 if len(rows) == 0:
