@@ -9,7 +9,9 @@ import pytest
 
 import uwopt
 from uwopt.api import searching
+from uwopt.evaluation.recompute import replay
 from uwopt.mission.mission import load_mission
+from uwopt.report.order.tender_lines import lines_of
 from uwopt.solvers import recommend
 
 LIGHT = "deepsea-power-light-led-sealite-lsl-flood"
@@ -54,6 +56,20 @@ def test_a_cap_below_which_nothing_fits_is_lifted_with_a_warning() -> None:
     assert gain_db(held) == pytest.approx(gain_db(free))
     told = [note.message for note in held.warnings if note.code == "gain_cap"]
     assert told == [f"gain {gain_db(free):.3g} dB, beyond 20 dB, below which nothing fits: light is out of reach"]
+
+
+def test_what_a_part_must_fulfil_is_asked_without_a_cap_that_yielded() -> None:
+    free, held = (needed_of_lens(solved(cap_db, dark=True)) for cap_db in (None, CAP_DB))
+    assert held["transmission_frac"] == free["transmission_frac"] != "at least 0.900"
+    assert not held["mass_g"]  # the mission limits no mass
+    below = solved(CAP_DB, dark=False)
+    assert replay(below.mission, below.best.as_set, physics=below.physics).model.problem.mission.reserve.max_gain_db
+
+
+def needed_of_lens(result: Any) -> dict[str, str]:
+    """What a tender says that the lens needs."""
+    (lens,) = [line for line in lines_of(result, "it") if line.kind == "lens"]
+    return {fact.key: fact.needed for fact in lens.facts}
 
 
 @pytest.mark.parametrize("fits", [True, False])

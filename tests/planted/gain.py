@@ -37,6 +37,13 @@ DEFECTS = (
         test=f"{CAP}::test_a_cap_below_which_nothing_fits_is_lifted_with_a_warning",
     ),
     Defect(
+        name="what was found above a cap of gain is asked again below it",
+        file="uwopt/evaluation/recompute.py",
+        old="    return mission.without_gain_cap if beyond else mission",
+        new="    return mission",
+        test=f"{CAP}::test_what_a_part_must_fulfil_is_asked_without_a_cap_that_yielded",
+    ),
+    Defect(
         name="a given gain beyond the cap is not told",
         file="uwopt/api/evaluating.py",
         old="            *gain_notes(as_written, design),\n",

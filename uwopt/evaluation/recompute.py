@@ -32,6 +32,7 @@ from uwopt.model.fineness import Fineness
 from uwopt.model.port import lens_dioptre_per_m
 from uwopt.results.basis import UsedPhysics
 from uwopt.results.design import Design, LampPlace
+from uwopt.tolerances import SATISFIED_REL
 
 KINDS: tuple[Kind, ...] = ("camera", "lens", "port", "light")
 SAME_REL = 1e-5  # of the figures that tell whether the inputs are still those of the result
@@ -84,7 +85,7 @@ def replay(
     """
     try:
         folder = (mission_file or {}).get("folder") or None
-        wanted = load_mission(mission, base_dir=None if folder is None else Path(folder))
+        wanted = as_searched(load_mission(mission, base_dir=None if folder is None else Path(folder)), design)
         if system is None:
             problem, hardware = searched_problem(wanted, design)
         else:
@@ -109,6 +110,14 @@ def replay(
         ) from fault
     refuse_changed(made, design)
     return made
+
+
+def as_searched(mission: Mission, design: Design) -> Mission:
+    """The mission that a design was found in: without the cap of gain where the design is beyond it, for it yielded."""
+    cap_db = mission.reserve.max_gain_db
+    gain_db = max((scene.settings.get("gain_db") or 0.0 for scene in design.scenes), default=0.0)
+    beyond = cap_db is not None and gain_db > cap_db * (1.0 + SATISFIED_REL)
+    return mission.without_gain_cap if beyond else mission
 
 
 def searched_problem(mission: Mission, design: Design) -> tuple[Problem, Hardware]:
