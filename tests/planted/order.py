@@ -14,6 +14,20 @@ BOOK = "tests/report/order/test_bom_book.py"
 
 DEFECTS = (
     Defect(
+        name="a maker is asked for the depth without its reserve",
+        file="uwopt/report/text/not_counted.py",
+        old="max(known_m) * factor_of_depth(result.mission) if",
+        new="max(known_m) if",
+        test=f"{TENDER}::test_makers_are_told_what_fits_and_how_deep_it_must_go",
+    ),
+    Defect(
+        name="a maker of a housing is told no room",
+        file="uwopt/report/order/tender_lines.py",
+        old='if kind == "housing" and key in ROOM_FOR:',
+        new='if kind == "port" and key in ROOM_FOR:',
+        test=f"{TENDER}::test_makers_are_told_what_fits_and_how_deep_it_must_go",
+    ),
+    Defect(
         name="nobody asks for a voltage that is not known",
         file="uwopt/report/text/not_counted.py",
         old='if row.kind in FED or row.id == "host-computer"}',

@@ -27,8 +27,9 @@ from uwopt.mission.mission import Mission, load_mission  # noqa: E402
 from uwopt.report.order import tender_lines  # noqa: E402
 from uwopt.report.order.answers import answer_blocks, change_sentences  # noqa: E402
 from uwopt.report.order.tender_book import FIRST_ANSWER, letter, tender_book  # noqa: E402
-from uwopt.report.order.tender_lines import end_text, lines_of  # noqa: E402
+from uwopt.report.order.tender_lines import end_text, lines_of, needed_beside  # noqa: E402
 from uwopt.report.text.layout import Text  # noqa: E402
+from uwopt.results.design import Margin  # noqa: E402
 from uwopt.results.result import Result  # noqa: E402
 from uwopt.solvers.explain.specification import PropertyLimit  # noqa: E402
 
@@ -118,6 +119,33 @@ def test_sheets_ask_what_is_needed_and_what_is_not_known(book: bytes) -> None:
     assert rows["depth_rating_m"][3] == "at least 100 m"
     assert {"named_part", "beam_angle_deg", "trigger"} <= rows.keys()
     assert any("yes,no" in str(rule.formula1) for rule in opened["light"].data_validations.dataValidation)
+
+
+def test_makers_are_told_what_fits_and_how_deep_it_must_go(result: Result) -> None:
+    asked = result.mission | {
+        "limits": result.mission["limits"] | {"depth_rating_m": None},
+        "reserve": result.mission["reserve"] | {"depth": 1.25},
+        "requirements": result.mission["requirements"] | {"colour": "mono"},
+    }
+    (scene,) = result.recommendation.as_set.scenes
+    taken_up = [Margin(f"housing_{way}_mm", needed, 300.0, "<=", 300.0 - needed, "mm", None, True, False)
+                for way, needed in (("diameter", 54.9), ("length", 177.2))]  # fmt: skip
+    deep = with_margins(replace(result, mission=asked), [*scene.margins, *taken_up])
+    needed = {(kind, key): needed_beside(deep, kind, key) for kind, key in (
+        ("port", "depth_rating_m"), ("housing", "inner_diameter_mm"), ("housing", "inner_length_mm"),
+        ("camera", "mounts"), ("lens", "mounts"), ("camera", "colour"), ("camera", "shutter"), ("lens", "mass_g"),
+    )}  # fmt: skip
+    assert [*needed.values()] == [
+        "at least 37.5 m", "at least 55.0 mm", "at least 178 mm", "C", "C", "mono", "", "",
+    ]  # fmt: skip
+
+
+def with_margins(result: Result, margins: list[Margin]) -> Result:
+    """A result of one scene whose system has these margins as set."""
+    best = result.recommendation
+    assert best is not None
+    scene = replace(best.scenes[0], margins=margins, margins_as_set=margins)
+    return replace(result, recommendation=replace(best, scenes=[scene]))
 
 
 def test_a_tender_without_time_asks_without_limits_and_says_so(result: Result) -> None:

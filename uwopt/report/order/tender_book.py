@@ -105,7 +105,8 @@ def letter(result: Result, lines: Sequence[TenderLine]) -> str:
     """A letter to makers, as text to be sent with the workbook."""
     name = formats.one_line(result.mission.get("name") or "our mission", 120)
     wanted = "\n".join(
-        f"- {line.count} x {line.kind}" + ("" if line.generic else f", such as {formats.one_line(line.name, 80)}")
+        f"- {line.count} x {line.kind}, such as {formats.one_line(line.name.removeprefix('generic '), 80)}"
+        + (" (to be made)" if line.generic else "")
         for line in lines
     )
     hard = [

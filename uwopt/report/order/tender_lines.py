@@ -38,10 +38,11 @@ ALWAYS = ("depth_rating_m", "mass_g", "trigger_delay_us", "trigger_jitter_us")
 #: Facts without which no search uses a part of its own, or which tell whether it fits.
 VITAL: dict[str, tuple[str, ...]] = {
     "camera": ("shutter", "colour", "mounts", "interface", "max_frame_rate_hz"), "lens": ("mounts", "image_circle_mm"),
-    "port": ("mount", "outer_radius_mm", "thickness_mm"),
+    "port": ("mount", "outer_radius_mm", "thickness_mm"), "housing": ("inner_diameter_mm", "inner_length_mm", "ports"),
     "light": ("beam_angle_deg", "beam_medium", "supply", "trigger", "supply_v_min", "supply_v_max"),
 }  # fmt: skip
 LOOSE = 5.0  # times worse than the named part: no part that is offered comes near to it
+ROOM_FOR = {"inner_diameter_mm": "housing_diameter_mm", "inner_length_mm": "housing_length_mm"}  # its requirement
 OF_FIELDS = {"qe_scale": "qe"}  # the record's field by the column that states it
 
 
@@ -153,11 +154,50 @@ def facts_of(result: Result, kind: Kind, part_id: str, limits: Sequence[Property
         needed, best, together = (" and ".join(filter(None, texts)) for texts in zip(*told, strict=True)) if told else (
             "", "", ""
         )  # fmt: skip
-        if key == "depth_rating_m" and (deep := depth_m(result)) is not None:
-            needed = together = f"at least {format_number(deep)} m"
+        if beside := needed_beside(result, kind, key):
+            needed = together = beside
         meaning = column.meaning or key.replace("_", " ")
         loose = bool(ends) and all(abs(math.log(one.together / one.value)) > math.log(LOOSE) for one in ends)
         yield AskedFact(key, meaning, unit_of(column), needed, best, together, value, known, loose)
+
+
+def needed_beside(result: Result, kind: Kind, key: str) -> str:
+    """What a fact must be for other reasons than the light: depth, room for camera and lens, what fits or is asked for.
+
+    Empty where nothing is.
+    """
+    if key == "depth_rating_m":
+        deep_m = depth_m(result)
+        return "" if deep_m is None else f"at least {format_number(deep_m)} m"
+    if kind == "housing" and key in ROOM_FOR:
+        needed_mm = room_needed_mm(result, ROOM_FOR[key])
+        return "" if needed_mm is None else f"at least {format_number(float(math.ceil(needed_mm)))} mm"
+    if key == "mounts":
+        return " or ".join(shared_mounts(result))
+    if kind == "camera" and key in ("colour", "shutter"):
+        return ", ".join(sorted(asked_words(result, key)))
+    return ""
+
+
+def room_needed_mm(result: Result, requirement: str) -> float | None:
+    """What camera and lens take up in the housing; None where nothing holds it."""
+    assert result.best is not None
+    known = [m.value for scene in result.best.as_set.scenes for m in scene.margins if m.requirement == requirement]
+    return max((value for value in known if value is not None), default=None)
+
+
+def shared_mounts(result: Result) -> list[str]:
+    """The mounts that camera and lens share, as the catalogue states them."""
+    assert result.best is not None
+    camera, lens = (cells_of(result.best.hardware.parts[kind].id).get("mounts", "") for kind in ("camera", "lens"))
+    return sorted(({*camera.split("|")} & {*lens.split("|")}) - {""})
+
+
+def asked_words(result: Result, key: str) -> set[str]:
+    """What the scenes ask of a camera in a word, where they do."""
+    places = [result.mission, *(result.mission.get("scenes") or [])]
+    asked = {(place.get("requirements") or {}).get(key) for place in places}
+    return {str(word) for word in asked - {None, "any"}}
 
 
 def unit_of(column: Column) -> str:

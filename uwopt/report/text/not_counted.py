@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from uwopt.catalog.interfaces import IN_HOUSING
 from uwopt.report.text import formats, words
+from uwopt.report.text.helps import factor_of_depth
 from uwopt.report.text.stated import supply_volts
 from uwopt.results.design import BillRow, Design
 from uwopt.results.result import Result
@@ -89,8 +90,8 @@ def supply_voltages(rows: Sequence[BillRow]) -> str:
 
 
 def depth_m(result: Result) -> float | None:
-    """The depth that every part must stand: what the mission asks for, or its deepest scene."""
+    """The depth that every part must be rated for: what the mission asks for, or its deepest scene and its reserve."""
     asked = (result.mission.get("limits") or {}).get("depth_rating_m")
     scenes = [scene.get("depth_m") for scene in result.mission.get("scenes") or []]
-    known = [float(value) for value in (asked, *scenes) if value is not None]
-    return max(known, default=None)
+    known_m = [float(value) for value in (asked, *scenes) if value is not None]
+    return max(known_m) * factor_of_depth(result.mission) if known_m else None
