@@ -8,6 +8,7 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
+import yaml
 
 import uwopt
 from uwopt.api import yielding
@@ -18,13 +19,15 @@ from uwopt.api.yielding import gives_way_alone, patience_of
 from uwopt.deadline import NEVER, Deadline
 from uwopt.mission.mission import load_mission
 from uwopt.mission.yielding import FRAME_LESS_DB, YIELDS, with_yields, yields_of
+from uwopt.report.compare.rows import sentences
 from uwopt.report.page.page import opening, status_words
 from uwopt.report.text.explanation import explanation_blocks
 from uwopt.report.text.layout import Block
 from uwopt.report.text.short import GAVE_WAY, verdict_lines
 from uwopt.report.text.verdict import verdict
+from uwopt.report.write import system_yaml
 from uwopt.results.basis import WhyNothing
-from uwopt.results.design import PRACTICE_WOULD_YIELD, PRACTICE_YIELDS
+from uwopt.results.design import PRACTICE_MISSED, PRACTICE_WOULD_YIELD, PRACTICE_YIELDS
 from uwopt.solvers.confidence import search
 from uwopt.solvers.explain import infeasible
 
@@ -86,6 +89,24 @@ def test_nobody_reads_on_without_knowing_that_practice_gave_way() -> None:
 
 def test_what_is_kept_does_not_give_way() -> None:
     assert given_way(uwopt.solve(survey(brightest_db() - 4.0), top=1, quick=True)) == []
+
+
+def test_a_system_is_told_whether_good_practice_is_all_that_it_misses() -> None:
+    asked = survey(brightest_db() - 1.0)
+    recommended = yaml.safe_load(system_yaml(uwopt.solve(asked, top=1, quick=True)))
+    (note,) = (note for note in uwopt.evaluate(asked, recommended).warnings if note.code == PRACTICE_MISSED)
+    assert note.message.startswith("what the mission itself says is met")
+    for other in (survey(brightest_db() + 1.0), asked | {"practice": "bare"}, survey(brightest_db() - 4.0)):
+        told = [note.code for note in uwopt.evaluate(other, recommended).warnings]
+        assert PRACTICE_MISSED not in told
+
+
+def test_what_is_recommended_is_compared_by_what_is_held_of_it() -> None:
+    asked = survey(brightest_db() - 1.0)
+    recommended = yaml.safe_load(system_yaml(uwopt.solve(asked, top=1, quick=True)))
+    made = uwopt.compare(asked, [recommended], recommended=True)
+    assert [one.design.feasible for one in made.systems] == [True, True]
+    assert "no signal to noise is kept in hand" in next(sentences(made))
 
 
 @pytest.mark.usefixtures("unexplained")

@@ -14,6 +14,20 @@ LEANING = "tests/solvers/test_leaning.py::"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="what is recommended is compared by what gave way",
+        file="uwopt/api/comparing.py",
+        old="        if gave_way:  # what",
+        new="        if not gave_way:  # what",
+        test="tests/api/test_yielding.py::test_what_is_recommended_is_compared_by_what_is_held_of_it",
+    ),
+    Defect(
+        name="a system that misses more is told that it misses good practice alone",
+        file="uwopt/api/evaluating.py",
+        old="if plain is not None and plain.feasible else []",
+        new="if plain is not None else []",
+        test="tests/api/test_yielding.py::test_a_system_is_told_whether_good_practice_is_all_that_it_misses",
+    ),
+    Defect(
         name="settings to set forget lamps that lean inward",
         file="uwopt/evaluation/leaning.py",
         old='(("outward", 1.0), ("inward", -1.0))',

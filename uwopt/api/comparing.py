@@ -11,6 +11,7 @@ from uwopt.errors import MissionError
 from uwopt.mission.mission import Mission
 from uwopt.mission.system import System, load_system
 from uwopt.results.comparison import Comparison, SideBySide
+from uwopt.results.design import PRACTICE_YIELDS
 
 MOST_SYSTEMS = 12  # columns that a page can show
 RECOMMENDED = "recommended"
@@ -21,6 +22,8 @@ def compare(
     physics: str | None = None, seconds: float | None = None, progress: Progress | None = None,
 ) -> Comparison:  # fmt: skip
     """Systems side by side in a mission, requirement by requirement.
+
+    Where `solve` lets some of good practice give way, all systems are held against what is left of it.
 
     Parameters
     ----------
@@ -37,15 +40,20 @@ def compare(
     wanted = prepared(mission, physics, None)
     loaded = [load_system(system) for system in systems]
     names = apart([shown_name(system) for system in loaded])
-    found = [SideBySide(name, evaluate(wanted, system)) for name, system in zip(names, loaded, strict=True)]
-    if not recommended:
-        return Comparison(tuple(found))
-    from uwopt.api.solving import solve
+    best, gave_way = None, ""
+    if recommended:
+        from uwopt.api.solving import solve
 
-    best = solve(wanted, quick=True, explain=False, seconds=seconds, progress=progress)
+        best = solve(wanted, quick=True, seconds=seconds, progress=progress)
+        gave_way = next((note.message for note in best.warnings if note.code == PRACTICE_YIELDS), "")
+        if gave_way:  # what is recommended and what is given are held to the same
+            wanted = wanted.with_changes(**{section: best.mission[section] for section in ("requirements", "reserve")})
+    found = [SideBySide(name, evaluate(wanted, system)) for name, system in zip(names, loaded, strict=True)]
+    if best is None:
+        return Comparison(tuple(found))
     if best.best is None:
         return Comparison(tuple(found), nothing_fits=best.status == "infeasible", cut_short=best.status == "stopped")
-    return Comparison((*found, SideBySide(RECOMMENDED, best)))
+    return Comparison((*found, SideBySide(RECOMMENDED, best)), gave_way=gave_way)
 
 
 def shown_name(system: System) -> str:

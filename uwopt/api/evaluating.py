@@ -35,9 +35,10 @@ from uwopt.forward.problem import Problem
 from uwopt.mission.doubt import CENTRAL
 from uwopt.mission.mission import Mission
 from uwopt.mission.system import System, load_system
+from uwopt.mission.yielding import with_yields, yields_of
 from uwopt.objectives.goal import goal_of
 from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL
-from uwopt.results.design import Design, Margin, Note
+from uwopt.results.design import PRACTICE_MISSED, Design, Margin, Note
 from uwopt.results.result import Result
 from uwopt.tolerances import SATISFIED_REL
 
@@ -127,6 +128,7 @@ def evaluate(
             *design.warnings,
             *tilt_notes(problem, hardware, given),
             *gain_notes(as_written, design),
+            *practice_notes(as_written, built, design),
             *accuracy_warnings(measured, allowed),
             *time_warnings(deadline),
         ],
@@ -134,6 +136,19 @@ def evaluate(
         timing_s={**timing, "total": time.perf_counter() - start},
     )
     return with_risks(made)
+
+
+def practice_notes(mission: Mission, system: System, design: Design) -> list[Note]:
+    """That a system misses what good practice has filled in alone, and nothing that the mission itself says."""
+    every = () if design.feasible else yields_of(mission)
+    if not every:
+        return []
+    plain = evaluate(with_yields(mission, every), system).best
+    text = (
+        "what the mission itself says is met: all that is missed is good practice, of which solve lets give way what "
+        "nothing keeps"
+    )
+    return [Note(PRACTICE_MISSED, "practice", text)] if plain is not None and plain.feasible else []
 
 
 def scene_settings(problem: Problem, hardware: Hardware, system: System, name: str) -> SceneSettings:

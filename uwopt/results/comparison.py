@@ -31,9 +31,11 @@ class SideBySide:
 class Comparison:
     """Systems in one mission; `nothing_fits` where a recommendation was asked for and there is none.
 
-    `cut_short`: the search ended before it had found one.
+    `cut_short`: the search ended before it had found one. `gave_way`: what of good practice is held of none of them,
+    for nothing keeps all of it.
     """
 
     systems: tuple[SideBySide, ...]
     nothing_fits: bool = False
     cut_short: bool = False
+    gave_way: str = ""

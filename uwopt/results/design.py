@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 NOT_SETTABLE = "not_settable"  # code of the note that no settings to type in are offered
 SNR_INSTEAD = "snr_instead"  # code of the note that says why the best image is by signal to noise
 PRACTICE_YIELDS = "practice_yields"  # nothing meets all of good practice
+PRACTICE_MISSED = "practice_missed"  # what is missed is good practice alone, not what the mission itself says
 PRACTICE_WOULD_YIELD = "practice_would_yield"  # the same, where all of it is asked nevertheless
 #: Settings that a system file states; its light level as a share, for flashes too.
 STATED = ("f_number", "exposure_ms", "pulse_ms", "gain", "dim_frac", "frame_rate_hz", "focus_distance_m")

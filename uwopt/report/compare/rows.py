@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from uwopt.quantities import QUANTITIES
 from uwopt.report.text import formats, words
 from uwopt.results.comparison import Comparison, SideBySide
-from uwopt.results.design import Design, Margin
+from uwopt.results.design import PRACTICE_MISSED, Design, Margin
 
 #: Limits of the parts themselves, told only where one is missed.
 OF_PARTS = (
@@ -22,6 +22,7 @@ FIGURES = (
     "mean_level", "f_number", "exposure_ms", "flux_lm", "frame_rate_hz", "data_rate_mb_s", "power_w", "light_power_w",
     "information_bit_per_m2",
 )  # fmt: skip
+MOST_TOLD = 1000  # letters of what gave way
 KNOWN = {one.name: one for one in QUANTITIES}
 
 
@@ -150,6 +151,8 @@ def figure_rows(comparison: Comparison) -> Iterator[ComparedRow]:
 def sentences(comparison: Comparison) -> Iterator[str]:
     """What each system misses; and set against the recommended one what it does better, and why it is not chosen."""
     best = next((one for one in comparison.systems if one.recommended), None)
+    if comparison.gave_way:
+        yield f"All are held to what is recommended, and no more: {formats.one_line(comparison.gave_way, MOST_TOLD)}."
     for one in comparison.systems:
         if one is best:
             continue
@@ -159,6 +162,7 @@ def sentences(comparison: Comparison) -> Iterator[str]:
         ))  # fmt: skip
         verdict = f"misses {words.listed(missed)}" if missed else "meets everything"
         yield f"{words.capital(name)} {verdict}."
+        yield from (words.as_sentence(note.message) for note in one.result.warnings if note.code == PRACTICE_MISSED)
         if best is not None:
             yield from against(one, best, bool(missed))
     if comparison.nothing_fits:

@@ -34,11 +34,19 @@ from uwopt.report.text.tables import (
     status_style,
 )
 from uwopt.results.basis import Risk
-from uwopt.results.design import COLOUR_LEFT_OPEN, PRACTICE_YIELDS, SNR_INSTEAD, BillRow, Design
+from uwopt.results.design import (
+    COLOUR_LEFT_OPEN,
+    PRACTICE_MISSED,
+    PRACTICE_YIELDS,
+    SNR_INSTEAD,
+    BillRow,
+    Design,
+)
 from uwopt.results.result import Result
 from uwopt.units import format_within
 
 MOST_RISKS = 3
+MOST_TOLD = 1000  # letters of what may go wrong: what gave way is told whole
 MOST_QUESTIONS = 4
 TOLD_FIRST = (SNR_INSTEAD, COLOUR_LEFT_OPEN)  # notes on what was chosen where the mission leaves it open
 NUMBERS = ("", "The greatest risk", "The two greatest risks", "The three greatest risks")
@@ -144,8 +152,10 @@ def verdict_lines(result: Result) -> list[Line]:
 
 
 def practice_sentences(result: Result) -> list[str]:
-    """That some of good practice gave way, where it did: nobody should read on without knowing."""
-    return [GAVE_WAY] if any(note.code == PRACTICE_YIELDS for note in result.warnings) else []
+    """That some of good practice gave way, or is all that is missed: nobody should read on without knowing."""
+    if any(note.code == PRACTICE_YIELDS for note in result.warnings):
+        return [GAVE_WAY]
+    return [words.as_sentence(note.message) for note in result.warnings if note.code == PRACTICE_MISSED]
 
 
 def subject_sentences(result: Result, design: Design) -> Iterator[str]:
@@ -287,7 +297,7 @@ def risk_text(risk: Risk) -> str:
     """`It may cost more than allowed (up to 900 USD): the price is estimated.`"""
     figure = f" ({formats.one_line(risk.figure)})" if risk.figure else ""
     reason = f": {formats.one_line(risk.because)}" if risk.because else ""
-    return words.as_sentence(formats.one_line(risk.what) + figure + reason)
+    return words.as_sentence(formats.one_line(risk.what, MOST_TOLD) + figure + reason)
 
 
 def questions(result: Result, design: Design) -> Iterator[str]:
