@@ -173,7 +173,7 @@ def texts_apart(
     for more in range(digits, MOST_DIGITS + 1):
         seen = {value: text(value, more) for value in known}
         if not any(apart and a == b for apart, (a, b) in zip(differ, itertools.pairwise(seen.values()), strict=True)):
-            return tuple(seen.get(value) or text(value, more) for value in values)  # type: ignore[arg-type]
+            return tuple(seen.get(value) or text(value, more) for value in values)  # pyrefly: ignore[bad-argument-type]
     return tuple(text(value, MOST_DIGITS) for value in values)
 
 

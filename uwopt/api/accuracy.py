@@ -41,7 +41,7 @@ def checked_tolerance(tolerance: Any) -> float | None:
     if tolerance is None:
         return None
     known = isinstance(tolerance, Real)
-    if not known or not 0.0 < tolerance <= LARGEST_TOLERANCE:
+    if not known or not 0.0 < float(tolerance) <= LARGEST_TOLERANCE:
         shown = f"{tolerance:g}" if known else repr(tolerance)
         raise MissionError(
             f"tolerance = {shown} is no share above 0 and at most {LARGEST_TOLERANCE:g}; 0.001 asks for 0.1 %"

@@ -64,9 +64,9 @@ class Watched(Ranking):
         super().__init__(plain.problem, plain.imagers, top=plain.top, ceiling=plain.ceiling)
         self.search = search
 
-    def add(self, *args: Any) -> None:
+    def add(self, *args: Any, **more: Any) -> None:
         """As a ranking does."""
-        super().add(*args)
+        super().add(*args, **more)
         if self.best:
             self.search.referee.evaluations = self.search.account.evaluated
             self.search.referee.claim(

@@ -29,7 +29,7 @@ ETA = 3.0  # of both operators, as its page on discrete variables has them
 WORST = 1e30  # of infeasible vectors: they are told apart by their violation
 
 
-class SingleVectors(Problem):  # type: ignore[misc]
+class SingleVectors(Problem):
     """Integer vectors with one objective, all of a generation at once."""
 
     def __init__(self, evaluate: Evaluate, upper: Array):

@@ -137,7 +137,7 @@ def intensity(cos: Any, beam: Beam) -> Any:
 def floor_signal(u: float, v: float, light: ImageCase) -> float:
     """cos^4 times illuminance per lumen times the loss in water on both legs [1/m^2]; 1 for the whole weight."""
     ray = traced(u, v, light.shape, light.range_m)
-    floor: Place = tuple(s + ray.length_m * a for s, a in zip(ray.start, ray.along, strict=True))  # type: ignore[assignment]
+    floor: Place = tuple(s + ray.length_m * a for s, a in zip(ray.start, ray.along, strict=True))  # pyrefly: ignore[bad-assignment]
     water, total = light.water, 0.0
     for place, aim, share in each_lamp(light.lamps):
         way: Place = (floor[0] - place[0], floor[1] - place[1], floor[2] - place[2])

@@ -120,7 +120,7 @@ def tables_of(setting: Setting) -> Tables:
     """The tables behind a setting, as they are published."""
     from uwopt.catalog.curves import spectra
 
-    profile = spectra.water_profile(setting.water, table=setting.water_table)  # type: ignore[arg-type]
+    profile = spectra.water_profile(setting.water, table=setting.water_table)  # pyrefly: ignore[bad-argument-type]
     if profile.a_per_m is None or profile.b_per_m is None or profile.kd_per_m is None:
         raise ValueError(f"water {setting.water}: a, b and K_d are needed")
     floor, photopic, pure = (

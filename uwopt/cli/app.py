@@ -58,7 +58,7 @@ class PlainGroup(typer.core.TyperGroup):
             return super().invoke(ctx)
         except Exception as fault:
             if isinstance(said := getattr(fault, "message", None), str):
-                fault.message = said.removeprefix(PREFIX)  # type: ignore[attr-defined]
+                fault.message = said.removeprefix(PREFIX)  # pyrefly: ignore[missing-attribute]
             raise
 
 

@@ -197,7 +197,7 @@ def all_optional(model: type[M], name: str) -> type[M]:
     """The same keys with the same checks, none of them required: what a scene may override."""
     fields: dict[str, Any] = {}
     for field_name, info in model.model_fields.items():
-        inner: Any = Annotated[(info.annotation, *info.metadata)] if info.metadata else info.annotation
+        inner: Any = Annotated[(info.annotation, *info.metadata)] if info.metadata else info.annotation  # pyrefly: ignore[not-a-type]
         fields[field_name] = (
             inner | None,
             Field(default=None, alias=info.alias, description=info.description),

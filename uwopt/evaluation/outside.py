@@ -73,7 +73,7 @@ def other_parts(mission: Mission, catalog: Catalog, system: System) -> Iterator[
         yield Departure("parts", own[0], text)
     names = [name for name in Choice.__dataclass_fields__ if name != "generic"]
     generic = "never" if mission.catalog.generic == "never" else "allow"
-    choice = Choice(**{name: getattr(mission.catalog, name) for name in names}, generic=generic)  # type: ignore[arg-type]
+    choice = Choice(**{name: getattr(mission.catalog, name) for name in names}, generic=generic)
     vehicle = mission.vehicle
     selection = chosen(
         catalog, choice, required_depth_m=mission.required_depth_m, lamp_supply=vehicle.lamp_supply,
@@ -84,8 +84,8 @@ def other_parts(mission: Mission, catalog: Catalog, system: System) -> Iterator[
         named = getattr(system, kind)
         if not isinstance(named, str):
             continue
-        part = catalog.part(named, kind)  # type: ignore[arg-type]
-        found = left_out.get((kind, part.id))  # type: ignore[arg-type]
+        part = catalog.part(named, kind)  # pyrefly: ignore[bad-argument-type]
+        found = left_out.get((kind, part.id))  # pyrefly: ignore[bad-argument-type]
         if found is not None:
             yield Departure("parts", kind, f"{part.id}: solve leaves this {kind} out ({found.reason})")
     if system.complete is not None:

@@ -139,8 +139,8 @@ def searched_problem(mission: Mission, design: Design) -> tuple[Problem, Hardwar
     if None in places:
         camera, lens, port, light = (catalog.part(chosen.parts[kind].id, kind) for kind in KINDS)
         if chosen.housing is not None and chosen.complete is None:
-            port = replace(port, housing=catalog.part(chosen.housing.id, "housing"))  # type: ignore[call-arg]
-        parts = Parts((camera,), (lens,), (port,), (light,))  # type: ignore[arg-type]
+            port = replace(port, housing=catalog.part(chosen.housing.id, "housing"))  # pyrefly: ignore[unexpected-keyword]
+        parts = Parts((camera,), (lens,), (port,), (light,))  # pyrefly: ignore[bad-argument-type]
         paper = mission.physics == "paper"
         problem = Problem(mission, parts, paper=paper, owned_lights=owned_ids(selection))
         places = [0, 0, 0, 0]

@@ -125,7 +125,7 @@ def position(control: Control, value: float) -> float:
 
 def part_options(kind: str) -> list[tuple[str, str]]:
     """Parts of the catalogue by id, after own numbers."""
-    parts = load_catalog().parts(kind)  # type: ignore[arg-type]
+    parts = load_catalog().parts(kind)  # pyrefly: ignore[bad-argument-type]
     named = sorted((" ".join(filter(None, (part.manufacturer, part.model))) or part.id, part.id) for part in parts)
     return [(OWN, OWN), *((part_id, name) for name, part_id in named)]
 

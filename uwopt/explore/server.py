@@ -165,9 +165,9 @@ class Explorer:
             catalog = load_catalog(load_mission(self.outcomes.with_files(state, state["mission"])))
         except UwoptError:  # told with the figures
             return {}
-        known = {kind: {part.id for part in load_catalog().parts(kind)} for kind in PARTS}  # type: ignore[arg-type]
+        known = {kind: {part.id for part in load_catalog().parts(kind)} for kind in PARTS}
         return {
-            kind: [part.id for part in catalog.parts(kind) if part.id not in known[kind]]  # type: ignore[arg-type]
+            kind: [part.id for part in catalog.parts(kind) if part.id not in known[kind]]
             for kind in PARTS
         }
 

@@ -289,7 +289,7 @@ def unpacked(text: str) -> State:
         stream = zlib.decompressobj()
         plain = stream.decompress(base64.urlsafe_b64decode(text[: MOST_ADDRESS + 4]), MOST_FILE_BYTES)
         data = json.loads(plain)
-        made = {**with_mission(OPENING, data["mission"]), "systems": [dict(one) for one in data["systems"]]}
+        made: State = {**with_mission(OPENING, data["mission"]), "systems": [dict(one) for one in data["systems"]]}
         made["shown"], made["scene"] = int(data["shown"]), int(data["scene"])
         inside = 0 <= made["shown"] < len(made["systems"]) <= MOST_SYSTEMS
         if not inside or not 0 <= made["scene"] < len(made["mission"]["scenes"]):

@@ -171,9 +171,9 @@ def system_problem(mission: Mission, system: System) -> tuple[Problem, Hardware]
         if kind == "light" and (system.light_count == 0 or named == NO_LAMP.id):
             return NO_LAMP
         if isinstance(named, str):
-            return selection.catalog.part(named, kind)  # type: ignore[arg-type]
+            return selection.catalog.part(named, kind)  # pyrefly: ignore[bad-argument-type]
         try:
-            return part_from_inline(kind, named, system.base_dir)  # type: ignore[arg-type]
+            return part_from_inline(kind, named, system.base_dir)  # pyrefly: ignore[bad-argument-type]
         except CatalogError as error:
             raise CatalogError([f"{system.source_name}: {kind}: {text}" for text in error.faults]) from None
 

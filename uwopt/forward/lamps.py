@@ -68,7 +68,7 @@ def light_beam(light: Light, *, n_water: float, end: str = "central") -> beams.B
         return beams.tabulated_beam(
             angles, values, medium="water" if in_water else "air", n_w=n_water, total_flux_lm=None
         )  # the shape; what a profile in candela holds of the flux is in the output factor
-    half = np.deg2rad(number(light.beam_angle_deg, 90.0, end, FAVOURED["beam_angle_deg"])) / 2.0  # type: ignore[arg-type]
+    half = np.deg2rad(number(light.beam_angle_deg, 90.0, end, FAVOURED["beam_angle_deg"])) / 2.0  # pyrefly: ignore[bad-argument-type]
     if not in_water:
         half = float(beams.half_angle_in_water_rad(half, n_w=n_water))
     if light.beam == "disc":

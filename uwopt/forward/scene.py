@@ -386,7 +386,7 @@ def clarity_of(scene: Scene, table: str | None) -> Clarity | None:
 
 def water_of(scene: Scene, table: str | None, base_dir: Path | None) -> spectra.WaterProfile:
     """The water of a scene's type or file."""
-    return spectra.water_profile(str(scene.water), table=table, base_dir=base_dir)  # type: ignore[arg-type]
+    return spectra.water_profile(str(scene.water), table=table, base_dir=base_dir)  # pyrefly: ignore[bad-argument-type]
 
 
 def daylight_attenuation(profile: spectra.WaterProfile, grid: Array, c_per_m: Array) -> Array:

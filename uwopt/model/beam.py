@@ -168,7 +168,7 @@ def intensity_per_sr(cos_angle: ArrayLike, beam: Beam, way_m: ArrayLike = 0.0) -
     cos_edge = float(np.cos(_half_angle(beam)))
     inside = (cos > 0) if beam.edgeless else (cos >= cos_edge) & (cos > 0)
     if beam.kind == "cone":
-        return np.asarray(inside * _cone_intensity(beam))
+        return np.asarray(inside * _cone_intensity(beam), dtype=float)
     cos_inside = np.maximum(cos, cos_edge * (DISC_CONTINUED if beam.edgeless else 1.0))
     axial = 1 / (np.pi * np.tan(_half_angle(beam)) ** 2)
     return np.asarray(inside * (axial / (cos_inside * cos_inside * cos_inside)))

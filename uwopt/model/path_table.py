@@ -425,7 +425,7 @@ def _to_series(order: int) -> FloatArray:
     nodes = chebyshev.chebpts1(order + 1)
     matrix = 2.0 / (order + 1) * chebyshev.chebvander(nodes, order).T
     matrix[0] /= 2
-    return np.asarray(matrix)
+    return np.asarray(matrix, dtype=float)
 
 
 @functools.cache

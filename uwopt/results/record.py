@@ -48,7 +48,7 @@ class FiledRecord(Record):
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Self:
         """From plain values, as read from a file; a key that a later version adds at the top is passed over."""
-        known = {field.name for field in fields(cls)}  # type: ignore[arg-type]
+        known = {field.name for field in fields(cls)}  # pyrefly: ignore[bad-argument-type]
         return cls(**{key: value for key, value in data.items() if key in known})
 
 

@@ -172,7 +172,7 @@ class _Copy:
     def _work(
         self, works: Sequence[Callable[[], Any]], queue: _Queue, lists: Sequence[list[Any]], sink: int,
         begun_s: float,
-    ) -> Never:  # fmt: skip
+    ) -> Never:  # fmt: skip  # pyrefly: ignore[bad-return]
         """What the copy does: it returns nowhere, runs no handler of its end and writes to no stream."""
         status = 1
         try:

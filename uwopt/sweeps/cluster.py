@@ -67,7 +67,7 @@ class ClusterWorkers:
             return batch, future.result()
         except KilledWorker:
             return batch, Died()
-        except (asyncio.CancelledError, OSError, TimeoutError):
+        except (asyncio.CancelledError, OSError):  # a TimeoutError too
             raise self._gone() from None
         except Exception as fault:  # a task catches its own: this is of the cluster
             if type(fault).__name__ in ("CancelledError", "FutureCancelledError"):
@@ -95,7 +95,7 @@ def connected(address: str) -> Any:
         raise SchedulerError("--scheduler needs Dask; install uwopt[cluster]") from None
     try:
         client = Client(address, timeout=REACH_S, set_as_default=False)
-    except (OSError, TimeoutError, ValueError) as fault:
+    except (OSError, ValueError) as fault:  # a TimeoutError too
         text = f"no Dask scheduler answers ({told(fault)}); give its address, such as tcp://127.0.0.1:8786"
         raise SchedulerError(f"{address}: {text}") from None
     try:

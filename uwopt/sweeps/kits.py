@@ -23,7 +23,7 @@ def ids_of_kit(kit: SweepKit) -> PartIds:
         return {"complete": frozenset({kit.complete}), "light": light}
     housing = frozenset({kit.housing} if kit.housing else ())
     of_kit = {kind: frozenset({getattr(kit, kind)}) for kind in ("camera", "lens", "port")}
-    return {**of_kit, "housing": housing, "light": light}  # type: ignore[dict-item]
+    return {**of_kit, "housing": housing, "light": light}  # pyrefly: ignore[bad-return]
 
 
 def served_by(mission: Mission, kits: Sequence[SweepKit]) -> str:

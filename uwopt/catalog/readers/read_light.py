@@ -42,7 +42,7 @@ _CLASS_OF: dict[str, str] = {"continuous": "continuous", "pulsed_led": "pulsed-l
 
 def from_row(row: PartRow, origin: Origin) -> Built:
     """The light of a row, with what the model needs filled in."""
-    kind: LightKind = row.cells["kind"]  # type: ignore[assignment]
+    kind: LightKind = row.cells["kind"]  # pyrefly: ignore[bad-assignment]
     made = row_fields(Light, row, origin, (_CLASS_OF[kind],))
     flux, power = _flux_and_power(row, origin, kind)
     price, currency = _price_class(row, kind, flux)

@@ -62,8 +62,10 @@ class Pictures:
         """Take pictures in; ids are made unique by the prefix."""
         taken = []
         for picture in pictures:
-            item = {"id": f"{prefix}-{safe_id(picture.id)}", "group": picture.group, "title": picture.title,
-                    "caption": picture.caption, "alt": picture.alt, "kind": picture.kind, "content": None}  # fmt: skip
+            item: dict[str, Any] = {
+                "id": f"{prefix}-{safe_id(picture.id)}", "group": picture.group, "title": picture.title,
+                "caption": picture.caption, "alt": picture.alt, "kind": picture.kind, "content": None,
+            }  # fmt: skip
             if picture.kind == "plotly":
                 self.drawn[item["id"]] = picture.content  # plain and short already
             elif picture.kind == "svg":

@@ -9,7 +9,7 @@ from __future__ import annotations
 import base64
 import io
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal
 
@@ -94,7 +94,7 @@ def design_pictures(
     pictures = [one for what, make in steps.items() for one in deadline.within(what, partial(make, made), none)]
     if scene == 0:
         return pictures
-    return [Picture(**{**vars(one), "id": f"{one.id}-scene{scene + 1}"}) for one in pictures]
+    return [replace(one, id=f"{one.id}-scene{scene + 1}") for one in pictures]
 
 
 def picture_pair(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from uwopt.report.pictures.plots import BLUE, VERMILLION, Plot, axis, layout
 from uwopt.report.pictures.system_maps import markup_free
 from uwopt.report.text import formats
@@ -23,7 +25,7 @@ def wins_plot(made: SweepSummary) -> Plot:
     kits = made.kits[:MOST_BARS][::-1]
     numbers = [f"no. {made.kits.index(kit) + 1}" for kit in kits]
     texts = [markup_free(formats.one_line(kit.parts, 200)) for kit in kits]
-    bar = {"type": "bar", "orientation": "h", "y": numbers, "text": texts, "textposition": "none"}
+    bar: dict[str, Any] = {"type": "bar", "orientation": "h", "y": numbers, "text": texts, "textposition": "none"}
     data = [
         bar
         | {

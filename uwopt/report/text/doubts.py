@@ -136,7 +136,7 @@ def effect_lines(result: Result | FrontResult) -> list[str]:
 def tilt_facts(doubt: Mapping[str, Any]) -> list[tuple[str, str]]:
     """How far the lamps' tilt may be off, and what places between the grid's points would give."""
     facts = []
-    tilt = doubt.get("tilt")
+    tilt: Mapping[str, Any] = doubt.get("tilt") or {}
     if tilt:
         most = tilt["tried_up_to_deg"]
 

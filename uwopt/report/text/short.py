@@ -209,7 +209,7 @@ def buy_block(design: Design, title: str) -> Block:
         texts = (f"{row.count} x", kind, bought_name(row), formats.due_text(row), formats.known_price(row))
         table.add_row(*map(Text, texts))
     if not design.bom:
-        table = hardware_block(design, "").lines[0]  # type: ignore[assignment]
+        table = hardware_block(design, "").lines[0]
     return block(title, [table])
 
 

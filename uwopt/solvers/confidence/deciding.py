@@ -75,7 +75,7 @@ def shares(held: NDArray[np.bool_], number: Array) -> tuple[float, float]:
     """Share that holds where a number is low, and where it is high; of two values, by value."""
     values = np.unique(number)
     if len(values) == 2:
-        return tuple(float(held[number == value].mean()) for value in values)  # type: ignore[return-value]
+        return tuple(float(held[number == value].mean()) for value in values)  # pyrefly: ignore[bad-return]
     order = np.argsort(number, kind="stable")
     count = max(len(order) // PART, 1)
     return float(held[order[:count]].mean()), float(held[order[-count:]].mean())

@@ -280,12 +280,13 @@ def best_scene(scenes: Sequence[SceneOptics]) -> SceneOptics:
         for k, kind in enumerate(first.scattering)
     )
     needs = first.view.requirements.model_copy(update={"max_white_balance": None})
-    of_first = {one.name: getattr(first, one.name) for one in fields(SceneOptics)}
-    return EasiestScene(**of_first | dict(
+    of_first: dict[str, Any] = {one.name: getattr(first, one.name) for one in fields(SceneOptics)}
+    easiest: dict[str, Any] = dict(
         attenuation_per_m=lamp + beyond, lamp_attenuation_per_m=lamp, diffuse_attenuation_per_m=daylight,
         scattering=scattering, reflectance=np.max([one.reflectance for one in scenes], axis=0),
         view=replace(first.view, requirements=needs), cache={}, states=tuple(scenes),
-    ))  # fmt: skip
+    )  # fmt: skip
+    return EasiestScene(**of_first | easiest)
 
 
 def most_adverse(scenarios: Scenarios, count: int) -> Array:

@@ -124,7 +124,7 @@ def counted(
             FixedSettings(scene.name, one.level, 1e3 * one.time_s, ratio_to_db(one.gain))
             for scene, one in zip(problem.scenes, chosen.settings or [], strict=False)
         ],
-        drawn=list(drawn(problem.mission.doubt, problem)), **more,  # type: ignore[arg-type]
+        drawn=list(drawn(problem.mission.doubt, problem)), **more,  # pyrefly: ignore[bad-argument-type]
     )  # fmt: skip
 
 

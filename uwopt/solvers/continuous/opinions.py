@@ -88,7 +88,7 @@ def opinion(
         **fixed_of(sought, found),
         objective=objective,
         power_limit_w=sought.problem.scene_power_limit_w,
-        method=method,  # type: ignore[arg-type]
+        method=method,  # pyrefly: ignore[bad-argument-type]
         max_seconds=None if math.isinf(deadline.left_s) else deadline.left_s,
     )
     value = answer.objective_value

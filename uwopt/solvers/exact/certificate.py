@@ -48,12 +48,12 @@ def accounted(
     """Where every combination of the catalogue went: loaded, selected, evaluated, discarded by rule."""
     catalog, asked = selection.catalog, problem.mission.catalog
     kinds = [*KINDS, *(kind for kind in ("housing", "complete") if getattr(asked, kind) != "none")]
-    left: dict[str, int] = {kind: len(catalog.parts(kind)) for kind in kinds}  # type: ignore[arg-type]
+    left: dict[str, int] = {kind: len(catalog.parts(kind)) for kind in kinds}  # pyrefly: ignore[bad-argument-type]
     factor = per_light(problem)
     loaded = combinations(left)
     discarded: list[dict[str, Any]] = []
     for kind in kinds:
-        for rule, count in selection.counts[kind].items():  # type: ignore[index]
+        for rule, count in selection.counts[kind].items():  # pyrefly: ignore[bad-index]
             before = combinations(left)
             left[kind] -= count
             discarded.append({"rule": f"{kind}: {rule}", "count": (before - combinations(left)) * factor})

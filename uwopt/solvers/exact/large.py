@@ -8,6 +8,7 @@ discards it. What can matter is for a `Goal` to say: a search for one optimum an
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from typing import Any, Protocol
 
 import numpy as np
@@ -52,7 +53,8 @@ class Goal(Protocol):
     def order(self, ideals: Array) -> Array:
         """Their places, those to look at first before the others."""
 
-    def search(self, candidates: Candidates) -> bool:
+    @property
+    def search(self) -> Callable[[Candidates], bool]:
         """Search among imagers; False when time ran out."""
 
 

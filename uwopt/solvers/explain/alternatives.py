@@ -122,7 +122,7 @@ def other_makers(
     """Makers of cameras and lights none of whose parts is shown, with a mask of those that may be searched."""
     for kind in KINDS:
         searched: Sequence[Part] = getattr(problem.parts, f"{kind}s")
-        known: Sequence[Part] = selection.catalog.parts(kind)  # type: ignore[arg-type]
+        known: Sequence[Part] = selection.catalog.parts(kind)
         taken = {part.manufacturer for part in known if part.id in shown[kind]}
         makers = [part.manufacturer for part in known if part.manufacturer and not part.generic]
         others = [maker for maker, _ in Counter(makers).most_common() if maker not in taken]
@@ -134,7 +134,7 @@ def other_makers(
 
 def why_left_out(selection: Selection, kind: str, maker: str) -> str:
     """The reason that most of a maker's parts are left out before the search."""
-    own = {part.id for part in selection.catalog.parts(kind) if part.manufacturer == maker}  # type: ignore[arg-type]
+    own = {part.id for part in selection.catalog.parts(kind) if part.manufacturer == maker}  # pyrefly: ignore[bad-argument-type]
     reasons = Counter(item.reason for item in selection.excluded if item.part_id in own)
     return reasons.most_common(1)[0][0] if reasons else ""
 

@@ -23,12 +23,12 @@ from uwopt.forward.sun_light import sun_light
 from uwopt.solvers.exact.search import Search
 
 Array = NDArray[Any]
-Stored = TypeVar("Stored", ImageLight, SunLight, SharpRows)
+Stored = TypeVar("Stored", bound=Columns)
 
 
 def appended(old: Stored | None, new: Stored) -> Stored:
     """Rows of one kind after the others."""
-    return new if old is None else type(new).joined([old, new])
+    return new if old is None else new.joined([old, new])
 
 
 class Store(Generic[Stored]):

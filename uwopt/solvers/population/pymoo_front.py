@@ -220,7 +220,7 @@ class PymooRun:
         return made
 
 
-class Vectors(Problem):  # type: ignore[misc]
+class Vectors(Problem):
     """The problem as pymoo sees it: integer vectors, all of a generation at once."""
 
     def __init__(self, run: PymooRun):
@@ -239,7 +239,7 @@ class Vectors(Problem):  # type: ignore[misc]
         out["F"], out["G"] = values, violation[:, None]
 
 
-class Exchange(SBX):  # type: ignore[misc]
+class Exchange(SBX):
     """Settings by simulated binary crossover; hardware, which has no between, is swapped gene by gene."""
 
     def __init__(self, n_hardware: int):
@@ -258,7 +258,7 @@ class Exchange(SBX):  # type: ignore[misc]
         return made
 
 
-class Mutation(PM):  # type: ignore[misc]
+class Mutation(PM):
     """Polynomial mutation; genes of hardware are as often drawn anew, and some vectors are all new."""
 
     def __init__(self, coding: Coding):

@@ -134,7 +134,7 @@ class SettableScene:
             if not any(len(m) for m in more):
                 return best
             found = self._over_levels(stops, more)
-            place = np.concatenate([each, np.nonzero([len(m) > 0 for m in more])[0]])
+            place = np.concatenate([each, np.flatnonzero([len(m) > 0 for m in more])])
             both = Tried.joined([best, found])
             best = both.take(both.best_of_each(place))
             tried = [np.union1d(seen, new) for seen, new in zip(tried, more, strict=True)]
@@ -362,7 +362,7 @@ def least_first(rooms: Rooms, count: int) -> Array:
     made = np.full((count, len(ROOMY)), ENOUGH)
     for number, room in enumerate(rooms.values()):
         made[:, number] = np.clip(room, 0.0, ENOUGH)
-    return np.sort(np.round(made, ROOM_DIGITS), axis=1)
+    return np.sort(made.round(ROOM_DIGITS), axis=1)
 
 
 def few_pixels(model: DesignModel, index: int) -> DesignModel:

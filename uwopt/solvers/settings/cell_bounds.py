@@ -118,7 +118,7 @@ def in_blocks(work: Callable[..., Rows], columns: Sequence[Any], rows_at_once: i
 
     parts = [slice(first, first + rows_at_once) for first in range(0, count, rows_at_once)]
     made = [work(*(some(column, rows) for column in columns)) for rows in parts]
-    return type(made[0]).joined(made)
+    return made[0].joined(made)
 
 
 class SceneCells:

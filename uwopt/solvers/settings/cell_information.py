@@ -271,7 +271,7 @@ class Information:
                     self._add(rows[served], (orders[0], orders[1]), "all", None)
                     continue
                 for joined, which in (("rays", falls), ("none", ~falls)):
-                    self._add(rows[served & which], (orders[0], orders[1]), joined, spread)  # type: ignore[arg-type]
+                    self._add(rows[served & which], (orders[0], orders[1]), joined, spread)
 
     def _add(self, rows: Array, orders: tuple[int, int], joined: Joined, spread: SpreadTable | None) -> None:
         """A group of designs, where there are any."""

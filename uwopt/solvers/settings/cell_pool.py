@@ -242,7 +242,7 @@ class BoundedCells:
         pool.hi[:, dim] = np.clip(np.log(most), pool.lo[:, dim], pool.hi[:, dim])
         return replace(box, n_hi=most, t_lo=least_s)
 
-    def _value(self, power: Array, snr: Array, contrast: Array, information: Array | float) -> Array:
+    def _value(self, power: Array, snr: Array, contrast: Array | float, information: Array | float) -> Array:
         """The settings' part of the objective."""
         w = self.weight
         total = w["power"] * power

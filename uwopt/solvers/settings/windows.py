@@ -209,7 +209,7 @@ def light_of_each(
         veil = 0.0 if rows.veil_e is None else rows.veil_e[:, altitude]
     if signal.ndim == 1:
         signal = signal[:, None]
-        veil = veil if np.ndim(veil) == 0 else veil[:, None]
+        veil = veil if np.ndim(veil) == 0 else np.asarray(veil)[:, None]
     dark = dark_e(rows)[:, None]
     common: dict[str, Any] = dict(
         read_noise_e=rows.read_noise_e[:, None],
