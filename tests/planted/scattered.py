@@ -413,7 +413,7 @@ DEFECTS = (
         name="a bound leaves out orders that a lobe has light of",
         file="uwopt/model/widened.py",
         old="NO_LIGHT = 1e-12",
-        new="NO_LIGHT = 1e-3",
+        new="NO_LIGHT = 0.1",
         test="tests/model/test_widened.py::test_a_bound_of_several_waters_lobes_is_the_extreme_of_all_at_once[True-wide]",
     ),
     Defect(
