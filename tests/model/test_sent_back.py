@@ -11,7 +11,7 @@ from scipy.integrate import quad
 
 from uwopt.model import phase_formulas
 from uwopt.model.scattering import PhaseTable, look_up, phase_table_of, share_beyond
-from uwopt.model.sent_back import least_of, mean_way_m, widened_phase
+from uwopt.model.sent_back import least_widened_phase, mean_way_m, widened_phase
 
 Array = NDArray[Any]
 PSI = np.deg2rad([62.0, 75.0, 90.0, 110.0, 135.0, 160.0, 180.0])
@@ -83,9 +83,10 @@ def test_more_turns_fill_what_is_hollow() -> None:
     assert np.all(np.diff(straight_back) > 0.0)
 
 
-def test_the_least_of_functions_is_no_more_than_any() -> None:
-    tables = [henyey_greenstein(g) for g in (0.5, 0.8, 0.9)]
-    least, cos = least_of(tables), np.cos(np.linspace(0.0, np.pi, 500))
-    every = np.array([look_up(cos, one) for one in tables])
-    assert np.all(look_up(cos, least) <= every.min(axis=0) * (1 + 1e-12))
-    assert np.any(np.argmin(every, axis=0) != np.argmin(every[:, 0]))
+def test_the_least_in_several_waters_is_that_of_each_alone() -> None:
+    table, thickness = henyey_greenstein(0.8), np.array([0.1, 2.0, 0.7])
+    least = least_widened_phase(table, [(thickness, table), (0.1 * thickness[::-1], None)])
+    pairs = zip(thickness, 0.1 * thickness[::-1], strict=True)
+    every = np.array([widened_phase(table, [(t, table), (m, None)]).phase_per_sr for t, m in pairs])
+    np.testing.assert_allclose(least.phase_per_sr, every.min(axis=0), rtol=1e-12)
+    assert len(np.unique(np.argmin(every, axis=0))) > 1

@@ -235,9 +235,9 @@ DEFECTS = (
     ),
     Defect(
         name="the best of waters sends back what the first does",
-        file="uwopt/solvers/confidence/panels.py",
-        old="None if None in tables else least_of(tables) for",
-        new="tables[0] for",
+        file="uwopt/model/sent_back.py",
+        old="np.minimum(least, _at_nodes(table, left, halo), out=least)",
+        new="least[:] = _at_nodes(table, gain[0, -1], halos[0])",
         test="tests/solvers/test_widened_lobes.py::test_the_best_of_waters_sends_back_no_more_than_any_at_any_angle",
     ),
     Defect(

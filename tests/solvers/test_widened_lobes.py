@@ -108,5 +108,5 @@ def test_the_best_of_waters_sends_back_no_more_than_any_at_any_angle() -> None:
         every = [state.sent_back(spectrum, range_m)[0] for state in states]
         assert easiest is not None
         values = np.array([one_.phase_per_sr for one_ in every if one_ is not None])
-        assert len(values) == len(states) and np.all(easiest.phase_per_sr <= values)
+        assert len(values) == len(states) and np.all(easiest.phase_per_sr <= values * (1 + 1e-12))
         assert np.any(np.ptp(values, axis=0) > 1e-3 * values.mean(axis=0))

@@ -1,7 +1,7 @@
-"""Several states of one scene's water side by side: what they do to a lamp's lobe, in one.
+"""Several states of one scene's water side by side: what they do to a lamp's lobe and send back, in one.
 
-As `SceneOptics.widened_lobe` of each, of which only the extremes are kept. All have the scene's wavelengths and things
-that scatter; how much these do differs.
+As `SceneOptics.widened_lobe` and `sent_back` of each, of which only the extremes are kept. All have the scene's
+wavelengths and things that scatter; how much these do differs.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from uwopt.model import multiple
 from uwopt.model.beam import Beam, half_power_angle_rad
 from uwopt.model.scattering import PhaseTable, share_beyond
+from uwopt.model.sent_back import least_widened_phase, mean_way_m
 from uwopt.model.widened import Turned, bounding, ways_m
 
 if TYPE_CHECKING:
@@ -72,6 +73,19 @@ class WatersBeside:
             lobe, turned, way_m, absorbed=absorbed.ravel(), returned=returned.ravel(), sent_back=back, weights=weights,
             most=not back,
         )  # fmt: skip
+
+    def least_sent_back(self, relative_spectrum: Array, range_m: float) -> tuple[PhaseTable | None, ...]:
+        """At every angle the least of the phase functions that lamp light meets; as `SceneOptics.sent_back` of each."""
+        ways = mean_way_m(range_m, self.attenuation_per_m)
+        optical = self.attenuation_per_m * ways
+        sent, told = self.first.sent_colours(relative_spectrum)
+        weight = np.where(told, sent, 0.0) * np.exp(np.minimum(optical[:, told].min(axis=1)[:, None] - optical, 0.0))
+        weight *= ways / weight.sum(axis=1)[:, None]
+        turned = [
+            (multiple.BACK_WAY * np.einsum("nw,nw->n", weight, self.scattering_per_m[:, kind]), table)
+            for kind, table in enumerate(self.tables)
+        ]
+        return tuple(None if table is None else least_widened_phase(table, turned) for table in self.tables)
 
     def _mean(self, relative_spectrum: Array, ways: Array, lost_per_m: Array) -> Array:
         """Reflectance, a, b_b and b of each kind over the colours that get through, (., n_waters, n_ways).

@@ -82,31 +82,48 @@ def widened_phase(table: PhaseTable, turned: Sequence[tuple[float, PhaseTable | 
     gain = np.exp(log_gain)
     series = _sent_series(table) * (gain - gain[-1])
     halo = product(series[None, :], _at_knots())[0]
-    part = KNOTS / table.n_cell * np.arange(table.n_cell // KNOTS)  # cells between two knots
-    between = halo[:-1, None] + np.diff(halo)[:, None] * part
-    values = _made_even(table) * (gain[-1] - 1.0)
-    values += table.phase_per_sr
-    values[:-2] += between.ravel()
-    values[-2:] += halo[-1]
-    np.maximum(values, 0.0, out=values)
-    values.setflags(write=False)
-    return PhaseTable(values)
+    return _not_below_0(_at_nodes(table, gain[-1], halo))
 
 
-def least_of(tables: Sequence[PhaseTable]) -> PhaseTable:
-    """At every angle the least of some phase functions: a bound of what is sent back.
+def least_widened_phase(table: PhaseTable, turned: Sequence[tuple[FloatArray, PhaseTable | None]]) -> PhaseTable:
+    """At every angle the least of a phase function as light meets it in several waters: a bound of what is sent back.
 
-        p(psi) = min over i of p_i(psi)
+        p(psi) = min over waters i of p_i(psi),   p_i as of `widened_phase`
 
     Parameters
     ----------
-    tables : PhaseTable each, of as many cells
+    table : PhaseTable, p
+    turned : t of each kind in each water (n,) [1], and its own function; None: the water's molecules
 
     Returns
     -------
     PhaseTable, of integral 1 at most
     """
-    values = np.min([one.phase_per_sr for one in tables], axis=0)
+    log_gain = np.zeros((len(turned[0][0]), ORDERS + 1))
+    for thickness, phase in turned:
+        aslant = aslant_share(phase)
+        log_gain += np.multiply.outer(thickness, aslant - aslant[0])
+    gain = np.exp(log_gain)
+    halos = product(_sent_series(table) * (gain - gain[:, -1:]), _at_knots())
+    least = np.full_like(table.phase_per_sr, np.inf)
+    for left, halo in zip(gain[:, -1], halos, strict=True):  # one by one: all at once take much memory
+        np.minimum(least, _at_nodes(table, left, halo), out=least)
+    return _not_below_0(least)
+
+
+def _at_nodes(table: PhaseTable, left: float, halo: FloatArray) -> FloatArray:
+    """What is left of a phase function, at its nodes, and a halo between knots."""
+    part = KNOTS / table.n_cell * np.arange(table.n_cell // KNOTS)  # cells between two knots
+    between = halo[:-1, None] + np.diff(halo)[:, None] * part
+    values = _made_even(table) * (left - 1.0)
+    values += table.phase_per_sr
+    values[:-2] += between.ravel()
+    values[-2:] += halo[-1]
+    return values
+
+
+def _not_below_0(values: FloatArray) -> PhaseTable:
+    np.maximum(values, 0.0, out=values)
     values.setflags(write=False)
     return PhaseTable(values)
 

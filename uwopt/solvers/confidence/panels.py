@@ -35,7 +35,6 @@ from uwopt.forward.scene import SceneOptics
 from uwopt.forward.waters_beside import WatersBeside
 from uwopt.model.beam import Beam, half_power_angle_rad
 from uwopt.model.scattering import PhaseTable
-from uwopt.model.sent_back import least_of
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.draws import drawn_facts
 from uwopt.solvers.confidence.scenarios import Scenarios, loss
@@ -183,11 +182,21 @@ class EasiestScene(SceneOptics):
         """Spectra likewise."""
         return np.asarray(self.kept(what, make))
 
+    @property
+    def beside(self) -> WatersBeside:
+        """All states side by side."""
+        made: WatersBeside = self.kept("waters beside", lambda: WatersBeside.of(self.states))
+        return made
+
     def lamp_leg_per_m(self, half_power_angle_rad: float) -> Array:
         """The least of all states."""
+        return self.once(("lamp leg", half_power_angle_rad), lambda: least(self.lamp_legs_per_m(half_power_angle_rad)))
+
+    def lamp_legs_per_m(self, half_power_angle_rad: float) -> Array:
+        """Of each state, (n_states, n_wavelengths)."""
         return self.once(
-            ("lamp leg", half_power_angle_rad),
-            lambda: least([one.lamp_leg_per_m(half_power_angle_rad) for one in self.states]),
+            ("lamp legs", half_power_angle_rad),
+            lambda: np.stack([one.lamp_leg_per_m(half_power_angle_rad) for one in self.states]),
         )
 
     def widened_lobe(self, lobe: Beam, relative_spectrum: Array, *, way_m: float, back: bool = False) -> Beam:
@@ -197,20 +206,16 @@ class EasiestScene(SceneOptics):
         least of all in every colour is taken from its lobe.
         """
         half_power, weights = half_power_angle_rad(lobe), np.ones(len(self.states))
-        legs = self.once(
-            ("lamp legs", half_power), lambda: np.stack([one.lamp_leg_per_m(half_power) for one in self.states])
-        )
+        legs = self.lamp_legs_per_m(half_power)
         if not back and not self.slope:
             weights = np.exp(-(legs - self.lamp_leg_per_m(half_power)).min(axis=1) * way_m)
-        beside: WatersBeside = self.kept("waters beside", lambda: WatersBeside.of(self.states))
-        return beside.bounding_lobe(
+        return self.beside.bounding_lobe(
             lobe, relative_spectrum, legs, way_m=way_m, back=back, weights=weights.tolist()
         )
 
     def sent_back(self, relative_spectrum: Array, range_m: float) -> tuple[PhaseTable | None, ...]:
         """At every angle the least of all states."""
-        each = zip(*(one.sent_back(relative_spectrum, range_m) for one in self.states), strict=True)
-        return tuple(None if None in tables else least_of(tables) for tables in each)
+        return self.beside.least_sent_back(relative_spectrum, range_m)
 
     def near_leg_per_m(self) -> Array:
         """What leaves the least veil beside the image."""
@@ -250,15 +255,13 @@ class EasiestScene(SceneOptics):
         def made() -> Array:
             back = [one.back_leg_per_m(half_power_angle_rad) for one in self.states]
             camera = least([one.attenuation_per_m - k for one, k in zip(self.states, back, strict=True)])
-            lamp = least([
-                one.lamp_leg_per_m(half_power_angle_rad) - k for one, k in zip(self.states, back, strict=True)
-            ])
+            lamp = least(self.lamp_legs_per_m(half_power_angle_rad) - np.stack(back))
             return np.maximum(self.attenuation_per_m - camera, self.lamp_leg_per_m(half_power_angle_rad) - lamp)
 
         return self.once(("back leg", half_power_angle_rad), made)
 
 
-def least(columns: Sequence[Array]) -> Array:
+def least(columns: Sequence[Array] | Array) -> Array:
     """The least of some spectra, wavelength by wavelength."""
     return np.asarray(np.min(columns, axis=0))
 
