@@ -197,6 +197,21 @@ def test_smeared_subjects_are_told_where_no_limit_of_blur_is_asked(calm: Result)
     assert risks_of(with_figures(calm, blur_px=5.0)) == []
 
 
+def test_light_that_is_gathered_long_asks_for_a_camera_that_stands_still(calm: Result) -> None:
+    def still(blur_px: float = 0.0, sun_lux: float = 0.0, **settings: float) -> Result:
+        scene = design_of(with_figures(calm, blur_px=blur_px, gsd_mm=0.26)).scenes[0]
+        lit = {**calm.mission, "scenes": [{"name": scene.name, "sun_lux": sun_lux}]}
+        return with_scene(replace(calm, mission=lit), replace(scene, settings={**scene.settings, **settings}))
+
+    risk = only(still(exposure_ms=1000.0))
+    assert risk.what == "camera and scene must stand still"
+    assert risk.because.startswith("1 000 ms of light smear by a pixel at a drift of 0.260 mm/s, and")
+    assert only(still(exposure_ms=1000.0, pulse_ms=2.0, sun_lux=1e4)) == risk
+    assert risks_of(still(exposure_ms=1000.0, pulse_ms=2.0)) == []  # a flash in the dark freezes what moves
+    assert risks_of(still(exposure_ms=25.0)) == []
+    assert risks_of(still(exposure_ms=1000.0, blur_px=0.5)) == []  # it moves, and that is counted
+
+
 def test_scene_is_named_where_there_are_several(calm: Result) -> None:
     first = design_of(calm).scenes[0]
     other = replace(first, name="wall", figures={**CALM, "defocus_corner_px": 5.0})

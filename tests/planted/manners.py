@@ -9,6 +9,13 @@ SEARCH_DEADLINE = "tests/solvers/test_search_deadline.py"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="a flash of an instant asks for a camera that stands still",
+        file="uwopt/api/risks.py",
+        old="if pulse_ms and not sunlit else",
+        new="if False else",
+        test="tests/api/test_risks.py::test_light_that_is_gathered_long_asks_for_a_camera_that_stands_still",
+    ),
+    Defect(
         name="a report draws all pictures, whatever the time",
         file="uwopt/report/page/page.py",
         old='"deadline": deadline,',

@@ -6,6 +6,7 @@ when estimates turn out badly, about 50 for what is worse than the figures say, 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
@@ -61,6 +62,7 @@ OFF_FOCUS = {
 }
 EVEN, VERY_UNEVEN = 0.3, 0.1  # darkest place against the mean
 SEEN_PX = 2.0  # a blur, skew or coloured edge wider than this is seen
+STILL_MM_S = 10.0  # a hand, a line or a hovering vehicle drifts faster; a frame on the floor does not
 STEADY_DEG = 3.0  # as well as a lamp's direction is kept on a vehicle
 DEPTH_IN_HAND = 0.1
 BUOYANT_KG = 0.5  # that a mount and its screws weigh in water; beyond it ballast is needed (assumed)
@@ -237,6 +239,30 @@ def smeared_subjects(result: Result, design: Design) -> Weighed:
         yield 44.0, Risk("what moves is smeared", because, format_quantity(value, "px"))
 
 
+def must_stand_still(result: Result, design: Design) -> Weighed:
+    """Light that is gathered so long that a slow drift smears it, where the mission says that nothing moves."""
+    still = [scene for scene in design.scenes if scene.figures.get("blur_px") == 0.0 and scene.figures.get("gsd_mm")]
+    lit = [(gathering_s(result, scene), scene) for scene in still]
+    if not lit:
+        return
+    lit_s, scene = max(lit, key=lambda item: item[0] / item[1].figures["gsd_mm"])
+    drift_mm_s = scene.figures["gsd_mm"] / lit_s if lit_s else math.inf
+    if drift_mm_s < STILL_MM_S:
+        because = (
+            f"{format_quantity(1e3 * lit_s, 'ms')} of light smear by a pixel at a drift of "
+            f"{format_quantity(drift_mm_s, 'mm/s')}{in_scene(design, scene)}, and the mission says that nothing moves; "
+            "speed_m_s or limits.max_exposure_ms asks for less"
+        )
+        yield 58.0, Risk("camera and scene must stand still", because, "")
+
+
+def gathering_s(result: Result, scene: SceneResult) -> float:
+    """How long an image gathers light: the pulse in the dark, the exposure under the sun or where lamps burn."""
+    sunlit = any(one.get("sun_lux") for one in result.mission.get("scenes") or [] if one.get("name") == scene.name)
+    exposure_ms, pulse_ms = (scene.settings.get(key) or 0.0 for key in ("exposure_ms", "pulse_ms"))
+    return 1e-3 * (min(exposure_ms, pulse_ms) if pulse_ms and not sunlit else exposure_ms)
+
+
 def weak_colours(result: Result, design: Design) -> Weighed:
     """Channels that must be amplified much."""
     scene, value = worst(design, "white_balance")
@@ -356,8 +382,8 @@ def noted(result: Result, design: Design) -> Weighed:
 
 RULES: Sequence[Callable[[Result, Design], Weighed]] = (
     missed, uncertain, at_bad_ends, nothing_in_hand, shallow, floats, in_other_water, lamps_off, uneven,
-    seen_in_the_image, smeared_subjects, weak_colours, wide_open, high_gain, held_back, price, to_be_made,
-    maybe_withdrawn, idle_lamps, better_elsewhere, noted,
+    seen_in_the_image, smeared_subjects, must_stand_still, weak_colours, wide_open, high_gain, held_back, price,
+    to_be_made, maybe_withdrawn, idle_lamps, better_elsewhere, noted,
 )  # fmt: skip
 
 
