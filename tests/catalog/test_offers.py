@@ -34,6 +34,7 @@ def test_numbers_with_units_are_read_in_the_column_s(key: str, text: str, cell: 
 @pytest.mark.parametrize(
     ("key", "text", "fault"),
     [
+        ("flux_lm", "4.500,00", "'4.500,00' is no number; write it without commas, such as 4500.00"),
         ("flux_lm", "45 m", "'45 m' is in another unit; it is asked in lm"),
         ("flux_lm", "-5", "must be a number above 0"), ("flux_lm", "bright", "'bright' is no number"),
         ("kind", "laser", "is not one of continuous, pulsed_led, flash"), ("max_pulse_us", "4e15", "check its unit"),

@@ -90,6 +90,7 @@ def test_rules_of_the_search_and_of_the_choice_have_words() -> None:
 
 def test_kind_of_part_stays_before_its_rule() -> None:
     assert words.rule_name("port: generic") == "port: parts to be made, real ones are left"
+    assert words.rule_name("housing: port") == "port does not go on the housing"
 
 
 def test_margin_that_is_rounding_only_is_zero(make_margin: Callable[..., Any]) -> None:

@@ -126,6 +126,8 @@ def number_of(text: str) -> float | None:
 def in_unit(column: Column, text: str) -> tuple[str, str]:
     """A number with a unit behind it in the column's unit; or what is wrong with it."""
     own = split_unit(column.name)[1]
+    if "," in text:
+        return "", f"{column.name}: {text[:40]!r} is no number; write it without commas, such as 4500.00"
     found = WITH_UNIT.fullmatch(text)
     if found is None:
         return "", f"{column.name}: {text[:40]!r} is no number"

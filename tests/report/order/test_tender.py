@@ -25,12 +25,13 @@ from uwopt.deadline import Deadline  # noqa: E402
 from uwopt.errors import CatalogError, ResultError  # noqa: E402
 from uwopt.mission.mission import Mission, load_mission  # noqa: E402
 from uwopt.report.order import tender_lines  # noqa: E402
-from uwopt.report.order.answers import answer_blocks, change_sentences  # noqa: E402
+from uwopt.report.order.answers import answer_blocks, certainty_sentences, change_sentences  # noqa: E402
 from uwopt.report.order.tender_book import FIRST_ANSWER, letter, tender_book  # noqa: E402
 from uwopt.report.order.tender_lines import end_text, lines_of, needed_beside  # noqa: E402
 from uwopt.report.text.layout import Text  # noqa: E402
 from uwopt.results.design import Margin  # noqa: E402
 from uwopt.results.result import Result  # noqa: E402
+from uwopt.solvers.explain.quoted import SolvedAgain  # noqa: E402
 from uwopt.solvers.explain.specification import PropertyLimit  # noqa: E402
 
 Make = Callable[..., Any]
@@ -223,6 +224,21 @@ def test_of_two_offers_of_one_part_the_cheaper_counts() -> None:
     told, log = logged(offers_of(sheets, TODAY), TODAY)
     assert [offer.usable for offer in told] == [False, True, False]
     assert [row["new"] for row in csv.DictReader(log.splitlines()[3:]) if row["cell"] == "price"] == ["700"]
+
+
+def test_whoever_decides_again_reads_how_certain_it_is(make_result: Make) -> None:
+    counted = {
+        "asked": 0.9, "enough": False, "held": 0.74, "held_low": 0.71, "held_high": 0.77, "scenarios": 1024,
+        "held_in_choice": 0.75, "scenarios_in_choice": 256, "p50_in_choice": 61.0, "objective_p50": 62.0,
+        "objective_p90": None, "f_number": 4.0, "lost_to": [], "drawn": [], "central_objective": 40.0,
+        "central_held": 0.7, "central_p50": None,
+    }  # fmt: skip
+    now, was = make_result(confidence=counted), make_result(confidence=counted | {"held": 0.57})
+    (told,) = certainty_sentences(SolvedAgain(before=was, after=now))
+    assert told.startswith("Not certain enough: it holds in 74 % of 1 024 scenarios") and "before in 57 %" in told
+    surer = make_result(confidence=counted | {"held": 0.97, "enough": True})
+    assert next(certainty_sentences(SolvedAgain(before=was, after=surer))).startswith("It holds in 97 %")
+    assert [*certainty_sentences(SolvedAgain(before=was, after=make_result()))] == []
 
 
 def test_what_is_wrong_with_a_part_as_a_whole_is_told_without_our_own_table() -> None:

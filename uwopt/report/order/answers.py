@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 
 from uwopt.catalog.offers import Offer
 from uwopt.report.text import formats, words
+from uwopt.report.text.certainty import held_text, percent
 from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, sentence
 from uwopt.results.design import Design
 from uwopt.results.result import Result
@@ -77,6 +78,15 @@ def change_sentences(made: QuotedAgain) -> Iterator[str]:
         yield "Nothing: no answer told anything that is new and can be used."
         return
     yield from again_sentences(made, lambda was, now: because(made, was, now))
+    yield from certainty_sentences(made)
+
+
+def certainty_sentences(made: SolvedAgain) -> Iterator[str]:
+    """How often what is recommended now holds, where that was counted."""
+    now, was = made.after.confidence, made.before.confidence
+    if now is not None:
+        before = f"; what was recommended before in {percent(was.held)}" if was is not None else ""
+        yield f"{'It' if now.enough else 'Not certain enough: it'} {held_text(now)}{before}."
 
 
 def again_sentences(made: SolvedAgain, why: Callable[[str, str], str]) -> Iterator[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from uwopt.mission.best_image import NAME as BEST_IMAGE
 from uwopt.report.text import formats, words
 from uwopt.report.text.doubts import drawn_text, number_name
 from uwopt.report.text.helps import move_text
@@ -19,6 +20,7 @@ LOST_TO = {
     "housing": "camera and lens do not fit into the housing",
     "focus": "the lens does not focus behind this port",
 }
+TAKEN_OFF = ", its power and price taken off"
 SAME_PARTS = "the same parts"
 EVERY_END = "at every end of what is uncertain"
 
@@ -78,7 +80,7 @@ def facts(result: Result, known: Confidence) -> Iterator[tuple[str, str]]:
         text = f"{words.objective_text(result, known.objective_p50)} or better in half of them"
         if known.objective_p90 is not None:
             text += f", {words.objective_text(result, known.objective_p90)} or better in nine of ten"
-        yield name, text
+        yield name, text + (TAKEN_OFF if result.objective.name == BEST_IMAGE else "")
     for one in known.fixed:
         text = f"light level {100.0 * one.light_level:.3g} %, {one.light_time_ms:.3g} ms of light"
         text += f", gain {one.gain_db:.3g} dB"
@@ -158,7 +160,7 @@ def lost_text(requirement: str) -> str:
 
 def curve_table(result: Result, known: Confidence) -> Line:
     """What confidence costs: one row a hardware, at the most that it holds in."""
-    name = formats.one_line(result.objective.name)
+    name = formats.one_line(result.objective.name.replace("_", " "))
     table = columns(("held in", "right"), (f"{name}, median", "right"), ("with", "left"))
     for point, after in zip(known.curve, [*known.curve[1:], None], strict=True):
         if after is not None and after.hardware == point.hardware:

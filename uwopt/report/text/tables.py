@@ -73,7 +73,7 @@ def headline(result: Result) -> Block:
     title = Joined((Text(name, "bold"), Text(": "), Text(result.status, status_style(result))))
     lines: list[Line] = [title, Text(words.as_sentence(words.status_sentence(result)))]
     if result.best is not None and result.best.objective_value is not None:
-        goal = formats.one_line(result.objective.name)
+        goal = formats.one_line(result.objective.name.replace("_", " "))
         direction = formats.one_line(result.objective.direction)
         lines.append(Text(f"Objective: {goal} {words.as_set_text(result, result.best)} ({direction}d)."))
     if result.best is not None and (first := fails_first(result.best.as_set)):
@@ -387,7 +387,7 @@ CENTRAL_LEGEND = (
 
 def runner_up_table(result: Result, best: Design, designs: Sequence[Design]) -> Grid:
     """One row a design."""
-    objective = formats.one_line(result.objective.name, 24)
+    objective = formats.one_line(result.objective.name.replace("_", " "), 24)
     heads = [("", "right"), ("has instead", "left"), (objective, "right"), ("difference", "right")]
     shown = [name for name in ("cost", "power") if name != objective]
     table = columns(*heads, *((name, "right") for name in shown))

@@ -14,7 +14,6 @@ from uwopt.results.result import Certificate, Result
 from uwopt.units import (
     format_number,
     format_price,
-    format_quantity,
     format_within,
 )
 
@@ -36,6 +35,8 @@ def requirement_name(requirement: str, kinds: Mapping[str, str] | None = None) -
 
 def rule_name(rule: str) -> str:
     """A rule of the search in words; `light: availability` keeps the kind in front."""
+    if rule in RULES:
+        return RULES[rule]
     kind, _, name = rule.rpartition(": ")
     return (f"{one_line(kind)}: " if kind else "") + RULES.get(name, one_line(name.replace("_", " ")))
 
@@ -264,7 +265,7 @@ def n_unpriced(bom: Sequence[BillRow]) -> int:
 
 def objective_text(result: Result, value: float | None, digits: int = 4) -> str:
     """A value of the objective with its unit."""
-    return format_quantity(value, result.objective.unit, digits)
+    return quantity(value, result.objective.unit, digits)
 
 
 def bound_text(result: Result, value: float | None, gap: float | None) -> str:
