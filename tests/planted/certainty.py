@@ -284,6 +284,13 @@ DEFECTS = (
         test=f"{PROOF}::test_what_is_proven_best_is_the_best_of_every_hardware",
     ),
     Defect(
+        name="waters of both tables share a bound",
+        file=f"{ROOM}/panels.py",
+        old="groups = [np.flatnonzero(table == one) for one in np.unique(table)]",
+        new="groups = [np.arange(scenarios.count)]",
+        test=f"{PROOF}::test_waters_that_share_a_bound_are_of_one_table_or_of_like_k[0.4-other_table]",
+    ),
+    Defect(
         name="the water of a panel is the murkiest",
         file=f"{ROOM}/panels.py",
         old="return np.asarray(np.min(columns, axis=0))",

@@ -28,7 +28,7 @@ from uwopt.solvers.confidence.outcomes import Outcomes, groups_of, outcomes_of_e
 from uwopt.solvers.confidence.panels import anchors_of, best_scene, least_covered, panel_of
 from uwopt.solvers.confidence.polish import Glance, polish
 from uwopt.solvers.confidence.proof import Prover
-from uwopt.solvers.confidence.scenarios import Scenarios, SomeScenarios
+from uwopt.solvers.confidence.scenarios import Scenarios, SomeScenarios, loss
 from uwopt.solvers.confidence.screen import bounds_of
 from uwopt.solvers.confidence.search import Certain, can_be_proven, unheard
 from uwopt.solvers.confidence.summary import counted, proof_told, wilson
@@ -375,6 +375,19 @@ def test_no_bound_is_above_what_is_counted() -> None:
             assert np.all(own[held] <= value[held] * (1.0 + INTERPOLATED))
             tight += (own[held] / value[held]).tolist()
     assert np.median(tight) > 0.75
+
+
+@pytest.mark.parametrize("share, name", [(0.4, "other_table"), (0.0, "lamp_leg")])
+def test_waters_that_share_a_bound_are_of_one_table_or_of_like_k(share: float, name: str) -> None:
+    """Two groups in all, the worst first: each asks for light of its own in every image."""
+    problem = one(scenes=({"water": "5C", "water_table": "measured"},)).problem()
+    doubt = problem.mission.with_changes(doubt={"lamp_leg": True, "other_water_table": share}).doubt
+    scenarios = Scenarios.drawn(problem.mission, problem.scenes, doubt, seed=2, count=24)
+    first, last = (anchor.scenarios for anchor in anchors_of(problem, scenarios))
+    ours, theirs = ([float(getattr(scenarios.states[k], name)) for k in places] for places in (first, last))
+    assert max(ours) < min(theirs) or max(theirs) < min(ours)
+    taken = [np.mean([loss(scenarios.scenes[k][0]) for k in places]) for places in (first, last)]
+    assert taken[0] > taken[1]
 
 
 def test_a_panel_is_no_harder_than_as_many_scenarios_as_it_says() -> None:

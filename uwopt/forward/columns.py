@@ -202,6 +202,9 @@ def array_in_places(parts: Sequence[tuple[Array | slice, Array]], count: int) ->
 
 def each_once(values: Sequence[Any], made: Callable[[Any], Any]) -> list[Any]:
     """What is made of each value; of one object that stands in many places once: of states of parts most do."""
-    one_of = dict(zip(map(id, values), values, strict=True))
+    places = list(map(id, values))
+    if len(set(places)) == 1:
+        return [made(values[0])] * len(values)
+    one_of = dict(zip(places, values, strict=True))
     known = {key: made(value) for key, value in one_of.items()}
-    return list(map(known.__getitem__, map(id, values)))
+    return list(map(known.__getitem__, places))

@@ -326,14 +326,20 @@ class Anchor:
 
 
 def anchors_of(base: Problem, scenarios: Scenarios) -> list[Anchor]:
-    """All scenarios in groups of like water, the worst first: one table, one band of K, one of what the water takes."""
+    """All scenarios in groups of like water, the worst first: one table, one band of K, one of what the water takes.
+
+    Each group asks for light of its own in every image: where no reading is in doubt, two tables are groups enough.
+    """
     states = scenarios.states
     taken = np.array([sum(map(loss, scenes)) for scenes in scenarios.scenes])
     groups = [np.arange(scenarios.count)]
     if not base.paper:
-        groups = split(groups, np.array([float(state.other_table) for state in states]), 2)
-        groups = split(groups, np.array([state.lamp_leg for state in states]), BANDS)
-        if any(state.clarity for state in states):
+        table = np.array([state.other_table for state in states])
+        groups = [np.flatnonzero(table == one) for one in np.unique(table)]
+        has_reading = any(state.clarity for state in states)
+        if has_reading or len(groups) == 1:
+            groups = split(groups, np.array([state.lamp_leg for state in states]), BANDS)
+        if has_reading:
             groups = split(groups, taken, BANDS)
     groups.sort(key=lambda mine: -float(taken[mine].mean()))
     return [anchored(base, scenarios, np.sort(mine)) for mine in groups]

@@ -216,7 +216,7 @@ class SomeScenarios(Scenarios):
         """A camera or a lens in each of these."""
         if not self.doubt.parts:
             return [part] * self.count
-        return drawn_parts(part, self.seed, self.all.count, self.places)
+        return self.drawn_once(part, lambda: drawn_parts(part, self.seed, self.all.count, self.places))
 
     def lights(self, part: Light) -> list[Light]:
         """A light in each of these."""
