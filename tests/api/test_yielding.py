@@ -23,11 +23,11 @@ from uwopt.report.compare.rows import sentences
 from uwopt.report.page.page import opening, status_words
 from uwopt.report.text.explanation import explanation_blocks
 from uwopt.report.text.layout import Block
-from uwopt.report.text.short import GAVE_WAY, verdict_lines
+from uwopt.report.text.short import GAVE_WAY, nothing_blocks, verdict_lines
 from uwopt.report.text.verdict import verdict
 from uwopt.report.write import system_yaml
 from uwopt.results.basis import WhyNothing
-from uwopt.results.design import PRACTICE_MISSED, PRACTICE_WOULD_YIELD, PRACTICE_YIELDS
+from uwopt.results.design import PRACTICE_IN_VAIN, PRACTICE_MISSED, PRACTICE_WOULD_YIELD, PRACTICE_YIELDS
 from uwopt.solvers.confidence import search
 from uwopt.solvers.explain import infeasible
 
@@ -308,6 +308,23 @@ def test_explain_says_that_solve_has_a_system_with_less_of_good_practice(unexpla
     assert isinstance(first, Block) and "uwopt solve lets some of it give way" in " ".join(map(str, first.lines))
     never = uwopt.solve(survey(asked_db + 10.0), top=1, quick=True, every_price=True)
     assert PRACTICE_WOULD_YIELD not in [note.code for note in never.warnings]
+
+
+@pytest.mark.parametrize("every_price", [False, True], ids=["solve", "explain"])
+def test_what_would_help_is_what_solve_answers(every_price: bool) -> None:
+    """Where nothing fits even with as little of good practice as may be: else changes are told that need not be."""
+    best_db = brightest_db()
+    nothing = uwopt.solve(survey(best_db + 10.0), top=1, quick=True, every_price=every_price)
+    assert PRACTICE_IN_VAIN in [note.code for note in nothing.warnings] and not given_way(nothing)
+    assert nothing.mission["reserve"]["snr_db"] == 0.0 and nothing.infeasible is not None
+    blocks = explanation_blocks(nothing) if every_price else nothing_blocks(nothing)
+    said = " ".join(str(line) for block in blocks if isinstance(block, Block) for line in block.lines)
+    assert "as little of good practice as may be" in said
+    needed_db = {one.name: one.needed for one in nothing.infeasible.relaxations}["min_snr"]
+    assert needed_db is not None and needed_db > best_db - 0.1  # 3 dB less with all that practice keeps in hand
+    answer = uwopt.solve(survey(needed_db), top=1, quick=True)
+    assert answer.best is not None and "reserve.snr_db" in given_way(answer)[0]
+    assert uwopt.solve(survey(needed_db + 1.0), top=1, quick=True, explain=False).best is None
 
 
 def test_hardware_that_fitted_is_asked_before_all_other(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -40,7 +40,7 @@ from uwopt.api.search_notes import (
 from uwopt.api.searching import searched
 from uwopt.api.so_far import SoFar, central_line, proven_line, untold
 from uwopt.api.timing import timed
-from uwopt.api.yielding import gives_way, would_yield_notes, yield_notes
+from uwopt.api.yielding import GivenWay, gives_way, less_practice_note, with_least_practice, yield_notes
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import Deadline, processor_s
 from uwopt.errors import MissionError
@@ -50,7 +50,7 @@ from uwopt.forward.assembly import Generic, load_catalog
 from uwopt.forward.effects import Influence
 from uwopt.mission.doubt import CENTRAL
 from uwopt.mission.mission import Mission
-from uwopt.mission.yielding import Yield, with_yields, yields_of
+from uwopt.mission.yielding import with_yields, yields_of
 from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.goal import goal_of, taken_instead
 from uwopt.objectives.objective import Objective
@@ -143,25 +143,27 @@ def solve(
         (sought, alternative), measured = search_within(
             tolerance, search, goal, paper=paper, sunlit=sunlit, deadline=deadline
         )
-    given_way: tuple[Yield, ...] = ()
+    given_way = GivenWay()
     asked, may_yield = wanted, explain and not every_price and bool(yields_of(wanted))
     if not sought.outcome.best and (alternative or sought).outcome.complete and may_yield:
         so_far("nothing meets all of good practice: what of it has to give way is looked for")
         with timed(timing, "practice", progress):
             given_way = gives_way(wanted, catalog, (alternative or sought).problem, for_search)
-        if given_way:
-            wanted = with_yields(wanted, given_way)
+        if given_way.yields:
+            wanted = with_yields(wanted, given_way.yields)
             sought, alternative = search(sought.problem.fineness, wanted)
     if not sought.outcome.best:
         result = infeasible_result(
-            base_result("solve", wanted, goal, sought.problem), wanted.without_gain_cap, catalog, goal, sought,
-            alternative, timing, deadline, progress, explain=explain, since_s=since_s, would_yield=every_price,
+            base_result("solve", wanted, goal, sought.problem), wanted, catalog, goal, sought, alternative,
+            given_way.in_vain, timing, deadline, progress, explain=explain, since_s=since_s, would_yield=every_price,
         )  # fmt: skip
     else:
         central = sought
         if wanted.confidence != CENTRAL and sought.outcome.complete:
             so_far(central_line(sought, goal))
-        chosen = chosen_of(wanted, sought, alternative, goal, deadline, progress, timing, given_way=given_way)
+        chosen = chosen_of(
+            wanted, sought, alternative, goal, deadline, progress, timing, given_way=given_way.yields
+        )
         if may_yield:
             look_again = partial(search, sought.problem.fineness)
             chosen = held_by_yielding(asked, chosen, look_again, goal, deadline, progress, timing, so_far)
@@ -296,12 +298,14 @@ def status_of(*, proven: bool, exact: bool) -> str:
 
 def infeasible_result(
     result: Result, mission: Mission, catalog: Catalog, goal: Objective, sought: Sought,
-    alternative: Sought | None, timing: dict[str, float], deadline: Deadline, progress: Progress | None,
-    *, explain: bool = True, since_s: float = 0.0, would_yield: bool = False,
+    alternative: Sought | None, in_vain: Sought | None, timing: dict[str, float], deadline: Deadline,
+    progress: Progress | None, *, explain: bool = True, since_s: float = 0.0, would_yield: bool = False,
 ) -> Result:  # fmt: skip
     """A result without a recommendation: why, and what would help; `since_s`: of the processor, when it was asked.
 
-    `would_yield`: also whether less than all of good practice would do.
+    in_vain : that nothing fits even with as little of good practice as may be: then that mission is explained, for
+        `solve` lets it give way where a change makes something fit
+    would_yield : also whether less than all of good practice would do
 
     Where nobody gave a time, its patience is of the processor: that other programs make it wait takes nothing from it,
     as it would of the wall's clock, though a core that is shared does about half as much in a second. Counted work,
@@ -312,7 +316,6 @@ def infeasible_result(
     from uwopt.solvers.explain.trials import Trials
 
     used = alternative or sought
-    proof = certificate(used.selection, used.problem, used.outcome, goal)
     with_generic = alternative is not None or mission.catalog.generic == "allow"
     generic: Generic = "allow" if with_generic else "never"
     why, notes = None, interruption_warnings(used)
@@ -323,10 +326,17 @@ def infeasible_result(
         if would_yield:
             with timed(timing, "practice", progress):
                 turn = patience.at_most(YIELD_SHARE * patience.left_s)
-                notes = would_yield_notes(mission, catalog, used.problem, turn) + notes
-        trials = Trials(mission, catalog, goal, generic, patience, progress, used)
+                weakest = with_least_practice(mission, catalog, used.problem, turn)
+            if weakest is not None and weakest.outcome.best:
+                notes = [less_practice_note(weakest), *notes]
+            elif weakest is not None and weakest.outcome.complete:
+                in_vain = weakest
+        if in_vain is not None:
+            used, mission = in_vain, with_yields(mission, yields_of(mission))
+            result, notes = replace(result, mission=mission.to_dict()), [less_practice_note(in_vain), *notes]
+        trials = Trials(mission.without_gain_cap, catalog, goal, generic, patience, progress, used)
         with timed(timing, "explanation"):
-            why = why_nothing(trials, proof)
+            why = why_nothing(trials, certificate(used.selection, used.problem, used.outcome, goal))
         if trials.interrupted:
             notes = cut_warnings("that nothing fits is proven, but not all that may help was tried")
         if patience is not deadline:
@@ -335,7 +345,7 @@ def infeasible_result(
     return replace(
         result,
         status=status,
-        certificate=proof,
+        certificate=certificate(used.selection, used.problem, used.outcome, goal),
         infeasible=why,
         warnings=[
             *result.warnings, *notes, *on_sale_warnings(sought, used),

@@ -114,7 +114,7 @@ def pareto(
     given_way: tuple[Yield, ...] = ()
     if is_empty(sought) and sought.front is not None:
         with timed(timing, "practice", progress):
-            given_way = gives_way(wanted, catalog, sought.problem, deadline)
+            given_way = gives_way(wanted, catalog, sought.problem, deadline).yields
         weaker = searched(with_yields(wanted, given_way)) if given_way else (run, sought)
         if is_empty(weaker[1]):
             given_way = ()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from uwopt.catalog.catalogue import Catalog
@@ -14,11 +15,11 @@ from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import SNR_AT, SNR_LESS, YIELDS, Yield, with_yields, yields_of
 from uwopt.objectives.objective import Objective
-from uwopt.results.design import PRACTICE_WOULD_YIELD, PRACTICE_YIELDS, Design, Note
+from uwopt.results.design import PRACTICE_IN_VAIN, PRACTICE_WOULD_YIELD, PRACTICE_YIELDS, Design, Note
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.explain.one_hardware import best_of, problem_of
 from uwopt.solvers.explain.relaxed import ANY
-from uwopt.solvers.recommend import same_scenes, seek
+from uwopt.solvers.recommend import Sought, same_scenes, seek
 from uwopt.units import ratio_to_db
 
 if TYPE_CHECKING:
@@ -32,9 +33,15 @@ LUCK = 1.64  # standard errors: of a share that was chosen, one in twenty is as 
 ROOM_DB = 1.0  # of signal to noise that is left where it can be: settings come in steps, and estimates may be wrong
 
 
-def gives_way(
-    mission: Mission, catalog: Catalog, like: Problem, deadline: Deadline
-) -> tuple[Yield, ...]:
+@dataclass(frozen=True)
+class GivenWay:
+    """What of good practice has given way; where nothing fits with as little of it as may be, the proof of that."""
+
+    yields: tuple[Yield, ...] = ()
+    in_vain: Sought | None = None
+
+
+def gives_way(mission: Mission, catalog: Catalog, like: Problem, deadline: Deadline) -> GivenWay:
     """What of good practice has to give way so that something fits; nothing where that is not enough.
 
     They give way in their order until something fits; then all but the last come back one by one, the latest first, as
@@ -44,7 +51,8 @@ def gives_way(
     patience = patience_of(deadline)
     lifted = mission.without_gain_cap
     roomy = with_room(lifted)
-    return (roomy is not None and _least(roomy, catalog, like, patience)) or _least(lifted, catalog, like, patience)
+    with_more = None if roomy is None else _least(roomy, catalog, like, patience)
+    return with_more if with_more is not None and with_more.yields else _least(lifted, catalog, like, patience)
 
 
 def patience_of(deadline: Deadline) -> Deadline:
@@ -58,7 +66,8 @@ def gives_way_alone(mission: Mission, deadline: Deadline) -> tuple[Yield, ...]:
     """As `gives_way`, of a mission that no search is known of."""
     catalog = load_catalog(mission)
     generic: Generic = "never" if mission.catalog.generic == "never" else "allow"
-    return gives_way(mission, catalog, build_problem(mission, selected(mission, catalog, generic=generic)), deadline)
+    like = build_problem(mission, selected(mission, catalog, generic=generic))
+    return gives_way(mission, catalog, like, deadline).yields
 
 
 def with_room(mission: Mission) -> Mission | None:
@@ -73,23 +82,35 @@ def with_room(mission: Mission) -> Mission | None:
         return None
 
 
-def _least(lifted: Mission, catalog: Catalog, like: Problem, patience: Deadline) -> tuple[Yield, ...]:
+def with_least_practice(mission: Mission, catalog: Catalog, like: Problem, deadline: Deadline) -> Sought | None:
+    """Anything that fits where all gives way that may, or that nothing does; None where nothing may give way."""
+    lifted = mission.without_gain_cap
+    every = yields_of(lifted)
+    return _anything(with_yields(lifted, every), catalog, like, deadline) if every else None
+
+
+def _anything(mission: Mission, catalog: Catalog, like: Problem, deadline: Deadline) -> Sought:
+    """A search for anything that fits, of all parts that the mission allows."""
+    generic: Generic = "never" if mission.catalog.generic == "never" else "allow"
+    return seek(mission, catalog, ANY, generic=generic, top=1, deadline=deadline, enough=True, like=like)
+
+
+def _least(lifted: Mission, catalog: Catalog, like: Problem, patience: Deadline) -> GivenWay:
     """The least that gives way of a mission; nothing where no yielding is enough."""
-    generic: Generic = "never" if lifted.catalog.generic == "never" else "allow"
-    fitted: list[tuple[Problem, Found]] = []
+    weakest = with_least_practice(lifted, catalog, like, patience)
+    if weakest is None or not weakest.outcome.best:
+        return GivenWay(in_vain=weakest if weakest is not None and weakest.outcome.complete else None)
+    fitted = [(weakest.problem, found) for found in weakest.outcome.best]
 
     def fits(given_way: Collection[Yield]) -> bool:
         weaker = with_yields(lifted, given_way)
         if any(_fits_alone(problem, found, weaker) for problem, found in fitted[:WITNESSES]):
             return True
-        sought = seek(
-            weaker, catalog, ANY, generic=generic, top=1, deadline=patience, enough=True, like=like
-        )
+        sought = _anything(weaker, catalog, like, patience)
         fitted[:0] = [(sought.problem, found) for found in sought.outcome.best]
         return bool(sought.outcome.best)
 
-    known = yields_of(lifted)
-    return _fewest(lifted, known, fits, patience) if known and fits(known) else ()
+    return GivenWay(_fewest(lifted, yields_of(lifted), fits, patience))
 
 
 def _fits_alone(problem: Problem, found: Found, mission: Mission) -> bool:
@@ -185,16 +206,16 @@ def _in_order(given_way: Collection[Yield], more: Collection[Yield]) -> tuple[Yi
     return tuple(one for one in every if last[one.path] is one)
 
 
-def would_yield_notes(mission: Mission, catalog: Catalog, like: Problem, deadline: Deadline) -> list[Note]:
-    """That `solve` has a system though nothing fits with all of good practice, if one is found by the deadline."""
-    lifted = mission.without_gain_cap
-    every = yields_of(lifted)
-    generic: Generic = "never" if lifted.catalog.generic == "never" else "allow"
-    found = every and seek(
-        with_yields(lifted, every), catalog, ANY, generic=generic, top=1, deadline=deadline, enough=True, like=like
-    ).outcome.best
-    text = "with less than all of good practice something fits: uwopt solve lets some of it give way, and says what"
-    return [Note(PRACTICE_WOULD_YIELD, "practice", text)] if found else []
+def less_practice_note(weakest: Sought) -> Note:
+    """What it is worth that something fits, or that nothing does, where all of good practice gives way that may."""
+    if weakest.outcome.best:
+        text = "with less than all of good practice something fits: uwopt solve lets some of it give way, and says what"
+        return Note(PRACTICE_WOULD_YIELD, "practice", text)
+    text = (
+        "nothing fits even with as little of good practice as may be; what would help is told of the mission with so "
+        "little of it, and of what then fits uwopt solve keeps as much of it as it can"
+    )
+    return Note(PRACTICE_IN_VAIN, "practice", text)
 
 
 def yield_notes(

@@ -9,8 +9,10 @@ from uwopt.report.text.layout import Block, Text, block, sentence
 from uwopt.report.text.nothing_fits import infeasible_block, miss_sentence
 from uwopt.report.text.prices import price_blocks
 from uwopt.report.text.tables import nearest_miss
-from uwopt.results.design import PRACTICE_WOULD_YIELD
+from uwopt.results.design import PRACTICE_IN_VAIN, PRACTICE_WOULD_YIELD
 from uwopt.results.result import Result
+
+OF_PRACTICE = (PRACTICE_WOULD_YIELD, PRACTICE_IN_VAIN)
 
 
 def explanation_blocks(result: Result) -> Iterator[Block | Text]:
@@ -23,12 +25,12 @@ def explanation_blocks(result: Result) -> Iterator[Block | Text]:
         yield from price_blocks(result)
     else:
         said = words.as_sentence(words.status_sentence(result))
-        told = [words.as_sentence(note.message) for note in result.warnings if note.code == PRACTICE_WOULD_YIELD]
+        told = [words.as_sentence(note.message) for note in result.warnings if note.code in OF_PRACTICE]
         yield block(name, [sentence(one) for one in (said, *told)])
         yield infeasible_block(result)
         if nearest_miss(result) is not None and (note := miss_sentence(result)) is not None:
             yield block("What comes nearest", [note])
-    above = () if result.infeasible is None else ("time", PRACTICE_WOULD_YIELD)
+    above = () if result.infeasible is None else ("time", *OF_PRACTICE)
     notes = [note for note in result.warnings if note.code not in above]
     if notes:
         yield block("Notes", [sentence("- " + words.as_sentence(note.message)) for note in notes])

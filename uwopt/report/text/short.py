@@ -36,6 +36,7 @@ from uwopt.report.text.tables import (
 from uwopt.results.basis import Risk
 from uwopt.results.design import (
     COLOUR_LEFT_OPEN,
+    PRACTICE_IN_VAIN,
     PRACTICE_MISSED,
     PRACTICE_YIELDS,
     SNR_INSTEAD,
@@ -377,8 +378,9 @@ def nothing_blocks(result: Result) -> Iterator[Block]:
         lines = [sentence(f"{no_change_helps(result)}."), *([most] if most else [])]
     lines += [] if (fit := fit_sentence(result)) is None else [fit]
     lines += [*contradiction_lines(result), *not_known_lines(result)]
+    in_vain = [words.as_sentence(note.message) for note in result.warnings if note.code == PRACTICE_IN_VAIN]
     if result.status == "infeasible" and result.mission.get("practice") == "recommended":
-        lines.append(sentence(ASKED_BY_PRACTICE))
+        lines += map(sentence, in_vain or [ASKED_BY_PRACTICE])
     if lines:
         yield block("What would help", lines)
     miss = nearest_miss(result)

@@ -10,6 +10,7 @@ from uwopt.mission.reserves import REFUSED
 from uwopt.units import ratio_to_db
 
 LEAST_SNR_DB = 0.0  # below which noise is more than signal, and no image is of use
+NOTHING_AT_ZERO = ("lens_stop_down", "min_uniformity")  # requirements of which 0 asks for nothing
 # Requirement -> (section, key, objective that makes its figure best, or None when none does)
 RELAXABLE: dict[str, tuple[str, str, str | None]] = {
     "min_snr": ("requirements", "min_snr_db", "snr_db"),
@@ -56,7 +57,7 @@ def asked_value(mission: Mission, section: str, key: str) -> float | None:
             value = None if ratio is None else float(ratio_to_db(ratio))
         else:
             value = getattr(view.asked, key)
-        if value is not None and (value or key != "lens_stop_down"):
+        if value is not None and (value or key not in NOTHING_AT_ZERO):
             return float(value)
     return None
 
