@@ -158,8 +158,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="explanations know no time limit",
         file="uwopt/api/solving.py",
-        old="        trials = Trials(mission, catalog, goal, generic, patience, progress, used)",
-        new="        trials = Trials(mission, catalog, goal, generic, progress=progress, like=used)",
+        old="        trials = Trials(mission.without_gain_cap, catalog, goal, generic, patience, progress, used)",
+        new="        trials = Trials(mission.without_gain_cap, catalog, goal, generic, progress=progress, like=used)",
         test=f"{DEADLINE}::test_time_that_ends_with_the_search_leaves_infeasibility_unexplained",
     ),
     Defect(
