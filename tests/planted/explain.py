@@ -30,8 +30,8 @@ DEFECTS = (
     Defect(
         name="explain says that nothing fits where solve has a system",
         file="uwopt/api/solving.py",
-        old="if weakest is not None and weakest.outcome.best:",
-        new="if False:",
+        old="        notes = [*notes, less_practice_note(weakest)]\n",
+        new="",
         test=f"{YIELDING}::test_explain_says_that_solve_has_a_system_with_less_of_good_practice",
     ),
     Defect(
@@ -44,8 +44,8 @@ DEFECTS = (
     Defect(
         name="explain tells what would help with all of good practice kept",
         file="uwopt/api/solving.py",
-        old="in_vain = weakest\n",
-        new="in_vain = None\n",
+        old="if not weakest.outcome.best:",
+        new="if not (weakest.outcome.best or would_yield):",
         test=f"{YIELDING}::test_what_would_help_is_what_solve_answers",
     ),
     Defect(

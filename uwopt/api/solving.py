@@ -298,14 +298,14 @@ def status_of(*, proven: bool, exact: bool) -> str:
 
 def infeasible_result(
     result: Result, mission: Mission, catalog: Catalog, goal: Objective, sought: Sought,
-    alternative: Sought | None, in_vain: Sought | None, timing: dict[str, float], deadline: Deadline,
+    alternative: Sought | None, weakest: Sought | None, timing: dict[str, float], deadline: Deadline,
     progress: Progress | None, *, explain: bool = True, since_s: float = 0.0, would_yield: bool = False,
 ) -> Result:  # fmt: skip
     """A result without a recommendation: why, and what would help; `since_s`: of the processor, when it was asked.
 
-    in_vain : that nothing fits even with as little of good practice as may be: then that mission is explained, for
-        `solve` lets it give way where a change makes something fit
-    would_yield : also whether less than all of good practice would do
+    weakest : the search with as little of good practice as may be, which found nothing: then that mission is explained,
+        for `solve` lets practice give way where a change makes something fit
+    would_yield : make that search here, and say so where it finds something
 
     Where nobody gave a time, its patience is of the processor: that other programs make it wait takes nothing from it,
     as it would of the wall's clock, though a core that is shared does about half as much in a second. Counted work,
@@ -315,44 +315,41 @@ def infeasible_result(
     from uwopt.solvers.explain.infeasible import why_nothing
     from uwopt.solvers.explain.trials import Trials
 
-    used = alternative or sought
+    used, why = alternative or sought, None
     with_generic = alternative is not None or mission.catalog.generic == "allow"
     generic: Generic = "allow" if with_generic else "never"
-    why, notes = None, interruption_warnings(used)
-    if used.outcome.complete and explain:
-        spent_s = processor_s() - since_s
-        left_s = max(EXPLAIN_S - spent_s, LEAST_EXPLAIN_S, EXPLAIN_SHARE * spent_s)
-        patience = deadline.or_after(left_s, processor_s)
-        if would_yield:
-            with timed(timing, "practice", progress):
-                turn = patience.at_most(YIELD_SHARE * patience.left_s)
-                weakest = with_least_practice(mission, catalog, used.problem, turn)
-            if weakest is not None and weakest.outcome.best:
-                notes = [less_practice_note(weakest), *notes]
-            elif weakest is not None and weakest.outcome.complete:
-                in_vain = weakest
-        if in_vain is not None:
-            used, mission = in_vain, with_yields(mission, yields_of(mission))
-            result, notes = replace(result, mission=mission.to_dict()), [less_practice_note(in_vain), *notes]
+    notes, explain = interruption_warnings(used), explain and used.outcome.complete
+    spent_s = processor_s() - since_s
+    left_s = max(EXPLAIN_S - spent_s, LEAST_EXPLAIN_S, EXPLAIN_SHARE * spent_s)
+    patience = deadline.or_after(left_s, processor_s)
+    if explain and would_yield:
+        with timed(timing, "practice", progress):
+            turn = patience.at_most(YIELD_SHARE * patience.left_s)
+            weakest = with_least_practice(mission, catalog, used.problem, turn)
+    if explain and weakest is not None and (weakest.outcome.best or weakest.outcome.complete):
+        notes = [*notes, less_practice_note(weakest)]
+        if not weakest.outcome.best:
+            used, mission = weakest, with_yields(mission, yields_of(mission))
+            result = replace(result, mission=mission.to_dict())
+    proof = certificate(used.selection, used.problem, used.outcome, goal)
+    if explain:
         trials = Trials(mission.without_gain_cap, catalog, goal, generic, patience, progress, used)
         with timed(timing, "explanation"):
-            why = why_nothing(trials, certificate(used.selection, used.problem, used.outcome, goal))
+            why = why_nothing(trials, proof)
         if trials.interrupted:
-            notes = cut_warnings("that nothing fits is proven, but not all that may help was tried")
+            notes += cut_warnings("that nothing fits is proven, but not all that may help was tried")
         if patience is not deadline:
             notes += patience_warnings(patience, left_s)
-    status = "infeasible" if used.outcome.complete else "stopped"
     return replace(
         result,
-        status=status,
-        certificate=certificate(used.selection, used.problem, used.outcome, goal),
+        status="infeasible" if used.outcome.complete else "stopped",
+        certificate=proof,
         infeasible=why,
         warnings=[
             *result.warnings, *notes, *on_sale_warnings(sought, used),
             *selection_warnings(used.selection),
         ],
     )  # fmt: skip
-
 
 
 def audited(
