@@ -101,6 +101,13 @@ DEFECTS = (
         test="tests/model/test_footprint.py::test_a_look_that_wins_nothing_is_the_last_where_nothing_can_hide",
     ),
     Defect(
+        name="creases in the light of measured beams are not followed down",
+        file="uwopt/model/footprint.py",
+        old="if beams.is_smooth(beam) else",
+        new="if not beams.has_sharp_edge(beam) else",
+        test="tests/test_validation_page.py::test_section_gives_the_printed_numbers_again[lamps]",
+    ),
+    Defect(
         name="pixels are compared in the near corner alone",
         file=VIEWS,
         old="u, v = np.array([-1.0, 1.0]), np.ones(2)",

@@ -244,6 +244,11 @@ def has_sharp_edge(beam: Beam) -> bool:
     return beam.kind in ("disc", "cone")
 
 
+def is_smooth(beam: Beam) -> bool:
+    """Whether the intensity has neither an edge nor the bends of a measured profile, so that light has no creases."""
+    return beam.kind == "cosine-power"
+
+
 def _is_halo(beam: Beam) -> bool:
     return beam.widening is not None and beam.widening.part == "halo"
 

@@ -43,7 +43,7 @@ Array = NDArray[Any]
 LAMP_RANGES = 257  # between which the loss of the lamp's leg is interpolated
 FOOTPRINT_CELLS = 60  # a side of the grid on which the darkest place of the floor is looked for
 FEW_PLACES = 7  # a side of those of its places that give a bound of the darkest
-LEAST_GAIN_REL = 1e-6  # of the least light: a closer look that wins less is the last, where no beam ends sharply
+LEAST_GAIN_REL = 1e-6  # of the least light: a closer look that wins less is the last, where beams are smooth
 UNIFORMITY_MARGIN = 1.001  # of a bound: one table of water's loss serves many footprints
 
 
@@ -186,8 +186,8 @@ def footprint_illuminance_per_lm(
         x_m, y_m, _ = floor_point(tan_along * u, tan_across * v, shape=shape, range_m=range_m)
         return floor_illuminance_per_lm(x_m, y_m, **common)
 
-    smooth = not beams.has_sharp_edge(beam)
-    return mean, least_of(there, u.ravel(), v.ravel(), 2.0 / cells_a_side, LEAST_GAIN_REL if smooth else -math.inf)
+    gain_rel = LEAST_GAIN_REL if beams.is_smooth(beam) else -math.inf
+    return mean, least_of(there, u.ravel(), v.ravel(), 2.0 / cells_a_side, gain_rel)
 
 
 def most_uniformity(
@@ -277,8 +277,8 @@ def least_of(
 
     Narrow beams leave dark wedges between the grid's points; a few of the lowest are followed down.
 
-    gain_rel : of the value, that a step must win for another to follow. Steps are a third as long as those before: of
-        a function with finite slopes the next win a third of it at most, or a ninth about a smooth minimum
+    gain_rel : of the value, that a step must win for another to follow. Steps are a third as long as those before, so
+        that about a smooth minimum the next win a ninth of it; in a crease they may win more
     """
     values = function(u, v)
     steps = np.linspace(-1.0, 1.0, 7)

@@ -96,7 +96,7 @@ def floor_lobe(case: Case, lamp_per_m: float, *, longer: bool = True, again: boo
     way, lost = case.altitude_m, 1.0 - (case.c_per_m - lamp_per_m) / b
     gain = multiple.returned_gain(a * way, turned_back=again * backward * way, reflectance=case.reflectance)
     turned = [Turned(b * way, lost, phase_table(case.phase))]
-    return widened(own_lobe(case), turned, way, absorbed=longer * a * way, returned=gain)[0]
+    return widened(own_lobe(case), turned, way, absorbed=longer * a * way, returned=gain)
 
 
 @cache
@@ -107,7 +107,7 @@ def back_lobe(case: Case, lamp_per_m: float, *, longer: bool = True, again: bool
     ways = ways_m(reach_m)
     gain = multiple.returned_gain(a * ways, turned_back=again * backward * ways, reflectance=0.0)
     turned = [Turned(b * ways, lost, phase_table(case.phase))]
-    return widened(own_lobe(case), turned, reach_m, absorbed=longer * a * ways, returned=gain, sent_back=True)[0]
+    return widened(own_lobe(case), turned, reach_m, absorbed=longer * a * ways, returned=gain, sent_back=True)
 
 
 @lru_cache(maxsize=256)

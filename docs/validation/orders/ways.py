@@ -136,7 +136,7 @@ def lobe_by_way(case: Case) -> tuple[beams.Beam, float]:
     ways = ways_m(REACH * case.altitude_m)
     gain = multiple.returned_gain(a * ways, turned_back=backward * ways, reflectance=case.reflectance)
     turned = [Turned(b * ways, lost, phase_table(case.phase))]
-    lobe = widened(forms.own_lobe(case), turned, float(ways[-1]), absorbed=a * ways, returned=gain)[0]
+    lobe = widened(forms.own_lobe(case), turned, float(ways[-1]), absorbed=a * ways, returned=gain)
     return lobe, case.c_per_m - b * (1.0 - lost)
 
 
