@@ -29,6 +29,7 @@ from uwopt.report.write import system_yaml
 from uwopt.results.basis import WhyNothing
 from uwopt.results.design import PRACTICE_IN_VAIN, PRACTICE_MISSED, PRACTICE_WOULD_YIELD, PRACTICE_YIELDS
 from uwopt.solvers.confidence import search
+from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain import infeasible
 
 HARDWARE = {
@@ -325,6 +326,40 @@ def test_what_would_help_is_what_solve_answers(every_price: bool) -> None:
     answer = uwopt.solve(survey(needed_db), top=1, quick=True)
     assert answer.best is not None and "reserve.snr_db" in given_way(answer)[0]
     assert uwopt.solve(survey(needed_db + 1.0), top=1, quick=True, explain=False).best is None
+
+
+class Watched:
+    """Searches, counted as they begin to take nodes; a person wants no more at one of them."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, at: int):
+        self.begun, honest = 0, Search._best_first
+
+        def best_first(one: Search, rows: Any) -> Any:
+            self.begun += 1
+            if self.begun == at:
+                raise KeyboardInterrupt
+            return honest(one, rows)
+
+        monkeypatch.setattr(Search, "_best_first", best_first)
+
+
+@pytest.mark.usefixtures("unexplained")
+@pytest.mark.parametrize(("short_db", "every_price"), [(-1.0, False), (10.0, False), (10.0, True)])
+def test_whoever_wants_no_more_is_not_kept_waiting(short_db: float, every_price: bool) -> None:
+    """Whichever search an interruption falls into, it is told, and next to nothing is searched after it."""
+    wanted = survey(brightest_db() + short_db) | {"confidence": 0.9, "doubt": {"scenarios": 32}}
+    with pytest.MonkeyPatch.context() as patched:
+        watched = Watched(patched, at=0)
+        uwopt.solve(wanted, top=1, quick=True, every_price=every_price)
+    assert watched.begun > 1
+    for at in sorted({*range(1, 5), *range(5, watched.begun + 1, 1 + watched.begun // 8), watched.begun}):
+        with pytest.MonkeyPatch.context() as patched:
+            stopped = Watched(patched, at)
+            try:
+                result = uwopt.solve(wanted, top=1, quick=True, every_price=every_price)
+            except KeyboardInterrupt:
+                continue
+        assert stopped.begun < at or "interrupted" in [note.code for note in result.warnings], at
 
 
 def test_hardware_that_fitted_is_asked_before_all_other(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,6 +18,13 @@ BESIDE = "tests/solvers/test_beside.py"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="searches beside the first go on where a person wants no more",
+        file="uwopt/solvers/exact/search.py",
+        old="        if outcome.interrupted:\n            raise",
+        new="        if False:\n            raise",
+        test="tests/api/test_yielding.py::test_whoever_wants_no_more_is_not_kept_waiting",
+    ),
+    Defect(
         name="pixels are looked at where no setting is left",
         file="uwopt/solvers/settable/scene.py",
         old="for first in range(0, len(rest), each):",

@@ -81,7 +81,7 @@ def of_all_parts(sought: Sought, goal: Objective, deadline: Deadline, progress: 
     problem = sought.problem
     return seek(
         problem.mission, sought.selection.catalog, goal, generic="allow", top=sought.search.top, deadline=deadline,
-        progress=progress, fineness=problem.fineness, like=problem,
+        progress=progress, fineness=problem.fineness, like=problem, whole=True,
     )  # fmt: skip
 
 

@@ -72,6 +72,7 @@ EXPLAIN_SHARE = 0.4  # of the time that the search took, where that is more
 YIELD_SHARE = 0.3  # of the time for all that would help, for whether less of good practice would do
 LEAST_EXPLAIN_S = 5.0  # for what would help, however long the search took: in less hardly any is found
 SEARCH_SHARE = 0.9  # of the time that is given: the rest is for settings that can be set
+NOT_TRIED = "that nothing fits is proven, but not all that may help was tried"
 SOLVERS = ("exact", "casadi", "nlopt", "bonmin")
 First = Callable[[Result], None]  # takes a result whose recommendation is proven and not yet doubted
 
@@ -143,19 +144,23 @@ def solve(
         (sought, alternative), measured = search_within(
             tolerance, search, goal, paper=paper, sunlit=sunlit, deadline=deadline
         )
-    given_way = GivenWay()
+    given_way, notes = GivenWay(), list[Note]()
     asked, may_yield = wanted, explain and not every_price and bool(yields_of(wanted))
     if not sought.outcome.best and (alternative or sought).outcome.complete and may_yield:
         so_far("nothing meets all of good practice: what of it has to give way is looked for")
-        with timed(timing, "practice", progress):
-            given_way = gives_way(wanted, catalog, (alternative or sought).problem, for_search)
+        try:
+            with timed(timing, "practice", progress):
+                given_way = gives_way(wanted, catalog, (alternative or sought).problem, for_search)
+        except KeyboardInterrupt:
+            explain, notes = False, cut_warnings(NOT_TRIED)
         if given_way.yields:
             wanted = with_yields(wanted, given_way.yields)
             sought, alternative = search(sought.problem.fineness, wanted)
     if not sought.outcome.best:
         result = infeasible_result(
-            base_result("solve", wanted, goal, sought.problem), wanted, catalog, goal, sought, alternative,
-            given_way.in_vain, timing, deadline, progress, explain=explain, since_s=since_s, would_yield=every_price,
+            replace(base_result("solve", wanted, goal, sought.problem), warnings=notes), wanted, catalog, goal,
+            sought, alternative, given_way.in_vain, timing, deadline, progress, explain=explain, since_s=since_s,
+            would_yield=every_price,
         )  # fmt: skip
     else:
         central = sought
@@ -323,9 +328,12 @@ def infeasible_result(
     left_s = max(EXPLAIN_S - spent_s, LEAST_EXPLAIN_S, EXPLAIN_SHARE * spent_s)
     patience = deadline.or_after(left_s, processor_s)
     if explain and would_yield:
-        with timed(timing, "practice", progress):
-            turn = patience.at_most(YIELD_SHARE * patience.left_s)
-            weakest = with_least_practice(mission, catalog, used.problem, turn)
+        turn = patience.at_most(YIELD_SHARE * patience.left_s)
+        try:
+            with timed(timing, "practice", progress):
+                weakest = with_least_practice(mission, catalog, used.problem, turn)
+        except KeyboardInterrupt:
+            explain, notes = False, cut_warnings(NOT_TRIED)
     if explain and weakest is not None and (weakest.outcome.best or weakest.outcome.complete):
         notes = [*notes, less_practice_note(weakest)]
         if not weakest.outcome.best:
@@ -337,7 +345,7 @@ def infeasible_result(
         with timed(timing, "explanation"):
             why = why_nothing(trials, proof)
         if trials.interrupted:
-            notes += cut_warnings("that nothing fits is proven, but not all that may help was tried")
+            notes += cut_warnings(NOT_TRIED)
         if patience is not deadline:
             notes += patience_warnings(patience, left_s)
     return replace(

@@ -92,7 +92,7 @@ def with_least_practice(mission: Mission, catalog: Catalog, like: Problem, deadl
 def _anything(mission: Mission, catalog: Catalog, like: Problem, deadline: Deadline) -> Sought:
     """A search for anything that fits, of all parts that the mission allows."""
     generic: Generic = "never" if mission.catalog.generic == "never" else "allow"
-    return seek(mission, catalog, ANY, generic=generic, top=1, deadline=deadline, enough=True, like=like)
+    return seek(mission, catalog, ANY, generic=generic, top=1, deadline=deadline, enough=True, like=like, whole=True)
 
 
 def _least(lifted: Mission, catalog: Catalog, like: Problem, patience: Deadline) -> GivenWay:

@@ -111,10 +111,10 @@ def _read_file(source: str | Path, what: str) -> Document:
         raise MissionError(f"{shown}: cannot be read ({reason}); check its name and rights.") from None
     text = _decode(raw, shown)
     if not text.strip():
-        raise MissionError(f"{shown}: is empty; `uwopt init` writes a {what} to start from.")
+        raise MissionError(f"{shown}: is empty; {_written_by(what)} to start from.")
     data, lines, faults = compose(text, shown)
     if data is None and not faults:
-        raise MissionError(f"{shown}: is empty but for comments; `uwopt init` writes a {what} to start from.")
+        raise MissionError(f"{shown}: is empty but for comments; {_written_by(what)} to start from.")
     if not isinstance(data, dict):
         raise MissionError(
             [*faults, f"{shown}: is not a mapping of keys to values; start with `name: reef`."]
@@ -127,12 +127,17 @@ def _read_file(source: str | Path, what: str) -> Document:
     return Document(shown, data, lines, path.absolute().parent, tuple(faults), text)
 
 
+def _written_by(what: str) -> str:
+    """Where one may begin: a mission, a system."""
+    return f"`uwopt init{' --system' if what == 'system' else ''}` writes a {what}"
+
+
 def _refuse_unreadable(path: Path, shown: str, what: str) -> None:
     if path.is_dir():
         raise MissionError(f"{shown}: is a folder; name the {what} file in it.")
     if not path.exists():
         near = nearest(path.name, _yaml_names(path.parent))
-        hint = f"did you mean {near}?" if near else f"`uwopt init` writes a {what} to start from."
+        hint = f"did you mean {near}?" if near else f"{_written_by(what)} to start from."
         raise MissionError(f"{shown}: no such file; {hint}")
 
 

@@ -58,11 +58,12 @@ def seek(
     mission: Mission, catalog: Catalog, objective: Objective, *, generic: Generic, top: int,
     deadline: Deadline = NEVER, progress: Progress | None = None, ceiling: float = math.inf,
     depth_m: float | None = None, fineness: Fineness = DEFAULT, like: Problem | None = None,
-    enough: bool = False, imagers: Imagers | None = None, most_in_vain: float = math.inf,
+    enough: bool = False, imagers: Imagers | None = None, most_in_vain: float = math.inf, whole: bool = False,
 ) -> Sought:  # fmt: skip
     """Select, tabulate and search; light that another search in these scenes has worked out is not worked out again.
 
     imagers : all that pass their rules, where another search has enumerated them
+    whole : as `Search.whole`
     """
     selection = selected(mission, catalog, generic=generic, depth_m=depth_m)
     scenes = None if like is None or like.fineness != fineness else same_scenes(like, mission)
@@ -71,7 +72,7 @@ def seek(
         problem, objective, top=top, deadline=deadline, progress=progress, ceiling=ceiling, enough=enough,
         imagers=imagers, most_in_vain=most_in_vain,
     )  # fmt: skip
-    return Sought(selection, problem, search, search.run())
+    return Sought(selection, problem, search, search.whole() if whole else search.run())
 
 
 def same_scenes(like: Problem, mission: Mission) -> list[SceneOptics] | None:

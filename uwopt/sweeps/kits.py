@@ -42,9 +42,7 @@ def served_by(mission: Mission, kits: Sequence[SweepKit]) -> str:
         scenes = None if like is None else same_scenes(like, mission)
         count = max(kit.light_count, 1)
         problem = build_problem(mission, few, scenes=scenes, counts=(count, count))
-        outcome = Search(problem, goal, top=1).run()
-        if outcome.interrupted:
-            raise KeyboardInterrupt
+        outcome = Search(problem, goal, top=1).whole()
         like = like or problem
         signs.append(YES if outcome.best else NO)
     return "".join(signs)

@@ -104,7 +104,7 @@ class Prover:
             return None
         patience = self.deadline.at_most(min(PANEL_S, self.deadline.left_s)) if timed else self.deadline
         search = Search(panel.problem, self.objective, top=MOST_LISTED, ceiling=below(ceiling), deadline=patience)
-        outcome = search.run()
+        outcome = search.whole()
         if not outcome.complete:
             return None
         cut = len(outcome.best) >= MOST_LISTED
@@ -135,7 +135,7 @@ class Prover:
             "light": [panel.parts.lights[found.light]],
         }  # fmt: skip
         alone = problem_of(panel, found, lists=lists)
-        seen = Search(alone, self.objective, top=1, deadline=self.deadline).run().best
+        seen = Search(alone, self.objective, top=1, deadline=self.deadline).whole().best
         return bool(seen) and ceiling - seen[0].minimised > HOPELESS * abs(ceiling)
 
     def _glance_at(self, some: Sequence[Found]) -> None:
@@ -168,7 +168,7 @@ class Prover:
                 search = Search(
                     alone, self.objective, top=top, imagers=imagers, ceiling=ceiling, deadline=self.deadline
                 )
-                outcome = search.run()
+                outcome = search.whole()
                 if not outcome.complete:
                     raise OutOfTimeError
                 yield from (among(self.problem, found, problem) for found in outcome.best)

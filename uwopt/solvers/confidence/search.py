@@ -300,7 +300,7 @@ def candidates(
             if done() or (goal is not objective and (hopeful() or not wants_light or not fits)):
                 break
             patience = deadline.at_most(PROOF_SHARE * deadline.left_s) if waiting else deadline
-            searched = Search(changed, goal, top=A_SEARCH, deadline=patience).run()
+            searched = Search(changed, goal, top=A_SEARCH, deadline=patience).whole()
             if patience.passed():
                 yield waiting
                 raise OutOfTimeError
@@ -357,7 +357,7 @@ def at_its_stop(problem: Problem, objective: Objective, one: Counted, deadline: 
     if one.f_number is not None:
         alone = alone.at_f_number(one.f_number)
     imagers = imagers_of(alone, one.found.landscape)
-    best = Search(alone, objective, top=1, imagers=imagers, deadline=deadline).run().best if len(imagers) else []
+    best = Search(alone, objective, top=1, imagers=imagers, deadline=deadline).whole().best if len(imagers) else []
     if not best:
         return None
     places = {kind: getattr(one.found, kind) for kind in KINDS}

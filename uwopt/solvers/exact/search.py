@@ -133,6 +133,13 @@ class Search(Evaluation):
             self.ranking.best, self.account, lower, complete, self.imagers, self.tables, timing, self.interrupted
         )
 
+    def whole(self) -> Outcome:
+        """As `run`, where what was found until a person wants no more is of no use. Raises KeyboardInterrupt then."""
+        outcome = self.run()
+        if outcome.interrupted:
+            raise KeyboardInterrupt
+        return outcome
+
     def prepare(self, deadline: Deadline = NEVER) -> Imagers:
         """Enumerate imagers and tabulate lights: all that evaluation needs. Raises OutOfTimeError."""
         imagers = self.given

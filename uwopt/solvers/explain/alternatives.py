@@ -104,7 +104,7 @@ def told(
         if not known:  # not listed, or none is left: then the rules count what each discards
             known = None
         search = Search(problem, goal, top=1, deadline=patience, only={kind: mask}, imagers=known)
-        outcome = search.run()
+        outcome = search.whole()
         if not outcome.best:
             if outcome.complete:
                 out.append(replace(item, rule=furthest_rule(outcome.account.discarded)))

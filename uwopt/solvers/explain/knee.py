@@ -60,10 +60,8 @@ def best_within(
     quality = Objective.best_image(goal.quality, per_w=0.0, per_money=0.0)
     mine = -log_quality_of(goal, sought.outcome.best[0])
     problem = with_limits(sought.problem, limits)
-    outcome = Search(problem, quality, top=1, deadline=deadline, ceiling=mine - quality.step(TOLD_REL, mine)).run()
+    outcome = Search(problem, quality, top=1, deadline=deadline, ceiling=mine - quality.step(TOLD_REL, mine)).whole()
     deadline.check()  # the best of half a search tells nothing
-    if outcome.interrupted:
-        raise KeyboardInterrupt
     if not outcome.best:
         return 0.0, {}
     best = outcome.best[0]

@@ -182,4 +182,4 @@ def same_hardware(found: Sought, mission: Mission) -> Sought:
     scenes = same_scenes(found.problem, mission)
     problem = problem_of(found.problem, found.outcome.best[0], mission=mission, scenes=scenes)
     search = Search(problem, Objective.of("power"), top=1)
-    return Sought(found.selection, problem, search, search.run())
+    return Sought(found.selection, problem, search, search.whole())

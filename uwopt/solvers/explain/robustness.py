@@ -201,10 +201,8 @@ def robustness(
     mixed = mixed_problem(problem, bad)
     slow = scenes_need_cells(problem.scenes, objective)
     patience = deadline.at_most(SLOW_S if slow else TURN * deadline.left_s)
-    outcome = Search(mixed, objective, top=2, deadline=patience, ceiling=bad_value).run()  # no better: no rival
+    outcome = Search(mixed, objective, top=2, deadline=patience, ceiling=bad_value).whole()  # no better: no rival
     deadline.check()  # a rival of half a search is none
-    if outcome.interrupted:  # a search keeps what it has; these doubts are all or nothing
-        raise KeyboardInterrupt
     rival = next((f for f in outcome.best if not same_parts(mixed, f, problem, winner)), None)
     best = min([f.minimised for f in outcome.best] + [bad_value])
     regret = max(0.0, bad_value - best) if math.isfinite(bad_value) else None

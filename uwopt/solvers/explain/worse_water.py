@@ -98,7 +98,7 @@ def nearest_that_does(
         if lower is None:
             continue
         one, goal = alone(problem, hardware, lower), goal_of(lower)
-        outcome = Search(one, goal, top=1, deadline=deadline).run()
+        outcome = Search(one, goal, top=1, deadline=deadline).whole()
         if outcome.best:
             return share, evaluated(one, outcome.best[0], goal), ""
         if share < 1.0 and not obstacle:
