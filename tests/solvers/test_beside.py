@@ -48,8 +48,9 @@ def in_two_processes(work: Callable[[], Any]) -> list[Any]:
 def test_two_works_run_at_once_in_two_processes() -> None:
     ids = in_two_processes(os.getpid)
     assert len(set(ids)) == 2 and os.getpid() in ids
+    (copy,) = {*ids} - {os.getpid()}
     with pytest.raises(ChildProcessError):
-        os.waitpid(-1, os.WNOHANG)  # no copy is left
+        os.waitpid(copy, os.WNOHANG)  # it is not left
 
 
 @pytest.mark.parametrize("count", [1, 2, 3])
@@ -110,17 +111,22 @@ def test_what_cannot_be_sent_is_made_here() -> None:
 
 @copied
 def test_an_interrupted_process_leaves_no_copy() -> None:
-    here = os.getpid()
+    here, (told, tells) = os.getpid(), os.pipe()
 
     def work() -> None:
         if os.getpid() == here:
+            select.select([told], [], [], WAIT_S)
             raise KeyboardInterrupt
+        os.write(tells, str(os.getpid()).encode())
         select.select([], [], [], WAIT_S)
 
     with cores(2), pytest.raises(KeyboardInterrupt):
         side_by_side([work] * 2)
+    copy = int(os.read(told, 20))
+    for one in (told, tells):
+        os.close(one)
     with pytest.raises(ChildProcessError):
-        os.waitpid(-1, os.WNOHANG)
+        os.waitpid(copy, os.WNOHANG)
 
 
 @copied

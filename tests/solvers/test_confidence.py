@@ -384,6 +384,9 @@ def test_a_sure_camera_is_bought_where_the_other_holds_too_seldom(monkeypatch: p
     assert record.held_low <= share <= record.held_high
     assert [point.confidence for point in record.curve][-1] == 0.99
     assert record.curve[0].hardware[0] == "camera" and record.curve[-1].hardware[0] == "camera-0"
+    next_best = next(one for one in unsure.ranked if one.found is not unsure.best.found)
+    other = told(sought.problem, objective, replace(unsure, best=next_best), sought.outcome.best[0], ends=False)
+    assert {point.hardware[0] for point in other.curve} == {"camera-0"}  # as where the first cannot be set
 
 
 def test_where_known_hardware_holds_the_proof_alone_brings_up_what_is_better(monkeypatch: pytest.MonkeyPatch) -> None:

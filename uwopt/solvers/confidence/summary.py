@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import takewhile
 
 import numpy as np
 
@@ -134,9 +135,14 @@ def reported(objective: Objective, minimised: float) -> float | None:
 
 
 def curve(problem: Problem, objective: Objective, certain: Certain) -> Iterator[CertaintyPoint]:
-    """The least median among the hardware counted, by confidence, as far as any holds so often."""
+    """The least median among the hardware counted, by confidence, as far as any holds so often.
+
+    What the choice has passed over is left out: no settings by central numbers can be told of it.
+    """
+    passed = {id(one.found) for one in takewhile(lambda one: one.found is not certain.best.found, certain.ranked)}
+    tried = [one for one in certain.tried if id(one.found) not in passed]
     for level in LEVELS:
-        stops = [Counted(one.found, one.outcomes, one.outcomes.best(level)) for one in certain.tried]
+        stops = [Counted(one.found, one.outcomes, one.outcomes.best(level)) for one in tried]
         best = min(stops, key=lambda one: rank(one, level))
         if best.held >= level and np.isfinite(best.quantile(0.5)):
             yield CertaintyPoint(level, objective.reported(best.quantile(0.5)), ids(problem, best.found))
