@@ -336,6 +336,13 @@ DEFECTS = (
         test="tests/solvers/test_joint.py::test_the_table_holds_every_transfer_of_the_model[veil with detail]",
     ),
     Defect(
+        name="the aperture for information alone is told where power counts",
+        file="uwopt/solvers/continuous/opinions.py",
+        old=' or objective.weight("power"):',
+        new=":",
+        test="tests/solvers/test_aperture.py::test_no_aperture_for_information_is_told_where_power_counts",
+    ),
+    Defect(
         name="CasADi's aperture sees an even veil",
         file="uwopt/solvers/continuous/aperture.py",
         old="snr = float(sharp.texture_gain[0]) * sensor.snr(",

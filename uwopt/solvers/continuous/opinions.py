@@ -45,8 +45,11 @@ def why_not_smooth(problem: Problem, objective: Objective) -> str:
 
 
 def aperture_opinions(sought: Sought, found: Found, objective: Objective) -> list[dict[str, Any]]:
-    """CasADi's word on the aperture of a winner chosen for its information, one a scene."""
-    if not objective.weight("information"):
+    """CasADi's word on the aperture of a winner chosen for its information, one a scene.
+
+    None where power counts too: the best aperture for information alone takes more light than is worth its power.
+    """
+    if not objective.weight("information") or objective.weight("power"):
         return []
     from uwopt.solvers.continuous.aperture import confirmed
 
