@@ -321,6 +321,7 @@ def test_what_would_help_is_what_solve_answers(every_price: bool) -> None:
     blocks = explanation_blocks(nothing) if every_price else nothing_blocks(nothing)
     said = " ".join(str(line) for block in blocks if isinstance(block, Block) for line in block.lines)
     assert "as little of good practice as may be" in said
+    assert "the mission itself says but signal to noise" in opening(nothing)[0]  # not all that is asked
     needed_db = {one.name: one.needed for one in nothing.infeasible.relaxations}["min_snr"]
     assert needed_db is not None and needed_db > best_db - 0.1  # 3 dB less with all that practice keeps in hand
     answer = uwopt.solve(survey(needed_db), top=1, quick=True)

@@ -207,7 +207,7 @@ def _in_order(given_way: Collection[Yield], more: Collection[Yield]) -> tuple[Yi
 
 
 def less_practice_note(weakest: Sought) -> Note:
-    """What it is worth that something fits, or that nothing does, where all of good practice gives way that may."""
+    """That something fits where all of good practice gives way that may, or that even so nothing does."""
     if weakest.outcome.best:
         text = "with less than all of good practice something fits: uwopt solve lets some of it give way, and says what"
         return Note(PRACTICE_WOULD_YIELD, "practice", text)

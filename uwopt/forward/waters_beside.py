@@ -77,10 +77,7 @@ class WatersBeside:
     def least_sent_back(self, relative_spectrum: Array, range_m: float) -> tuple[PhaseTable | None, ...]:
         """At every angle the least of the phase functions that lamp light meets; as `SceneOptics.sent_back` of each."""
         ways = mean_way_m(range_m, self.attenuation_per_m)
-        optical = self.attenuation_per_m * ways
-        sent, told = self.first.sent_colours(relative_spectrum)
-        weight = np.where(told, sent, 0.0) * np.exp(np.minimum(optical[:, told].min(axis=1)[:, None] - optical, 0.0))
-        weight *= ways / weight.sum(axis=1)[:, None]
+        weight = ways * self.first.colours_weight(relative_spectrum, self.attenuation_per_m * ways)
         turned = [
             (multiple.BACK_WAY * np.einsum("nw,nw->n", weight, self.scattering_per_m[:, kind]), table)
             for kind, table in enumerate(self.tables)

@@ -379,8 +379,9 @@ def nothing_blocks(result: Result) -> Iterator[Block]:
     lines += [] if (fit := fit_sentence(result)) is None else [fit]
     lines += [*contradiction_lines(result), *not_known_lines(result)]
     in_vain = [words.as_sentence(note.message) for note in result.warnings if note.code == PRACTICE_IN_VAIN]
-    if result.status == "infeasible" and result.mission.get("practice") == "recommended":
-        lines += map(sentence, in_vain or [ASKED_BY_PRACTICE])
+    if not in_vain and result.status == "infeasible" and result.mission.get("practice") == "recommended":
+        lines.append(sentence(ASKED_BY_PRACTICE))
+    lines = [*map(sentence, in_vain), *lines]
     if lines:
         yield block("What would help", lines)
     miss = nearest_miss(result)
