@@ -41,11 +41,11 @@ from uwopt.solvers.confidence.counted import Counted, names  # noqa: E402
 from uwopt.solvers.confidence.outcomes import outcomes_of_each  # noqa: E402
 from uwopt.solvers.confidence.scenarios import SomeScenarios  # noqa: E402
 from uwopt.solvers.confidence.search import scenarios_of  # noqa: E402
-from uwopt.solvers.confidence.together import colours_of  # noqa: E402
+from uwopt.solvers.confidence.states import colours_of  # noqa: E402
 from uwopt.solvers.exact.imagers import Imagers, enumerate_imagers  # noqa: E402
 from uwopt.solvers.exact.lightings import Lighting  # noqa: E402
 from uwopt.solvers.exact.ranking import Found  # noqa: E402
-from uwopt.solvers.explain.one_hardware import pieces_of  # noqa: E402
+from uwopt.solvers.one_hardware import pieces_of  # noqa: E402
 from uwopt.solvers.recommend import hardware_of  # noqa: E402
 from uwopt.units import format_quantity  # noqa: E402
 

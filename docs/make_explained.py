@@ -43,10 +43,7 @@ from uwopt.errors import UwoptError  # noqa: E402
 from uwopt.forward.assembly import Generic, load_catalog  # noqa: E402
 from uwopt.mission.mission import Mission, load_mission  # noqa: E402
 from uwopt.mission.varying import Value, Varied, VariedMission, rounded  # noqa: E402
-from uwopt.objectives.objective import Objective  # noqa: E402
-from uwopt.results.basis import Relaxed  # noqa: E402
-from uwopt.results.result import Result  # noqa: E402
-from uwopt.solvers.explain.weakened import (  # noqa: E402
+from uwopt.mission.weakened import (  # noqa: E402
     RELAXABLE,
     asked_value,
     is_from_above,
@@ -54,6 +51,9 @@ from uwopt.solvers.explain.weakened import (  # noqa: E402
     with_limit,
     without,
 )
+from uwopt.objectives.objective import Objective  # noqa: E402
+from uwopt.results.basis import Relaxed  # noqa: E402
+from uwopt.results.result import Result  # noqa: E402
 from uwopt.solvers.recommend import seek  # noqa: E402
 
 PROBLEMS = ROOT / "problems"

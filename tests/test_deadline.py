@@ -23,8 +23,8 @@ from uwopt.deadline import COSTS_S, Deadline, OutOfTimeError, UntilFound, effort
 from uwopt.results.result import Result
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain import robustness
-from uwopt.solvers.explain.relaxed import Relaxer
-from uwopt.solvers.explain.trials import Trials
+from uwopt.solvers.infeasible.relaxer import Relaxer
+from uwopt.solvers.infeasible.trials import Trials
 
 ROOT = Path(__file__).parents[1]
 TANK = ROOT / "problems" / "paper-tank.yaml"

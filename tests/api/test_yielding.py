@@ -30,7 +30,7 @@ from uwopt.results.basis import WhyNothing
 from uwopt.results.design import PRACTICE_IN_VAIN, PRACTICE_MISSED, PRACTICE_WOULD_YIELD, PRACTICE_YIELDS
 from uwopt.solvers.confidence import search
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.explain import infeasible
+from uwopt.solvers.infeasible import why_nothing as infeasible
 
 HARDWARE = {
     "cameras": ["flir-bfs-u3-120s4m"], "lenses": ["kowa-lm8*"], "lights": ["generic-lamp-flood-20000lm"],

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from planted.defect import Defect
 
-MOVES = "uwopt/solvers/explain/moves.py"
+MOVES = "uwopt/solvers/infeasible/moves.py"
 TESTS = "tests/solvers/test_moves.py"
 
 PRICES, PRICED = "uwopt/solvers/explain/prices.py", "tests/solvers/test_prices.py"
@@ -13,7 +13,7 @@ EVERY = "tests/solvers/test_every_price.py"
 
 ROUNDS = "tests/solvers/test_in_rounds.py"
 
-SIBLINGS, OF_SIBLINGS = "uwopt/solvers/explain/siblings.py", "tests/solvers/test_siblings.py"
+SIBLINGS, OF_SIBLINGS = "uwopt/solvers/explain/same_sensor.py", "tests/solvers/test_siblings.py"
 
 SOON = "tests/solvers/test_soon_known.py"
 YIELDING = "tests/api/test_yielding.py"
@@ -85,28 +85,28 @@ DEFECTS = (
     ),
     Defect(
         name="what likely stands in the way waits for all that does not",
-        file="uwopt/solvers/explain/infeasible.py",
+        file="uwopt/solvers/infeasible/why_nothing.py",
         old="    singles.ask_suspects()\n",
         new="",
         test=f"{SOON}::test_what_the_last_rules_speak_of_is_asked_first_and_drawn_in",
     ),
     Defect(
         name="what stands in the way once the first has given is not asked",
-        file="uwopt/solvers/explain/singles.py",
+        file="uwopt/solvers/infeasible/singles.py",
         old="            then = asked_by(self.useless.get(name, ()), trials.limits)\n",
         new="            then = asked_by((), trials.limits)\n",
         test=f"{SOON}::test_requirements_that_nothing_meets_by_themselves_are_told_to_have_to_give",
     ),
     Defect(
         name="a requirement that parts do meet by itself is told to have to give",
-        file="uwopt/solvers/explain/singles.py",
+        file="uwopt/solvers/infeasible/singles.py",
         old="            self._take_the_only_miss(found, others)\n            return\n        left",
         new="            self._take_the_only_miss(found, others)\n        left",
         test=f"{SOON}::test_requirements_that_nothing_meets_by_themselves_are_told_to_have_to_give",
     ),
     Defect(
         name="of rules of imagers the first is taken for the likeliest in the way",
-        file="uwopt/solvers/explain/suspects.py",
+        file="uwopt/solvers/infeasible/suspects.py",
         old="else lost[::-1])]",
         new="else lost)]",
         test=f"{SOON}::test_likeliest_in_the_way_is_what_the_last_designs_fall_by[lost1-0-suspects1]",
@@ -134,7 +134,7 @@ DEFECTS = (
     ),
     Defect(
         name="what gives together is looked for by the brightest design alone",
-        file="uwopt/solvers/explain/together.py",
+        file="uwopt/solvers/infeasible/joint_changes.py",
         old="if not MAY_PASS[name]], lit, [*names]):",
         new="if not MAY_PASS[name]], [*names]):",
         test="tests/solvers/test_soon_known.py"
@@ -142,7 +142,7 @@ DEFECTS = (
     ),
     Defect(
         name="the share that was searched with is told where a design reaches more",
-        file="uwopt/solvers/explain/together.py",
+        file="uwopt/solvers/infeasible/joint_changes.py",
         old="        for values in (reached, fewer):\n",
         new="        for values in (fewer,):\n",
         test="tests/solvers/test_least_change.py"
@@ -150,7 +150,7 @@ DEFECTS = (
     ),
     Defect(
         name="a single change found with others is told as several",
-        file="uwopt/solvers/explain/infeasible.py",
+        file="uwopt/solvers/infeasible/why_nothing.py",
         old="    if fit is None or len(fit.changes) != 1:\n",
         new="    if fit is None or fit.changes:\n",
         test="tests/solvers/test_least_change.py"
@@ -158,7 +158,7 @@ DEFECTS = (
     ),
     Defect(
         name="what a design keeps as it is asked is told as a change",
-        file="uwopt/solvers/explain/together.py",
+        file="uwopt/solvers/infeasible/joint_changes.py",
         old="        changed = [name for name, value in asked.items() if kept[name] != value]\n",
         new="        changed = [*asked][:0]\n",
         test="tests/solvers/test_least_change.py"
@@ -166,7 +166,7 @@ DEFECTS = (
     ),
     Defect(
         name="limits from above give less than those from below",
-        file="uwopt/solvers/explain/together.py",
+        file="uwopt/solvers/infeasible/joint_changes.py",
         old="            up = share / (1.0 - share) if self.by_factor else share\n",
         new="            up = share\n",
         test="tests/solvers/test_least_change.py"
@@ -181,7 +181,7 @@ DEFECTS = (
     ),
     Defect(
         name="what does not help is told without a reason where no imager is left",
-        file="uwopt/solvers/explain/relaxed.py",
+        file="uwopt/solvers/infeasible/relaxer.py",
         old="        return in_the_way(found, name) or none\n",
         new="        return in_the_way(found, name)\n",
         test="tests/solvers/test_least_change.py"
@@ -203,28 +203,28 @@ DEFECTS = (
     ),
     Defect(
         name="the nearest change has all the time until it is the least",
-        file="uwopt/solvers/explain/least_change.py",
+        file="uwopt/solvers/infeasible/least_change.py",
         old="            one.step(phase.at_most(max(fair_s, LEAST_TURN_S)))",
         new="            while not (one.is_done or phase.passed()):\n                one.step(phase)",
         test=f"{ROUNDS}::test_with_little_time_each_is_nearer",
     ),
     Defect(
         name="the smallest change comes first, which is of use as it is",
-        file="uwopt/solvers/explain/least_change.py",
+        file="uwopt/solvers/infeasible/least_change.py",
         old="(one.gap, -one.size)",
         new="(one.gap, one.size)",
         test=f"{ROUNDS}::test_the_largest_change_comes_first",
     ),
     Defect(
         name="a search that took too long is made again as near",
-        file="uwopt/solvers/explain/least_change.py",
+        file="uwopt/solvers/infeasible/least_change.py",
         old="step if self.share > CLOSER and far_enough else None, 0.5",
         new="None, 0.5",
         test=f"{ROUNDS}::test_where_searches_take_too_long_the_change_is_drawn_in_as_far_as_they_do_not",
     ),
     Defect(
         name="single changes that do not help leave no time for changes together",
-        file="uwopt/solvers/explain/infeasible.py",
+        file="uwopt/solvers/infeasible/why_nothing.py",
         old="whole.but_for(KEPT_SHARE)",
         new="whole",
         test="tests/solvers/test_least_change.py"
@@ -246,7 +246,7 @@ DEFECTS = (
     ),
     Defect(
         name="without a requirement the best is told that is best with it",
-        file="uwopt/solvers/explain/spared.py",
+        file="uwopt/solvers/explain/without_each.py",
         old="found.best[0].minimised if found.best else best",
         new="best",
         test=f"{EVERY}::test_what_is_told_to_do_without_a_requirement_is_the_optimum_without_it",
@@ -267,7 +267,7 @@ DEFECTS = (
     ),
     Defect(
         name="the best SNR of the mean is told as the least change of the darkest pixel's",
-        file="uwopt/solvers/explain/least_limit.py",
+        file="uwopt/solvers/infeasible/least_limit.py",
         old='return self.name != "min_snr" or all(',
         new='return True or all(',
         test="tests/solvers/test_least_change.py::test_the_least_snr_is_that_of_the_pixel_that_is_asked_for",
@@ -289,7 +289,7 @@ DEFECTS = (
     ),
     Defect(
         name="a figure that was reached is told with digits that nobody types",
-        file="uwopt/solvers/explain/least_limit.py",
+        file="uwopt/solvers/infeasible/least_limit.py",
         old="rounded_away(needed, self.one.limit)",
         new="needed",
         test="tests/solvers/test_least_change.py::test_best_figure_said_to_be_possible_can_be_typed_and_is_enough",
@@ -331,7 +331,7 @@ DEFECTS = (
     ),
     Defect(
         name="changes are told together that are no smaller",
-        file="uwopt/solvers/explain/together.py",
+        file="uwopt/solvers/infeasible/joint_changes.py",
         old="low, high, found = (low, share, others) if others.outcome.best",
         new="low, high, found = (low, share, others) if True",
         test="tests/solvers/test_least_change.py::test_smaller_changes_are_told_that_help_together",
@@ -359,28 +359,28 @@ DEFECTS = (
     ),
     Defect(
         name="a contradiction keeps what it does not need",
-        file="uwopt/solvers/explain/contradiction.py",
+        file="uwopt/solvers/infeasible/contradiction.py",
         old="            left_out += some",
         new="            kept += some",
         test=f"{TESTS}::test_a_contradiction_is_irreducible",
     ),
     Defect(
         name="a contradiction is told though it was not known",
-        file="uwopt/solvers/explain/contradiction.py",
+        file="uwopt/solvers/infeasible/contradiction.py",
         old="    if not left_out and not sure:\n        return Contradiction()\n",
         new="",
         test=f"{TESTS}::test_a_contradiction_is_not_told_where_a_search_is_cut_short",
     ),
     Defect(
         name="what was not known to be needed is told as irreducible",
-        file="uwopt/solvers/explain/contradiction.py",
+        file="uwopt/solvers/infeasible/contradiction.py",
         old="sure and known is True",
         new="sure",
         test=f"{TESTS}::test_what_is_known_of_a_contradiction_is_told_where_a_search_is_cut_short",
     ),
     Defect(
         name="what is dropped at once is taken for useless though something fits",
-        file="uwopt/solvers/explain/singles.py",
+        file="uwopt/solvers/infeasible/singles.py",
         old="        if found is None:\n            return {}\n        if not found.outcome.best:\n",
         new="        if found is None or found.outcome.best:\n",
         test="tests/solvers/test_least_change.py::test_dropped_at_once_no_requirement_is_lost_that_helps",
@@ -401,21 +401,21 @@ DEFECTS = (
     ),
     Defect(
         name="an image of no use is told as a way out",
-        file="uwopt/solvers/explain/infeasible.py",
+        file="uwopt/solvers/infeasible/why_nothing.py",
         old=" if one.is_of_use]",
         new="]",
         test="tests/solvers/test_least_change.py::test_an_image_of_no_use_is_no_way_out[0.001-False]",
     ),
     Defect(
         name="a limit from below is weakened to less than nothing",
-        file="uwopt/solvers/explain/together.py",
+        file="uwopt/solvers/infeasible/joint_changes.py",
         old="min(alone, NO_MORE)",
         new="alone",
         test="tests/solvers/test_least_change.py::test_a_budget_that_is_missed_by_far_weakens_no_limit_to_less_than_nothing",
     ),
     Defect(
         name="what gives alone among a few imagers is not taken for what helps",
-        file="uwopt/solvers/explain/singles.py",
+        file="uwopt/solvers/infeasible/singles.py",
         old="len(self.together[0]) != 1",
         new="True",
         test="tests/solvers/test_least_change.py"
@@ -423,7 +423,7 @@ DEFECTS = (
     ),
     Defect(
         name="requirements are told to give together of which fewer do",
-        file="uwopt/solvers/explain/together.py",
+        file="uwopt/solvers/infeasible/joint_changes.py",
         old="        if others is not None and others.outcome.best:\n            found = others\n",
         new="        if False:\n            found = others\n",
         test="tests/solvers/test_least_change.py"
@@ -431,7 +431,7 @@ DEFECTS = (
     ),
     Defect(
         name="what may help is not asked of a few imagers where all would take too long",
-        file="uwopt/solvers/explain/singles.py",
+        file="uwopt/solvers/infeasible/singles.py",
         old="        if self.hopes.get(name):\n            self._try_among",
         new="        if False:\n            self._try_among",
         test="tests/solvers/test_least_change.py"
@@ -439,49 +439,49 @@ DEFECTS = (
     ),
     Defect(
         name="good practice is taken for what a person wrote",
-        file="uwopt/solvers/explain/weakened.py",
+        file="uwopt/mission/weakened.py",
         old="values <= {None, FILLED_IN.get(key)}",
         new="values <= {None}",
         test="tests/solvers/test_least_change.py::test_what_a_person_wrote_is_known_from_what_good_practice_fills_in",
     ),
     Defect(
         name="nothing is told where what helps is out of reach by far",
-        file="uwopt/solvers/explain/infeasible.py",
+        file="uwopt/solvers/infeasible/why_nothing.py",
         old="        relaxations = every\n",
         new="        relaxations = []\n",
         test="tests/solvers/test_least_change.py::test_what_is_out_of_reach_by_far_is_told_where_nothing_else_is",
     ),
     Defect(
         name="what is known not to help is forgotten",
-        file="uwopt/solvers/explain/singles.py",
+        file="uwopt/solvers/infeasible/singles.py",
         old="for one in self.helpful} | self.useless",
         new="for one in self.helpful}",
         test="tests/solvers/test_least_change.py::test_what_may_help_is_asked_of_first_and_once",
     ),
     Defect(
         name="parts that the mission does not name are told as what is left out",
-        file="uwopt/solvers/explain/none_left.py",
+        file="uwopt/solvers/infeasible/none_left.py",
         old="(one.part_id in asked or not patterns)]",
         new="True]",
         test="tests/solvers/test_nearest_fit.py::test_a_hull_that_lacks_a_size_is_named_with_what_it_lacks",
     ),
     Defect(
         name="what a design alone misses is not taken for what helps",
-        file="uwopt/solvers/explain/singles.py",
+        file="uwopt/solvers/infeasible/singles.py",
         old="        if len(missed) != 1 or",
         new="        if True or",
         test="tests/solvers/test_least_change.py::test_what_a_design_misses_alone_is_known_to_help",
     ),
     Defect(
         name="a limit that other hardware meets is told with digits that nobody types",
-        file="uwopt/solvers/explain/least_change.py",
+        file="uwopt/solvers/infeasible/least_change.py",
         old="Change(rounded_away(step, self.asked), closer)",
         new="Change(step, closer)",
         test="tests/solvers/test_least_change.py::test_a_limit_can_be_typed_where_time_ends_at_other_hardware",
     ),
     Defect(
         name="no slower vehicle comes to fewer images a second",
-        file="uwopt/solvers/explain/relaxed.py",
+        file="uwopt/solvers/infeasible/relaxer.py",
         old='"speed_m_s": frozenset({"max_blur_px", "frame_rate", "data_rate_mb_s",',
         new='"speed_m_s": frozenset({"max_blur_px",',
         test="tests/solvers/test_relaxed.py::test_imagers_that_a_moved_key_frees_are_those_of_a_mission_that_has_it_so",
@@ -495,7 +495,7 @@ DEFECTS = (
     ),
     Defect(
         name="speed and height that give together are told as asked",
-        file="uwopt/solvers/explain/together.py",
+        file="uwopt/solvers/infeasible/joint_changes.py",
         old="if key in self.moved and value != self.moved[key]",
         new="if key in self.moved and value is None",
         test="tests/solvers/test_least_change.py::test_limits_speed_and_height_told_together_are_enough",
@@ -516,7 +516,7 @@ DEFECTS = (
     ),
     Defect(
         name="a few imagers are looked at first whose answer proves nothing",
-        file="uwopt/solvers/explain/relaxed.py",
+        file="uwopt/solvers/infeasible/relaxer.py",
         old="return known is not None and max(",
         new="return known is None and max(",
         test="tests/solvers/test_soon_known.py"
@@ -524,7 +524,7 @@ DEFECTS = (
     ),
     Defect(
         name="the same few imagers are looked at twice",
-        file="uwopt/solvers/explain/singles.py",
+        file="uwopt/solvers/infeasible/singles.py",
         old="self.in_vain.get(name, 0) >= number",
         new="self.in_vain.get(name, 0) > number",
         test="tests/solvers/test_soon_known.py"
@@ -547,7 +547,7 @@ DEFECTS = (
     ),
     Defect(
         name="all imagers are asked first though each takes designs to be tried",
-        file="uwopt/solvers/explain/relaxed.py",
+        file="uwopt/solvers/infeasible/relaxer.py",
         old="if self.like is None or self.like.outcome.account.evaluated:",
         new="if self.like is None:",
         test="tests/solvers/test_soon_known.py"

@@ -171,7 +171,7 @@ DEFECTS = (
     ),
     Defect(
         name="light in more columns changes with the water as in fewer",
-        file="uwopt/solvers/confidence/together.py",
+        file="uwopt/solvers/confidence/states.py",
         old="colours = (self.scenarios.nodes, columns), colours_of(camera)",
         new="colours = self.scenarios.nodes, colours_of(camera)",
         test="tests/solvers/test_confidence_deciding.py::test_how_light_changes_is_known_by_what_is_asked_of_it",

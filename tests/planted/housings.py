@@ -52,7 +52,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a fit is refused though something fits",
-        file="uwopt/solvers/explain/nearest_fit.py",
+        file="uwopt/solvers/infeasible/nearest_fit.py",
         old="        if short_m <= 0.0:\n            return None\n",
         new="",
         test=FIT + "test_no_size_is_named_where_something_else_stops_it",
@@ -73,14 +73,14 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="whichever housing is looked at last comes nearest",
-        file="uwopt/solvers/explain/nearest_fit.py",
+        file="uwopt/solvers/infeasible/nearest_fit.py",
         old="int(np.argmin(short_m))",
         new="short_m.size - 1",
         test=FIT + "test_the_size_that_stops_the_fit_is_named_with_what_is_missing",
     ),
     Defect(
         name="a port too wide for every housing is not told",
-        file="uwopt/solvers/explain/nearest_fit.py",
+        file="uwopt/solvers/infeasible/nearest_fit.py",
         old="return nearest_port(relaxer.selection)",
         new="return None",
         test=FIT + "test_ports_that_go_on_no_housing_are_told[none]",

@@ -631,7 +631,7 @@ DEFECTS = (
     ),
     Defect(
         name="nobody asks whether central prices would fit",
-        file="uwopt/solvers/explain/singles.py",
+        file="uwopt/solvers/infeasible/singles.py",
         old='return name == "cost" and self.trials.mission.limits.cost_basis == "high"',
         new="return False",
         test="tests/solvers/test_least_change.py::test_a_limit_of_cost_that_only_high_prices_break_is_told[3000.0-True]",
@@ -645,7 +645,7 @@ DEFECTS = (
     ),
     Defect(
         name="the high end of the cheapest is the least of the high ends",
-        file="uwopt/solvers/explain/relaxed.py",
+        file="uwopt/solvers/infeasible/relaxer.py",
         old="problem = self.asking(mission).at_limit_prices()",
         new="problem = self.asking(mission)",
         test="tests/solvers/test_least_change.py"

@@ -183,7 +183,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a refusal cannot be dropped",
-        file="uwopt/solvers/explain/weakened.py",
+        file="uwopt/mission/weakened.py",
         old="if word not in words_of(key)]",
         new="if word]",
         test="tests/solvers/test_least_change.py::test_a_refusal_is_weakened_as_its_key_would_be",

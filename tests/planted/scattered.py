@@ -372,7 +372,7 @@ DEFECTS = (
     ),
     Defect(
         name="scenarios show the detail of the water as it is known",
-        file="uwopt/solvers/confidence/together.py",
+        file="uwopt/solvers/confidence/states.py",
         old="detail=rows.sharp.detail.hazier(ratio)",
         new="detail=rows.sharp.detail",
         test="tests/solvers/test_confidence_proof.py"

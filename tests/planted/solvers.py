@@ -136,7 +136,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="the least change of a limit is that of the first hardware that was found",
-        file="uwopt/solvers/explain/least_change.py",
+        file="uwopt/solvers/infeasible/least_change.py",
         old="        if closer.outcome.best:  # not",
         new="        if False:  # not",
         test="tests/solvers/test_least_change.py::"
@@ -144,21 +144,21 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a limit is said to be possible that the cheapest design happens to reach",
-        file="uwopt/solvers/explain/least_change.py",
+        file="uwopt/solvers/infeasible/least_change.py",
         old="self.change = with_its_hardware(self.asked, self.change, self.relaxed, turn)",
         new="self.is_least = True",
         test="tests/solvers/test_least_change.py::test_least_blur_is_that_of_the_lamp_at_full_level",
     ),
     Defect(
         name="a possible limit is rounded towards what was asked",
-        file="uwopt/solvers/explain/least_change.py",
+        file="uwopt/solvers/infeasible/least_change.py",
         old="if value > asked else math.floor",
         new="if value < asked else math.floor",
         test="tests/solvers/test_least_change.py::test_limit_to_type_is_rounded_away_from_what_was_asked",
     ),
     Defect(
         name="of parts not rated deep enough the first is named",
-        file="uwopt/solvers/explain/reached.py",
+        file="uwopt/solvers/infeasible/reached.py",
         old="        found = deeper\n",
         new="        break\n",
         test="tests/solvers/test_least_change.py::test_least_change_of_depth_is_that_of_the_part_rated_deepest",
@@ -873,7 +873,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="all prices of a lamp are its first",
-        file="uwopt/solvers/explain/one_hardware.py",
+        file="uwopt/solvers/one_hardware.py",
         old='light = np.array([place["light"] for place in places])[owner]',
         new='light = np.full(len(rows), places[mine[0]]["light"])',
         test=f"{DOUBT}test_variants_of_a_lamp_are_each_worth_what_they_are_alone",
@@ -980,7 +980,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="of limits that give together the first that was found is told",
-        file="uwopt/solvers/explain/together.py",
+        file="uwopt/solvers/infeasible/joint_changes.py",
         old="change = with_its_hardware(limit, Change(far, found), wanted, trials.deadline)",
         new="change = Change(far, found)",
         test="tests/solvers/test_soon_known.py"
@@ -995,21 +995,21 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="nobody tells what must give together",
-        file="uwopt/solvers/explain/infeasible.py",
+        file="uwopt/solvers/infeasible/why_nothing.py",
         old="([], None) if moved else least_set(trials, known)",
         new="([], None)",
         test=f"{LEAST}::test_changes_told_together_are_enough_and_all_of_them_are_needed",
     ),
     Defect(
         name="a depth of field that is dropped frees no imager",
-        file="uwopt/solvers/explain/relaxed.py",
+        file="uwopt/solvers/infeasible/relaxer.py",
         old='"min_dof_m": frozenset({"focus", "min_dof_m", "lens_stop_down"}),',
         new='"min_dof_m": frozenset({"focus"}),',
         test=f"{RELAXED}::test_imagers_that_a_dropped_requirement_frees_are_those_of_a_mission_without_it",
     ),
     Defect(
         name="imagers known to fail are searched once more",
-        file="uwopt/solvers/explain/relaxed.py",
+        file="uwopt/solvers/infeasible/relaxer.py",
         old="some=OF_IMAGERS.issuperset(freed))",
         new="some=False)",
         test=f"{RELAXED}::test_imagers_that_a_dropped_requirement_frees_are_those_of_a_mission_without_it",
@@ -1023,7 +1023,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a maker's best system has any maker's camera",
-        file="uwopt/solvers/explain/alternatives.py",
+        file="uwopt/solvers/explain/other_makers.py",
         old="every.take(np.flatnonzero(mask[every.camera]))",
         new="every",
         test="tests/solvers/test_alternatives.py::test_listed_imagers_change_no_makers_best_system",
@@ -1037,14 +1037,14 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="of housings the dearest stands for all",
-        file="uwopt/solvers/explain/relaxed.py",
+        file="uwopt/solvers/infeasible/relaxer.py",
         old="order = np.lexsort((worth, *alike))",
         new="order = np.lexsort((-worth, *alike))",
         test=f"{RELAXED}::test_a_pair_stands_in_the_one_housing_that_a_limit_prefers",
     ),
     Defect(
         name="without its SNR a mission asks for no light at all",
-        file="uwopt/solvers/explain/weakened.py",
+        file="uwopt/mission/weakened.py",
         old="if value_db is not None and value_db > LEAST_SNR_DB:",
         new="if False:",
         test=f"{RELAXED}::test_without_its_snr_a_mission_still_asks_to_see_something",
@@ -1065,14 +1065,14 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="what a few imagers do not do nothing does",
-        file="uwopt/solvers/explain/relaxed.py",
+        file="uwopt/solvers/infeasible/relaxer.py",
         old="return found if found is not None and (found.outcome.best or found.outcome.interrupted) else None",
         new="return found",
         test=f"{RELAXED}::test_a_first_design_is_found_where_a_whole_search_finds_one",
     ),
     Defect(
         name="an interruption loses what would help",
-        file="uwopt/solvers/explain/singles.py",
+        file="uwopt/solvers/infeasible/singles.py",
         old="                    known.append(name)\n            except KeyboardInterrupt:\n"
         "                trials.interrupted = True\n",
         new="                    known.append(name)\n            except KeyboardInterrupt:\n"
@@ -1081,14 +1081,14 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="without its SNR a mission looks for the least power first",
-        file="uwopt/solvers/explain/singles.py",
+        file="uwopt/solvers/infeasible/singles.py",
         old="FINEST}.get(name, ANY)",
         new="FINEST}.get(name[:0], ANY)",
         test="tests/solvers/test_least_change.py::test_without_its_snr_a_mission_looks_for_the_brightest_first",
     ),
     Defect(
         name="the first requirement that is dropped takes all the time",
-        file="uwopt/solvers/explain/trials.py",
+        file="uwopt/solvers/infeasible/trials.py",
         old="self.deadline.at_most(TURN * self.deadline.left_s)",
         new="self.deadline.at_most(self.deadline.left_s)",
         test="tests/test_deadline.py::test_one_requirement_takes_a_quarter_of_the_time_to_explain",

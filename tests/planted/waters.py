@@ -53,7 +53,7 @@ DEFECTS = (
     ),
     Defect(
         name="the clearest and the murkiest water of a reading are the likely one",
-        file="uwopt/solvers/explain/waters.py",
+        file="uwopt/solvers/explain/other_waters.py",
         old="fineness=scene.fineness, water_end=end,",
         new="fineness=scene.fineness,",
         test=f"{OTHER_WATERS}::test_the_ends_of_a_reading_are_solved_again",

@@ -13,7 +13,7 @@ from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import load_mission
 from uwopt.model.fineness import DEFAULT
 from uwopt.objectives.goal import goal_of
-from uwopt.solvers.explain.alternatives import beside_best
+from uwopt.solvers.explain.other_makers import beside_best
 from uwopt.solvers.recommend import Sought, design_of
 
 PROBLEMS = Path(__file__).parents[2] / "problems"

@@ -23,6 +23,7 @@ from uwopt.mission.doubt import Doubt
 from uwopt.model.port import lens_dioptre_per_m, water_distance_m
 from uwopt.solvers.confidence import search as search_module
 from uwopt.solvers.confidence.candidates import worse_problem
+from uwopt.solvers.confidence.information_value import gained, is_no_luck, worth_of_knowing
 from uwopt.solvers.confidence.outcomes import outcomes
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.search import (
@@ -36,12 +37,11 @@ from uwopt.solvers.confidence.search import (
     rank,
     unheard,
 )
+from uwopt.solvers.confidence.states import Together
 from uwopt.solvers.confidence.summary import ids, missed_centrally, surest, told
-from uwopt.solvers.confidence.together import Together
 from uwopt.solvers.confidence.waters import BANDS
-from uwopt.solvers.confidence.worth import gained, is_no_luck, worth_of_knowing
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.explain.one_hardware import parts_of, problem_of
+from uwopt.solvers.one_hardware import parts_of, problem_of
 from uwopt.solvers.recommend import Sought
 
 NOTHING: dict[str, Any] = {

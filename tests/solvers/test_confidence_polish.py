@@ -10,7 +10,7 @@ from uwopt.forward.enclosures import enclosed
 from uwopt.forward.parts import Parts
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import load_mission
-from uwopt.solvers.confidence.polish import neighbours
+from uwopt.solvers.confidence.local_search import neighbours
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.ranking import Found
 

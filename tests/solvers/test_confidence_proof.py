@@ -20,19 +20,19 @@ from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.part_columns import FAVOURED
 from uwopt.forward.parts import Parts
 from uwopt.forward.problem import Problem
-from uwopt.solvers.confidence import polish as polish_module
+from uwopt.solvers.confidence import local_search as local_search_module
 from uwopt.solvers.confidence import proof as proof_module
 from uwopt.solvers.confidence import search as search_module
 from uwopt.solvers.confidence.counted import Counted, best_of, names, rank
+from uwopt.solvers.confidence.local_search import Glance, polish
 from uwopt.solvers.confidence.outcomes import Outcomes, groups_of, outcomes_of_each
 from uwopt.solvers.confidence.panels import anchors_of, best_scene, least_covered, panel_of
-from uwopt.solvers.confidence.polish import Glance, polish
 from uwopt.solvers.confidence.proof import Prover
+from uwopt.solvers.confidence.scenario_bounds import bounds_of
 from uwopt.solvers.confidence.scenarios import Scenarios, SomeScenarios, loss
-from uwopt.solvers.confidence.screen import bounds_of
 from uwopt.solvers.confidence.search import Certain, can_be_proven, unheard
+from uwopt.solvers.confidence.states import Together
 from uwopt.solvers.confidence.summary import counted, proof_told, wilson
-from uwopt.solvers.confidence.together import Together
 from uwopt.solvers.exact.imagers import fitting_pairs
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.ranking import Found
@@ -130,7 +130,7 @@ def test_the_best_is_found_from_the_worst_part_by_part(monkeypatch: pytest.Monke
     dear = max((one_ for one_ in all_counted if one_.held >= SHARE), key=lambda one: one.quantile(0.5))
     assert seldom.held < SHARE and dear.quantile(0.5) > 1.02 * best.quantile(0.5)
     for first, counted_at_once in ((dear, 1), (seldom, 16), (best, 16)):
-        monkeypatch.setattr(polish_module, "A_ROUND", counted_at_once)
+        monkeypatch.setattr(local_search_module, "A_ROUND", counted_at_once)
         tried = [first]
         assert polish(problem, objective, scenarios, SHARE, tried, NEVER)
         found = best_of(tried, SHARE)
@@ -145,14 +145,14 @@ def test_what_seemed_better_is_tried_together_where_it_fits() -> None:
     optics = problem.lights.optics_index
     lamp = replace(base, light=1 - base.light, lighting=replace(base.lighting, optics=int(optics[1 - base.light])))
     best, more = replace(base, camera=1 - base.camera), replace(base, count=3 - base.count)
-    made = polish_module.with_both(problem, base, best, [best, lamp, more])
+    made = local_search_module.with_both(problem, base, best, [best, lamp, more])
     expected = [replace(lamp, camera=best.camera), replace(more, camera=best.camera)]
     assert [names(problem, one_) for one_ in made] == [names(problem, one_) for one_ in expected]
     assert [one_.lighting.optics for one_ in made] == [int(optics[one_.light]) for one_ in made]
     pairs = SimpleNamespace(camera=np.array([base.camera]), lens=np.array([base.lens]))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(polish_module, "fitting_pairs", lambda problem: pairs)
-        assert polish_module.with_both(problem, base, best, [lamp]) == []
+        patch.setattr(local_search_module, "fitting_pairs", lambda problem: pairs)
+        assert local_search_module.with_both(problem, base, best, [lamp]) == []
 
 
 def test_what_is_as_good_as_tied_is_told_apart_by_further_scenarios(monkeypatch: pytest.MonkeyPatch) -> None:

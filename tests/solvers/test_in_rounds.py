@@ -13,8 +13,8 @@ from typing import Any, cast
 import pytest
 
 from uwopt.deadline import Deadline
-from uwopt.solvers.explain import least_change
-from uwopt.solvers.explain.least_change import CLOSER, Change, Narrowing, in_rounds
+from uwopt.solvers.infeasible import least_change
+from uwopt.solvers.infeasible.least_change import CLOSER, Change, Narrowing, in_rounds
 
 ASKED, FAR = 1.0, 10.0
 LEAST = (2.0, 3.0, 4.0)  # with which something fits

@@ -15,20 +15,21 @@ from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import Mission, load_mission
+from uwopt.mission.weakened import is_filled_in
 from uwopt.objectives.objective import Objective
 from uwopt.report.text.helps import depth_lines
 from uwopt.results.basis import WhyNothing
 from uwopt.results.result import Result
 from uwopt.solvers.exact.certificate import certificate
-from uwopt.solvers.explain import infeasible, least_change, singles
-from uwopt.solvers.explain.infeasible import together_soon, why_nothing
-from uwopt.solvers.explain.least_change import Change, Narrowing, in_rounds, rounded_away
-from uwopt.solvers.explain.moves import Mover
-from uwopt.solvers.explain.relaxed import Relaxer
-from uwopt.solvers.explain.singles import Singles
-from uwopt.solvers.explain.together import CommonShare, few_that_give, least_set
-from uwopt.solvers.explain.trials import Trials
-from uwopt.solvers.explain.weakened import is_filled_in
+from uwopt.solvers.infeasible import least_change, singles
+from uwopt.solvers.infeasible import why_nothing as infeasible
+from uwopt.solvers.infeasible.joint_changes import CommonShare, few_that_give, least_set
+from uwopt.solvers.infeasible.least_change import Change, Narrowing, in_rounds, rounded_away
+from uwopt.solvers.infeasible.moves import Mover
+from uwopt.solvers.infeasible.relaxer import Relaxer
+from uwopt.solvers.infeasible.singles import Singles
+from uwopt.solvers.infeasible.trials import Trials
+from uwopt.solvers.infeasible.why_nothing import together_soon, why_nothing
 from uwopt.solvers.recommend import Sought, seek
 
 POWER = Objective.of("power")

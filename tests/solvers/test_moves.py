@@ -17,10 +17,10 @@ from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Moved
-from uwopt.solvers.explain.contradiction import Contradiction, contradiction
-from uwopt.solvers.explain.least_change import CLOSER, in_rounds
-from uwopt.solvers.explain.moves import Mover, NearestType
-from uwopt.solvers.explain.relaxed import Relaxer
+from uwopt.solvers.infeasible.contradiction import Contradiction, contradiction
+from uwopt.solvers.infeasible.least_change import CLOSER, in_rounds
+from uwopt.solvers.infeasible.moves import Mover, NearestType
+from uwopt.solvers.infeasible.relaxer import Relaxer
 from uwopt.solvers.recommend import seek
 
 POWER = Objective.of("power")

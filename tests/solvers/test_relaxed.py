@@ -14,12 +14,12 @@ from random_cases import Case, case
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.mission.varying import Varied, VariedMission
+from uwopt.mission.weakened import RELAXABLE, asked_value, without
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.imagers import Imagers, enumerate_imagers, fitting_pairs, imagers_behind
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.explain import relaxed as relaxed_searches
-from uwopt.solvers.explain.relaxed import MAY_PASS, OF_IMAGERS, Relaxer, in_best_housing
-from uwopt.solvers.explain.weakened import RELAXABLE, asked_value, without
+from uwopt.solvers.infeasible import relaxer as relaxed_searches
+from uwopt.solvers.infeasible.relaxer import MAY_PASS, OF_IMAGERS, Relaxer, in_best_housing
 from uwopt.solvers.recommend import Sought
 
 ANY = Objective.of("power")

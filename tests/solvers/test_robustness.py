@@ -19,7 +19,6 @@ from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import load_mission
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.explain.lamp_places import missed_when_leaning
-from uwopt.solvers.explain.one_hardware import KINDS, best_of_each, problem_of
 from uwopt.solvers.explain.robustness import (
     among,
     assumptions,
@@ -30,6 +29,7 @@ from uwopt.solvers.explain.robustness import (
     parts_of,
     robustness,
 )
+from uwopt.solvers.one_hardware import KINDS, best_of_each, problem_of
 from uwopt.solvers.recommend import Sought, evaluated, seek
 
 ROOT = Path(__file__).parents[2]

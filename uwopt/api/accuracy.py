@@ -51,7 +51,7 @@ def checked_tolerance(tolerance: Any) -> float | None:
 
 def estimator_of_search(sought: Sought, goal: Objective, deadline: Deadline = NEVER) -> Estimator:
     """Errors of the best design of a search: of figures with its settings, of the objective with the best ones."""
-    from uwopt.solvers.explain.one_hardware import best_of, problem_of
+    from uwopt.solvers.one_hardware import best_of, problem_of
     from uwopt.solvers.recommend import hardware_of
     from uwopt.solvers.settable.rounding import given_of
     from uwopt.solvers.settings.best import scenes_need_cells

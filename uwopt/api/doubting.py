@@ -130,11 +130,11 @@ def doubts_of(
 ) -> dict[str, Callable[[], Any]]:
     """What the estimates, the choice of water table and the lamps' places could change: how to find out each."""
     from uwopt.solvers.confidence.search import tied_with_best
-    from uwopt.solvers.explain.equals import equals
     from uwopt.solvers.explain.lamp_places import polished_mount, tilt_tolerance
+    from uwopt.solvers.explain.other_waters import in_other_waters
     from uwopt.solvers.explain.robustness import robustness
-    from uwopt.solvers.explain.siblings import UNREACHED, siblings
-    from uwopt.solvers.explain.waters import in_other_waters
+    from uwopt.solvers.explain.same_sensor import UNREACHED, siblings
+    from uwopt.solvers.explain.ties import equals
 
     none = list[dict[str, Any]]()
     tied = None if choice is None else partial(tied_with_best, sought.problem, choice)
@@ -160,7 +160,7 @@ def ranged(made: Result, sought: Sought, deadline: Deadline) -> list[Price]:
 
 def beside_it(made: Result, sought: Sought, goal: Objective, deadline: Deadline) -> list[Any]:
     """Other makers' best systems beside what is recommended."""
-    from uwopt.solvers.explain.alternatives import beside_best
+    from uwopt.solvers.explain.other_makers import beside_best
 
     assert made.recommendation is not None
     least = None if made.confidence is None else made.confidence.central_objective

@@ -19,7 +19,7 @@ from uwopt.catalog.update import planned
 from uwopt.errors import CatalogError
 from uwopt.forward.assembly import load_catalog, selected
 from uwopt.mission.mission import Mission
-from uwopt.solvers.explain.quoted import QuotedAgain
+from uwopt.solvers.explain.solved_again import QuotedAgain
 
 PATTERNS = {"camera": "cameras", "lens": "lenses", "port": "ports", "light": "lights", "housing": "housings",
             "complete": "complete_cameras"}  # fmt: skip

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from uwopt.objectives.objective import Objective
 from uwopt.results.design import Design
-from uwopt.solvers.explain.one_hardware import parts_of
+from uwopt.solvers.one_hardware import parts_of
 from uwopt.solvers.recommend import Sought
 from uwopt.units import format_quantity
 

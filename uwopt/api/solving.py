@@ -317,8 +317,8 @@ def infeasible_result(
     which is the same everywhere, is no measure here: most of what is done lists and bounds imagers, of which next to
     nothing is counted. So the proof is the same on every machine, but not how much is told beside it.
     """
-    from uwopt.solvers.explain.infeasible import why_nothing
-    from uwopt.solvers.explain.trials import Trials
+    from uwopt.solvers.infeasible.trials import Trials
+    from uwopt.solvers.infeasible.why_nothing import why_nothing
 
     used, why = alternative or sought, None
     with_generic = alternative is not None or mission.catalog.generic == "allow"

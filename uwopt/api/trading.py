@@ -122,7 +122,7 @@ def pareto(
             run, sought = weaker
     result = run.result(sought, timing)
     if alternatives and result.points and axes is not None and not sought.cut:
-        from uwopt.solvers.explain.alternatives import beside_front
+        from uwopt.solvers.explain.other_makers import beside_front
 
         with timed(timing, "alternatives"):
             told = beside_front(sought.selection, sought.search, axes, result, deadline)

@@ -17,8 +17,8 @@ from uwopt.mission.yielding import SNR_AT, SNR_LESS, YIELDS, Yield, with_yields,
 from uwopt.objectives.objective import Objective
 from uwopt.results.design import PRACTICE_IN_VAIN, PRACTICE_WOULD_YIELD, PRACTICE_YIELDS, Design, Note
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.explain.one_hardware import best_of, problem_of
-from uwopt.solvers.explain.relaxed import ANY
+from uwopt.solvers.infeasible.relaxer import ANY
+from uwopt.solvers.one_hardware import best_of, problem_of
 from uwopt.solvers.recommend import Sought, same_scenes, seek
 from uwopt.units import ratio_to_db
 

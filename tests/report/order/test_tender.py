@@ -31,7 +31,7 @@ from uwopt.report.order.tender_lines import end_text, lines_of, needed_beside  #
 from uwopt.report.text.layout import Text  # noqa: E402
 from uwopt.results.design import Margin  # noqa: E402
 from uwopt.results.result import Result  # noqa: E402
-from uwopt.solvers.explain.quoted import SolvedAgain  # noqa: E402
+from uwopt.solvers.explain.solved_again import SolvedAgain  # noqa: E402
 from uwopt.solvers.explain.specification import PropertyLimit  # noqa: E402
 
 Make = Callable[..., Any]

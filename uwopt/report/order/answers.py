@@ -10,7 +10,7 @@ from uwopt.report.text.certainty import held_text, percent
 from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, sentence
 from uwopt.results.design import Design
 from uwopt.results.result import Result
-from uwopt.solvers.explain.quoted import QuotedAgain, SolvedAgain
+from uwopt.solvers.explain.solved_again import QuotedAgain, SolvedAgain
 
 
 def answer_blocks(made: QuotedAgain) -> list[Block]:

@@ -9,7 +9,7 @@ from uwopt.report.text import formats, words
 from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, sentence
 from uwopt.solvers.calibration.fit import Fitted
 from uwopt.solvers.calibration.summary import Calibrated
-from uwopt.solvers.explain.quoted import SolvedAgain
+from uwopt.solvers.explain.solved_again import SolvedAgain
 from uwopt.units import format_number
 
 HELD = {"light": "light", "water": "attenuation", "back": "backscatter"}

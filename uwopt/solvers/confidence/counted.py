@@ -12,7 +12,7 @@ from uwopt.forward.problem import Problem
 from uwopt.solvers.confidence.fixed import Settings
 from uwopt.solvers.confidence.outcomes import Outcomes
 from uwopt.solvers.exact.ranking import Found, told_apart
-from uwopt.solvers.explain.one_hardware import parts_of
+from uwopt.solvers.one_hardware import parts_of
 
 
 @dataclass(frozen=True)

@@ -20,18 +20,18 @@ from uwopt.errors import MissionError
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Varied, VariedMission
+from uwopt.mission.weakened import LEAST_SNR_DB, RELAXABLE, asked_value, is_from_above, with_limit
 from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Moved
 from uwopt.results.certainty import Decides
 from uwopt.solvers.confidence.counted import Counted
+from uwopt.solvers.confidence.information_value import numbers_of
 from uwopt.solvers.confidence.outcomes import outcomes
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.search import at_its_stop
-from uwopt.solvers.confidence.worth import numbers_of
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.explain.least_change import rounded_away
-from uwopt.solvers.explain.one_hardware import problem_of
-from uwopt.solvers.explain.weakened import LEAST_SNR_DB, RELAXABLE, asked_value, is_from_above, with_limit
+from uwopt.solvers.infeasible.least_change import rounded_away
+from uwopt.solvers.one_hardware import problem_of
 from uwopt.solvers.recommend import same_scenes
 from uwopt.units import split_unit
 

@@ -2,7 +2,7 @@
 
 Hardware is bought now. Exposure, gain and light level are set once the water is seen, or fixed before (`fixed`); the
 f-number of a lens behind a sealed port is not, so that each stop of its ring is tried in all scenarios. Its focus is
-one distance in all of them (`aims`).
+one distance in all of them (`sealed_focus`).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.confidence.fixed import Settings, best_fixed
 from uwopt.solvers.confidence.scenarios import Scenarios
-from uwopt.solvers.confidence.together import Together
+from uwopt.solvers.confidence.states import Together
 from uwopt.solvers.exact.imager_rules import limit
 from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.ranking import Found

@@ -1,7 +1,8 @@
 """That no other hardware holds as often as asked with a better median: panels, bounds, and counts of what they leave.
 
-A panel (`panels`) is searched for all hardware at once; what it leaves is bounded in groups of scenarios (`screen`);
-what these leave is counted in every scenario, at every stop of its ring. Each combination is accounted for once.
+A panel (`panels`) is searched for all hardware at once; what it leaves is bounded in groups of scenarios
+(`scenario_bounds`); what these leave is counted in every scenario, at every stop of its ring. Each combination is
+accounted for once.
 """
 
 from __future__ import annotations
@@ -19,16 +20,16 @@ from uwopt.deadline import Deadline, OutOfTimeError
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.counted import Counted, best_of, names
+from uwopt.solvers.confidence.local_search import compare
 from uwopt.solvers.confidence.outcomes import Outcomes, outcomes_where
 from uwopt.solvers.confidence.panels import anchors_of, least_covered, panel_of
-from uwopt.solvers.confidence.polish import compare
+from uwopt.solvers.confidence.scenario_bounds import may_be_better
 from uwopt.solvers.confidence.scenarios import Scenarios
-from uwopt.solvers.confidence.screen import may_be_better
-from uwopt.solvers.confidence.together import imagers_among
+from uwopt.solvers.confidence.states import imagers_among
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.explain.one_hardware import problem_of
 from uwopt.solvers.explain.robustness import among
+from uwopt.solvers.one_hardware import problem_of
 from uwopt.tolerances import TIE
 
 Progress = Callable[[float, str], None]

@@ -21,16 +21,16 @@ from uwopt.mission.doubt import ENDS
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.candidates import worse_problem
 from uwopt.solvers.confidence.counted import Counted, best_of, names, rank
-from uwopt.solvers.confidence.ends import EndScenarios
+from uwopt.solvers.confidence.local_search import polish
 from uwopt.solvers.confidence.outcomes import outcomes, outcomes_of_each
-from uwopt.solvers.confidence.polish import polish
 from uwopt.solvers.confidence.proof import NoneBetter, Prover
 from uwopt.solvers.confidence.scenarios import Scenarios
+from uwopt.solvers.confidence.worst_case import EndScenarios
 from uwopt.solvers.exact.imagers import IMAGER_RULES, Imagers, imagers_behind, joined
 from uwopt.solvers.exact.ranking import Found, told_apart
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.explain.one_hardware import KINDS, problem_of
 from uwopt.solvers.explain.robustness import among
+from uwopt.solvers.one_hardware import KINDS, problem_of
 from uwopt.solvers.recommend import Sought
 from uwopt.solvers.settings.best import scenes_need_cells
 from uwopt.tolerances import TIE, TIED_MEDIANS_REL

@@ -23,14 +23,14 @@ from uwopt.results.certainty import (
 )
 from uwopt.solvers.confidence.counted import Counted, rank
 from uwopt.solvers.confidence.deciding import decided_by
+from uwopt.solvers.confidence.information_value import worth_of_knowing
 from uwopt.solvers.confidence.outcomes import outcomes
 from uwopt.solvers.confidence.proof import NoneBetter
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.search import Certain
 from uwopt.solvers.confidence.waters import may_leave_band
-from uwopt.solvers.confidence.worth import worth_of_knowing
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.explain.one_hardware import pieces_of
+from uwopt.solvers.one_hardware import pieces_of
 from uwopt.units import ratio_to_db
 
 Z95 = 1.959964

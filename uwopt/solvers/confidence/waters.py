@@ -33,7 +33,7 @@ from uwopt.forward.scene import (
 from uwopt.mission.doubt import Doubt
 from uwopt.mission.mission import Mission, SceneView
 from uwopt.solvers.confidence.draws import even_points, probabilities, shuffled, triangular
-from uwopt.solvers.explain.waters import OTHER
+from uwopt.solvers.explain.other_waters import OTHER
 
 Array = NDArray[Any]
 OPTICAL = 3  # columns before those of scattering: c, K of the lamps' way, K_d

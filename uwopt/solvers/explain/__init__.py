@@ -1,1 +1,1 @@
-"""What stands beside an optimum: doubts, other waters, lamp places, why nothing fits, alternatives."""
+"""What stands beside an optimum: doubts, other waters, lamp places, other makers' systems."""

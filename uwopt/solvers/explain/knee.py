@@ -19,7 +19,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Bought, Knee
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.explain.one_hardware import pieces_of
+from uwopt.solvers.one_hardware import pieces_of
 from uwopt.solvers.recommend import Sought
 
 MORE_W, MORE_USD = 1.0, 100.0

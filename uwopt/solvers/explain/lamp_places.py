@@ -24,7 +24,7 @@ from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL
 from uwopt.results.design import Design
 from uwopt.solvers.exact.imagers import enumerate_imagers
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.explain.one_hardware import best_of, problem_of
+from uwopt.solvers.one_hardware import best_of, problem_of
 from uwopt.solvers.recommend import Sought, hardware_of
 from uwopt.solvers.settings.best import scenes_need_cells
 

@@ -18,14 +18,14 @@ from uwopt.errors import MissionError
 from uwopt.mission.mission import Mission
 from uwopt.mission.reserves import asked_when_held
 from uwopt.mission.varying import Varied, VariedMission, rounded
+from uwopt.mission.weakened import RELAXABLE, asked_value, is_from_above
 from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Price
 from uwopt.results.design import Design
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.explain.least_change import rounded_away
-from uwopt.solvers.explain.one_hardware import best_of, problem_of
-from uwopt.solvers.explain.reached import reached_value
-from uwopt.solvers.explain.weakened import RELAXABLE, asked_value, is_from_above
+from uwopt.solvers.infeasible.least_change import rounded_away
+from uwopt.solvers.infeasible.reached import reached_value
+from uwopt.solvers.one_hardware import best_of, problem_of
 from uwopt.solvers.recommend import Sought, same_scenes
 from uwopt.units import split_unit
 

@@ -29,7 +29,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Assumption
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.explain.one_hardware import KINDS, best_of, best_of_each, parts_of, pieces_of, problem_of
+from uwopt.solvers.one_hardware import KINDS, best_of, best_of_each, parts_of, pieces_of, problem_of
 from uwopt.solvers.recommend import Sought, hardware_of
 from uwopt.solvers.settings.best import scenes_need_cells
 

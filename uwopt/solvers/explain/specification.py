@@ -26,7 +26,7 @@ from uwopt.forward.designs import Hardware
 from uwopt.forward.parts import Parts
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.explain.one_hardware import KINDS, best_of_each
+from uwopt.solvers.one_hardware import KINDS, best_of_each
 
 FARTHEST, STEPS = 100.0, 7  # how much worse is tried: a factor; a share comes down to a hundredth
 HALVINGS = 10  # of a step: a limit to a thousandth

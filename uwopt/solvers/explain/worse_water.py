@@ -24,7 +24,7 @@ from uwopt.objectives.goal import goal_of
 from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL
 from uwopt.results.design import Design
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.explain.alternatives import furthest_rule
+from uwopt.solvers.explain.other_makers import furthest_rule
 from uwopt.solvers.recommend import evaluated
 
 WORSE = (1.25, 1.5, 2.0)  # of a reading

@@ -10,11 +10,11 @@ from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.assembly import Generic
 from uwopt.mission.mission import Mission
+from uwopt.mission.weakened import RELAXABLE, asked_value, is_filled_in, with_limit, without
 from uwopt.objectives.objective import Objective
 from uwopt.results.design import Design
-from uwopt.solvers.explain.reached import judged_by
-from uwopt.solvers.explain.relaxed import ANY, OF_LIGHT, Relaxer
-from uwopt.solvers.explain.weakened import RELAXABLE, asked_value, is_filled_in, with_limit, without
+from uwopt.solvers.infeasible.reached import judged_by
+from uwopt.solvers.infeasible.relaxer import ANY, OF_LIGHT, Relaxer
 from uwopt.solvers.recommend import Progress, Sought
 
 BRIGHT = Objective.of(

@@ -10,10 +10,10 @@ from uwopt.evaluation.design import evaluate_design
 from uwopt.forward.assembly import Generic
 from uwopt.forward.designs import Hardware
 from uwopt.mission.mission import Mission
+from uwopt.mission.weakened import RELAXABLE
 from uwopt.objectives.objective import Objective
 from uwopt.results.design import Design
-from uwopt.solvers.explain.one_hardware import problem_of
-from uwopt.solvers.explain.weakened import RELAXABLE
+from uwopt.solvers.one_hardware import problem_of
 from uwopt.solvers.recommend import Sought, seek
 from uwopt.solvers.settable.rounding import given_of
 

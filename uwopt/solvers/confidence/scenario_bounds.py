@@ -19,7 +19,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.outcomes import groups_of, values_at
 from uwopt.solvers.confidence.panels import Anchor, least_covered
 from uwopt.solvers.confidence.scenarios import Scenarios
-from uwopt.solvers.confidence.together import Together
+from uwopt.solvers.confidence.states import Together
 from uwopt.solvers.exact.ranking import Found
 
 Array = NDArray[Any]

@@ -18,8 +18,8 @@ from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.explain.one_hardware import problem_of
-from uwopt.solvers.explain.reached import miss
+from uwopt.solvers.infeasible.reached import miss
+from uwopt.solvers.one_hardware import problem_of
 from uwopt.solvers.recommend import Sought, same_scenes
 
 CLOSER = 0.02  # of a change: what is proven not to be enough is a change smaller by this share

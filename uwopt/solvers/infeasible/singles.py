@@ -11,15 +11,15 @@ from dataclasses import dataclass, field
 from functools import partial
 
 from uwopt.deadline import Deadline
+from uwopt.mission.weakened import RELAXABLE, with_central_prices, without
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.explain.least_change import in_rounds
-from uwopt.solvers.explain.least_limit import LeastLimit, Without
-from uwopt.solvers.explain.reached import missed_by
-from uwopt.solvers.explain.relaxed import ANY, CHEAPEST, FEW_IMAGERS, MAY_PASS, OF_LIGHT, hope
-from uwopt.solvers.explain.suspects import MOST_SUSPECTS, asked_by, suspects_of
-from uwopt.solvers.explain.together import few_that_give
-from uwopt.solvers.explain.trials import BRIGHT, FINEST, Trials
-from uwopt.solvers.explain.weakened import RELAXABLE, with_central_prices, without
+from uwopt.solvers.infeasible.joint_changes import few_that_give
+from uwopt.solvers.infeasible.least_change import in_rounds
+from uwopt.solvers.infeasible.least_limit import LeastLimit, Without
+from uwopt.solvers.infeasible.reached import missed_by
+from uwopt.solvers.infeasible.relaxer import ANY, CHEAPEST, FEW_IMAGERS, MAY_PASS, OF_LIGHT, hope
+from uwopt.solvers.infeasible.suspects import MOST_SUSPECTS, asked_by, suspects_of
+from uwopt.solvers.infeasible.trials import BRIGHT, FINEST, Trials
 from uwopt.solvers.recommend import Sought
 
 LIGHT_SHARE, REST_SHARE = 0.5, 0.5  # of the time left, for what each loses when dropped
@@ -44,8 +44,8 @@ class Singles:
     helpful: list[Without] = field(default_factory=list)
     left: dict[str, float] = field(default_factory=dict)
     suspects: Sequence[str] = ()  # without all of which something fits
-    hopes: dict[str, float] = field(default_factory=dict)  # of those dropped among a few imagers, as `relaxed.hope`
-    useless: dict[str, tuple[str, ...]] = field(default_factory=dict)  # known not to help: `relaxed.in_the_way`
+    hopes: dict[str, float] = field(default_factory=dict)  # of those dropped among a few imagers, as `relaxer.hope`
+    useless: dict[str, tuple[str, ...]] = field(default_factory=dict)  # known not to help: `relaxer.in_the_way`
     dear: set[str] = field(default_factory=set)  # limits of cost that central prices do not keep either
     in_vain: dict[str, int] = field(default_factory=dict)  # among how many imagers, all of them looked at
     together: tuple[list[str], Sought] | None = None  # that give together, and a design without them

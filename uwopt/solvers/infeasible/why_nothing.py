@@ -1,28 +1,28 @@
 """Why nothing fits: the cascade of rules, what a single change of a requirement or key would do, and several together.
 
 Every requirement is dropped in turn (`singles`) and keys that a person would move are moved far (`moves`); of those
-that help the least change is sought. Then changes that help together (`together`), and requirements that contradict
-each other (`contradiction`). What there was no time for is noted.
+that help the least change is sought. Then changes that help together (`joint_changes`), and requirements that
+contradict each other (`contradiction`). What there was no time for is noted.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
+from uwopt.mission.weakened import RELAXABLE, without
 from uwopt.results.basis import Excluded, Moved, NoHelp, Relaxed, WhyNothing
 from uwopt.results.design import Design
 from uwopt.results.result import Certificate
-from uwopt.solvers.explain.contradiction import Contradiction, contradiction
-from uwopt.solvers.explain.least_change import in_rounds
-from uwopt.solvers.explain.least_limit import Relaxation
-from uwopt.solvers.explain.moves import SHARE, Mover
-from uwopt.solvers.explain.nearest_fit import nearest_fit
-from uwopt.solvers.explain.none_left import none_left
-from uwopt.solvers.explain.relaxed import ANY, MAY_PASS
-from uwopt.solvers.explain.singles import Singles
-from uwopt.solvers.explain.together import CommonFit, CommonShare, Giving, least_set
-from uwopt.solvers.explain.trials import Trials
-from uwopt.solvers.explain.weakened import RELAXABLE, without
+from uwopt.solvers.infeasible.contradiction import Contradiction, contradiction
+from uwopt.solvers.infeasible.joint_changes import CommonFit, CommonShare, Giving, least_set
+from uwopt.solvers.infeasible.least_change import in_rounds
+from uwopt.solvers.infeasible.least_limit import Relaxation
+from uwopt.solvers.infeasible.moves import SHARE, Mover
+from uwopt.solvers.infeasible.nearest_fit import nearest_fit
+from uwopt.solvers.infeasible.none_left import none_left
+from uwopt.solvers.infeasible.relaxer import ANY, MAY_PASS
+from uwopt.solvers.infeasible.singles import Singles
+from uwopt.solvers.infeasible.trials import Trials
 
 BOUNDED = ("light", "max_white_balance", "bound", "power_w", "energy_wh", "cost", "mass_kg")
 LEAST_SHARE = 0.9  # of the time left, for the least of each change that helps

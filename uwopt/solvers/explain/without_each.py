@@ -10,10 +10,10 @@ from collections.abc import Iterator, Sequence
 
 from uwopt.deadline import Deadline
 from uwopt.forward.assembly import Generic
+from uwopt.mission.weakened import RELAXABLE, without
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.explain.prices import SAME_REL
-from uwopt.solvers.explain.relaxed import Relaxer
-from uwopt.solvers.explain.weakened import RELAXABLE, without
+from uwopt.solvers.infeasible.relaxer import Relaxer
 from uwopt.solvers.recommend import Sought
 
 TURN = 0.4  # of the time left: what one search may take of it

@@ -19,13 +19,13 @@ from uwopt.errors import UwoptError
 from uwopt.mission.mission import Mission
 from uwopt.mission.reserves import asked_when_held
 from uwopt.mission.varying import Varied, VariedMission
+from uwopt.mission.weakened import RELAXABLE, is_from_above
 from uwopt.results.basis import Relaxed
 from uwopt.results.design import Design
-from uwopt.solvers.explain.least_change import Change, rounded_away, same_hardware, with_its_hardware
-from uwopt.solvers.explain.reached import UNKNOWN, judged_by, miss, missed_by, reached_value
-from uwopt.solvers.explain.relaxed import ANY, MAY_PASS
-from uwopt.solvers.explain.trials import BRIGHT, Trials
-from uwopt.solvers.explain.weakened import RELAXABLE, is_from_above
+from uwopt.solvers.infeasible.least_change import Change, rounded_away, same_hardware, with_its_hardware
+from uwopt.solvers.infeasible.reached import UNKNOWN, judged_by, miss, missed_by, reached_value
+from uwopt.solvers.infeasible.relaxer import ANY, MAY_PASS
+from uwopt.solvers.infeasible.trials import BRIGHT, Trials
 from uwopt.solvers.recommend import Sought
 
 KEPT = frozenset({"mean_level", "lens_stop_down"})  # neither more nor less of these is weaker by a share

@@ -15,8 +15,8 @@ from uwopt.errors import UwoptError
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Value, Varied, VariedMission, rounded
 from uwopt.results.basis import Moved
-from uwopt.solvers.explain.least_change import Change, Narrowing, in_rounds, rounded_away
-from uwopt.solvers.explain.relaxed import OTHER_WATER, Relaxer
+from uwopt.solvers.infeasible.least_change import Change, Narrowing, in_rounds, rounded_away
+from uwopt.solvers.infeasible.relaxer import OTHER_WATER, Relaxer
 from uwopt.solvers.recommend import Sought
 from uwopt.units import split_unit
 
@@ -134,7 +134,7 @@ class Mover:
     deadline: Deadline
     far: list[Far] = field(default_factory=list)
     interrupted: bool = False
-    useless: dict[str, tuple[str, ...]] = field(default_factory=dict)  # known not to help: `relaxed.in_the_way`
+    useless: dict[str, tuple[str, ...]] = field(default_factory=dict)  # known not to help: `relaxer.in_the_way`
     not_known: list[str] = field(default_factory=list)  # keys
     base: VariedMission = field(init=False)
 

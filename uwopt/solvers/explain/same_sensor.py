@@ -12,7 +12,7 @@ from typing import Any
 from uwopt.catalog.parts.camera import Camera
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.explain.one_hardware import KINDS, best_of_each, parts_of, problem_of
+from uwopt.solvers.one_hardware import KINDS, best_of_each, parts_of, problem_of
 from uwopt.solvers.recommend import Sought
 
 COMPLETE = "complete camera"

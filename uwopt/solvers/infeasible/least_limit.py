@@ -13,12 +13,12 @@ from functools import cached_property, partial
 from uwopt.deadline import Deadline
 from uwopt.mission.mission import Mission
 from uwopt.mission.reserves import asked_when_held
+from uwopt.mission.weakened import RELAXABLE, with_limit
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.explain.least_change import Change, Narrowing, less_of, rounded_away
-from uwopt.solvers.explain.reached import deepest, judged_by, miss, rated_depth, reached_value
-from uwopt.solvers.explain.relaxed import ANY, CHEAPEST
-from uwopt.solvers.explain.trials import Trials
-from uwopt.solvers.explain.weakened import RELAXABLE, with_limit
+from uwopt.solvers.infeasible.least_change import Change, Narrowing, less_of, rounded_away
+from uwopt.solvers.infeasible.reached import deepest, judged_by, miss, rated_depth, reached_value
+from uwopt.solvers.infeasible.relaxer import ANY, CHEAPEST
+from uwopt.solvers.infeasible.trials import Trials
 from uwopt.solvers.recommend import Sought
 
 MOST_TIMES = 30.0  # what is asked of an image: beyond, it is another image that would be of no use

@@ -20,7 +20,7 @@ from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.scene import LampLeg, SceneOptics, scene_optics
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.explain.one_hardware import best_of, pieces_of, problem_of
+from uwopt.solvers.one_hardware import best_of, pieces_of, problem_of
 from uwopt.solvers.recommend import Sought
 from uwopt.solvers.settings.best import scenes_need_cells
 

@@ -24,10 +24,10 @@ from uwopt.forward.setting_rows import SceneRows, of_fewest_pixels
 from uwopt.forward.sharpness import SharpRows
 from uwopt.forward.spectra import TINY
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.confidence.aims import meant_foci_m
 from uwopt.solvers.confidence.panels import CLOSED, SHORTER, Anchor, may_close
 from uwopt.solvers.confidence.response import LIT, VEILED, WaterResponse, of_deciding_pixels
 from uwopt.solvers.confidence.scenarios import SAME_FIELD, Scenarios
+from uwopt.solvers.confidence.sealed_focus import meant_foci_m
 from uwopt.solvers.confidence.waters import may_leave_band, over_band_of
 from uwopt.solvers.exact.candidates import Candidates
 from uwopt.solvers.exact.design_rows import Narrowed, NodeRows
@@ -43,7 +43,7 @@ from uwopt.solvers.exact.imagers import (
 )
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.explain.one_hardware import parts_of
+from uwopt.solvers.one_hardware import parts_of
 
 Array = NDArray[Any]
 

@@ -23,7 +23,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.counted import Counted, names, rank
 from uwopt.solvers.confidence.outcomes import outcomes_of_each
 from uwopt.solvers.confidence.scenarios import Scenarios, SomeScenarios
-from uwopt.solvers.confidence.together import colours_of
+from uwopt.solvers.confidence.states import colours_of
 from uwopt.solvers.exact.imagers import IMAGER_RULES, fitting_pairs, imagers_behind, landscapes
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.ranking import Found
