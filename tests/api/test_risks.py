@@ -11,7 +11,7 @@ import pytest
 from uwopt.api.evaluating import evaluate
 from uwopt.api.risks import risks_of
 from uwopt.results.basis import Assumption, Risk
-from uwopt.results.design import BillRow, Design, Margin, Note, SceneResult
+from uwopt.results.design import AS_CENTRAL, BillRow, Design, Margin, Note, SceneResult
 from uwopt.results.result import Result
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
@@ -299,3 +299,9 @@ def test_parts_that_may_be_sold_no_longer_are_told(calm: Result) -> None:
     solved = replace(calm, command="solve", recommendation=replace(calm.design, bom=[row]), design=None)
     assert only(solved).because == "no source says so of q-lens"
     assert risks_of(replace(solved, recommendation=replace(calm.design, bom=[replace(row, owned=1)]))) == []
+
+
+def test_scenarios_that_were_not_counted_are_the_first_risk(calm: Result) -> None:
+    left_out = Note(AS_CENTRAL, "confidence", "this is the best by central numbers, which alone are held")
+    late = with_figures(replace(calm, warnings=[left_out]), uniformity=0.05)
+    assert [risk.what for risk in risks_of(late)] == [left_out.message, "part of the image is dark"]

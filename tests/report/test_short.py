@@ -352,3 +352,14 @@ def test_moves_and_contradictions_are_told(make_result: Make) -> None:
     unmet = why | {"contradiction": [], "unmet": ["min_snr", "cost"]}
     text = text_of(make_result(status="infeasible", recommendation=None, runners_up=[], infeasible=unmet))
     assert "all of them have to give: signal to noise (min_snr) and cost (cost)" in text
+
+
+def test_what_was_left_out_for_want_of_time_stands_on_the_page(make_result: Make) -> None:
+    told = "the time that was given is over; not worked out: second opinions"
+    late = make_result(warnings=[Note("time", "", told), Note("interrupted", "", "interrupted: the system is proven")])
+    text = text_of(late)
+    assert "Left out The time that was given is over; not worked out: second opinions. Interrupted: the system" in text
+    assert "Left out" not in text_of(make_result())
+    nothing = {"recommendation": None, "runners_up": [], "generic_alternative": None}
+    assert "Left out" in text_of(replace(late, status="infeasible", **nothing))
+    assert "Left out" not in text_of(replace(late, status="stopped", **nothing))  # the verdict says so

@@ -278,3 +278,18 @@ def test_margin_without_a_signal_says_so_in_text_and_page(
     )  # fmt: skip
     assert "signal to noise no signal at least 10.00 dB" in flat(text_of(result))
     assert "no signal" in report_html(result)
+
+
+def test_what_rounding_costs_stands_beside_the_bound_with_its_reason(make_result: Make, make_design: Make) -> None:
+    text = flat(text_of(make_result()))
+    assert (
+        "as set 40.50 W, 1.25 % worse than with exact settings: stops, times, gain and light are rounded to what can "
+        "be set" in text
+    )
+    better = {"feasible": True, "objective_value": 39.0, "missed": []}
+    assert "as set 39.00 W, 2.50 % better than" in flat(
+        text_of(make_result(recommendation=replace(make_design(), rounded=better)))
+    )
+    for same in (None, better | {"objective_value": 40.0}, better | {"feasible": False}):
+        told = flat(text_of(make_result(recommendation=replace(make_design(), rounded=same))))
+        assert "than with exact settings" not in told

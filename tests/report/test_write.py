@@ -129,6 +129,26 @@ def test_checking_a_folder_makes_nothing(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("name", ["a" * 300, "below/" + "a" * 300])
+def test_a_folder_that_cannot_be_made_is_refused_beforehand(tmp_path: Path, name: str) -> None:
+    with pytest.raises(OutputError, match="choose another --out"):
+        write.check_folder(tmp_path / name)
+    with pytest.raises(OutputError, match="choose another --out"):
+        write.check_file(tmp_path / name / "page.html")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_disk_that_takes_nothing_is_refused_beforehand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "mkdir", full)
+    monkeypatch.setattr(Path, "touch", full)
+    for folder in (tmp_path, tmp_path / "new" / "below"):
+        with pytest.raises(OutputError, match="No space left"):
+            write.check_folder(folder)
+
+
 def test_new_file_is_never_written_over_an_old_one(tmp_path: Path) -> None:
     file = tmp_path / "reef.yaml"
     write.write_new(file, "name: a\n")

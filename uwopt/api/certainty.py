@@ -19,7 +19,7 @@ from uwopt.forward.problem import Problem
 from uwopt.mission.doubt import ENDS
 from uwopt.objectives.objective import Objective
 from uwopt.results.certainty import Confidence
-from uwopt.results.design import FARTHEST_M, Design, Note
+from uwopt.results.design import AS_CENTRAL, FARTHEST_M, Design, Note
 from uwopt.solvers.confidence.counted import Counted, names
 from uwopt.solvers.confidence.fixed import SceneSetting
 from uwopt.solvers.confidence.outcomes import outcomes_of_each
@@ -43,7 +43,6 @@ NOT_CERTAIN = "not_certain"  # code of the warning that nothing holds as often a
 EASED_S = 2.0  # of work, likewise, for what asked less would make certain enough
 MOST_SET = 6  # stops of a ring, of one hardware or the next, that are tried to be set
 OF_A_SYSTEM = 10_000  # scenarios in which a given system is counted
-AS_CENTRAL = "certainty_left_out"  # that there was no time for it
 
 
 @dataclass(frozen=True)

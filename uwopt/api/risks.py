@@ -13,7 +13,7 @@ from dataclasses import replace
 from uwopt.evaluation.breathing import BREATHING
 from uwopt.mission.reserves import RECOMMENDED_RESERVE, REFUSED
 from uwopt.results.basis import Risk
-from uwopt.results.design import PRACTICE_MISSED, Design, Margin, Note, SceneResult
+from uwopt.results.design import AS_CENTRAL, PRACTICE_MISSED, Design, Margin, Note, SceneResult
 from uwopt.results.result import Result
 from uwopt.tolerances import SATISFIED_REL
 from uwopt.units import (
@@ -71,7 +71,7 @@ MUCH_ESTIMATED = 0.3  # of the price
 
 #: Weights of notes by code; of those that are not named, the last. 0: another rule tells it, or it is no risk.
 NOTES = {
-    "not_settable": 95.0, "practice_yields": 92.0,
+    "not_settable": 95.0, AS_CENTRAL: 93.0, "practice_yields": 92.0,
     "no_image": 90.0, "dark_image": 77.0, "lamp_in_view": 68.0, "measure_the_camera": 62.0,
     BREATHING: 0.0, PRACTICE_MISSED: 0.0, "better_unsettable": 24.0, "snr_instead": 0.0,
     "colour_left_open": 0.0, "uneven_light": 0.0, "pattern": 0.0, "tolerance": 0.0, "interrupted": 0.0, "time": 0.0,

@@ -162,10 +162,8 @@ def check_folder(folder: str | Path) -> Path:
         while not standing.exists() and standing != standing.parent:
             standing = standing.parent
         writable = standing.is_dir() and os.access(standing, os.W_OK | os.X_OK)
-        if writable and path.is_dir():
-            probe = path / f".{RESULT_FILE}.{os.getpid()}.tmp"
-            probe.touch()
-            probe.unlink()
+        if writable:
+            try_in(standing, path.absolute().relative_to(standing).parts)
         for name in WRITTEN:
             if (path / name).is_dir():
                 raise OutputError(
@@ -176,6 +174,26 @@ def check_folder(folder: str | Path) -> Path:
     if not writable:
         raise OutputError(f"{folder}: cannot be written to; check its rights or choose another --out.")
     return path
+
+
+def try_in(standing: Path, below: Sequence[str]) -> None:
+    """Make a file in a folder, in folders of such names below it, and take all away again; raises OSError.
+
+    Rights alone do not tell: a disk may be read only or full, and a name too long.
+    """
+    top = standing / f".uwopt.{os.getpid()}.{threading.get_ident()}.tmp"
+    if not below:
+        top.touch()
+        top.unlink()
+        return
+    made = [top.joinpath(*below[:depth]) for depth in range(len(below) + 1)]
+    try:
+        for folder in made:
+            folder.mkdir()
+    finally:
+        for folder in reversed(made):
+            with contextlib.suppress(OSError):
+                folder.rmdir()
 
 
 def write_files(folder: Path, contents: Mapping[str, str | bytes | Writes]) -> list[Path]:

@@ -50,6 +50,7 @@ MOST_RISKS = 3
 MOST_TOLD = 1000  # letters of what may go wrong: what gave way is told whole
 MOST_QUESTIONS = 4
 TOLD_FIRST = (SNR_INSTEAD, COLOUR_LEFT_OPEN)  # notes on what was chosen where the mission leaves it open
+CUT_SHORT = ("time", "interrupted")  # notes on what was left out
 NUMBERS = ("", "The greatest risk", "The two greatest risks", "The three greatest risks")
 SHARED_FOCUS = "nearer than what is sharp, on purpose: middle and corners of a curved image share it"
 FIGURES = ("gsd_mm", "swath_m", "snr_db", "dof_m", "frame_rate_hz")
@@ -113,6 +114,7 @@ def rest_of_blocks(result: Result) -> Iterator[Block]:
     design = result.best
     if design is None:
         yield from nothing_blocks(result)
+        yield from cut_short_block(result)
         return
     yield from surer_block(result)
     yield risk_block(result.risks)
@@ -122,6 +124,15 @@ def rest_of_blocks(result: Result) -> Iterator[Block]:
         yield block("What asking for more costs", [sentence(said)])
     if asked := [*questions(result, design)][:MOST_QUESTIONS]:
         yield block("Measure or quote first", numbered(asked))
+    yield from cut_short_block(result)
+
+
+def cut_short_block(result: Result) -> Iterator[Block]:
+    """What is not told for want of time, or because a person wanted no more: nobody should take it for no doubt."""
+    if result.best is None and result.status == "stopped":
+        return  # the verdict says so
+    if told := [words.as_sentence(note.message) for note in result.warnings if note.code in CUT_SHORT]:
+        yield block("Left out", [*map(sentence, told)])
 
 
 # ---------------------------------------------------------------- verdict

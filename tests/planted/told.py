@@ -1,0 +1,28 @@
+"""Planted defects of what is told beside an answer, and of where it is written."""
+
+from __future__ import annotations
+
+from planted.defect import Defect
+
+DEFECTS: tuple[Defect, ...] = (
+    Defect(
+        name="what was left out for want of time is not on the page", file="uwopt/report/text/short.py",
+        old='CUT_SHORT = ("time", "interrupted")', new='CUT_SHORT = ("interrupted",)',
+        test="tests/report/test_short.py::test_what_was_left_out_for_want_of_time_stands_on_the_page",
+    ),
+    Defect(
+        name="scenarios that were not counted are no risk", file="uwopt/api/risks.py",
+        old="AS_CENTRAL: 93.0", new="AS_CENTRAL: 3.0",
+        test="tests/api/test_risks.py::test_scenarios_that_were_not_counted_are_the_first_risk",
+    ),
+    Defect(
+        name="rounding that makes worse is told as better", file="uwopt/report/text/doubts.py",
+        old="better = (shown > exact) ==", new="better = (shown > exact) !=",
+        test="tests/report/test_tables.py::test_what_rounding_costs_stands_beside_the_bound_with_its_reason",
+    ),
+    Defect(
+        name="a folder is not tried before it is needed", file="uwopt/report/write.py",
+        old="            try_in(standing, path.absolute().relative_to(standing).parts)", new="            pass",
+        test="tests/report/test_write.py::test_a_disk_that_takes_nothing_is_refused_beforehand",
+    ),
+)
