@@ -305,3 +305,23 @@ def test_scenarios_that_were_not_counted_are_the_first_risk(calm: Result) -> Non
     left_out = Note(AS_CENTRAL, "confidence", "this is the best by central numbers, which alone are held")
     late = with_figures(replace(calm, warnings=[left_out]), uniformity=0.05)
     assert [risk.what for risk in risks_of(late)] == [left_out.message, "part of the image is dark"]
+
+
+@pytest.mark.parametrize(("kept", "weightier"), [(0.007, True), (0.099, False)])
+def test_corners_without_detail_weigh_by_what_they_lose_and_say_why(calm: Result, kept: float, weightier: bool) -> None:
+    soft = with_figures(calm, mtf_half_nyquist_corner=kept, defocus_corner_px=2.5, lateral_colour_px=2.79)
+    risk = only(soft)  # focus and colour are told as its causes
+    assert risk.what == "fine detail is lost in the corners"
+    assert risk.because == "they are out of focus by 2.50 px and the flat port spreads colours over 2.79 px"
+    assert risk.figure == f"two-pixel bars keep {100 * kept:.2g} % of their contrast"
+    note = Note("measure_the_camera", "housing", "measure the camera")
+    first = risks_of(replace(soft, warnings=[note]))[0]
+    assert (first == risk) == weightier
+
+
+def test_corners_that_show_detail_are_no_risk(calm: Result) -> None:
+    assert risks_of(with_figures(calm, mtf_half_nyquist_corner=0.11)) == []
+    told = [risk.what for risk in risks_of(with_figures(calm, mtf_half_nyquist_corner=0.11, defocus_corner_px=2.5))]
+    assert told == ["corners of the image are out of focus"]
+    dim = only(with_figures(calm, mtf_half_nyquist_corner=0.05, defocus_corner_px=0.5))
+    assert dim.because == "lens, diffraction and motion blur them"

@@ -12,6 +12,7 @@ from dataclasses import replace
 
 from uwopt.evaluation.breathing import BREATHING
 from uwopt.mission.reserves import RECOMMENDED_RESERVE, REFUSED
+from uwopt.model.sharpness import RESOLVED_CONTRAST
 from uwopt.results.basis import Risk
 from uwopt.results.design import AS_CENTRAL, PRACTICE_MISSED, Design, Margin, Note, SceneResult
 from uwopt.results.result import Result
@@ -61,6 +62,7 @@ OFF_FOCUS = {
     "dof_far_m": "a floor that is any farther, or a focus set any nearer, is not sharp",
 }
 EVEN, VERY_UNEVEN = 0.3, 0.1  # darkest place against the mean
+TELLING_PX = 1.0  # a blur this wide is a cause of detail that is lost
 SEEN_PX = 2.0  # a blur, skew or coloured edge wider than this is seen
 STILL_MM_S = 10.0  # a hand, a line or a hovering vehicle drifts faster; a frame on the floor does not
 STEADY_DEG = 3.0  # as well as a lamp's direction is kept on a vehicle
@@ -220,12 +222,32 @@ SEEN = (
 
 
 def seen_in_the_image(result: Result, design: Design) -> Weighed:
-    """Faults of the image that no requirement holds."""
+    """Faults of the image that no requirement holds, but for what `lost_in_corners` tells."""
+    told = [name for name, _ in BLURS] if any(True for _ in lost_in_corners(result, design)) else []
     for name, what, because in SEEN:
         scene, value = worst(design, name)
-        if scene is not None and value > SEEN_PX:
+        if scene is not None and value > SEEN_PX and name not in told:
             weight = 40.0 + min(35.0, value)
             yield weight, Risk(what, because + in_scene(design, scene), f"{format_quantity(value, 'px')}")
+
+
+#: What takes the detail of the corners, by how far it spreads a point.
+BLURS = (("defocus_corner_px", "they are out of focus by"), ("lateral_colour_px", "the flat port spreads colours over"))
+
+
+def lost_in_corners(result: Result, design: Design) -> Weighed:
+    """Corners in which bars of two pixels (half of Nyquist's frequency) keep too little contrast to be resolved.
+
+    The less they keep, the larger the part of every image that shows no detail, as where it is dark.
+    """
+    scene, kept = worst(design, "mtf_half_nyquist_corner", least=True)
+    if scene is None or kept >= RESOLVED_CONTRAST:
+        return
+    known = [(told, scene.figures.get(name) or 0.0) for name, told in BLURS]
+    causes = listed([f"{told} {format_quantity(value, 'px')}" for told, value in known if value >= TELLING_PX])
+    because = (causes or "lens, diffraction and motion blur them") + in_scene(design, scene)
+    figure = f"two-pixel bars keep {100.0 * kept:.2g} % of their contrast"
+    yield 78.0 - 20.0 * kept / RESOLVED_CONTRAST, Risk("fine detail is lost in the corners", because, figure)
 
 
 def smeared_subjects(result: Result, design: Design) -> Weighed:
@@ -382,7 +404,7 @@ def noted(result: Result, design: Design) -> Weighed:
 
 RULES: Sequence[Callable[[Result, Design], Weighed]] = (
     missed, uncertain, at_bad_ends, nothing_in_hand, shallow, floats, in_other_water, lamps_off, uneven,
-    seen_in_the_image, smeared_subjects, must_stand_still, weak_colours, wide_open, high_gain, held_back, price,
+    lost_in_corners, seen_in_the_image, smeared_subjects, must_stand_still, weak_colours, wide_open, high_gain, held_back, price,
     to_be_made, maybe_withdrawn, idle_lamps, better_elsewhere, noted,
 )  # fmt: skip
 
