@@ -325,3 +325,5 @@ def test_corners_that_show_detail_are_no_risk(calm: Result) -> None:
     assert told == ["corners of the image are out of focus"]
     dim = only(with_figures(calm, mtf_half_nyquist_corner=0.05, defocus_corner_px=0.5))
     assert dim.because == "lens, diffraction and motion blur them"
+    none = only(with_figures(calm, mtf_half_nyquist_corner=0.0))
+    assert none.figure == "two-pixel bars keep none of their contrast"

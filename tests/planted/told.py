@@ -26,6 +26,21 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/api/test_risks.py::test_corners_without_detail_weigh_by_what_they_lose_and_say_why",
     ),
     Defect(
+        name="a tender of what misses a requirement goes out unawares", file="uwopt/report/order/tender_lines.py",
+        old="    if missed:\n        by", new="    if not design:\n        by",
+        test="tests/report/order/test_tender.py::test_a_tender_of_what_misses_a_requirement_says_so_first",
+    ),
+    Defect(
+        name="limits are told of a system that does not fit", file="uwopt/solvers/explain/specification.py",
+        old="if not holds(trial.values([{}])[0], math.inf):", new="if False:",
+        test="tests/solvers/test_specification.py::test_a_part_of_a_system_that_does_not_fit_has_no_limits",
+    ),
+    Defect(
+        name="a comparison leaves housings out", file="uwopt/report/compare/rows.py",
+        old='"port", "housing", "light"):', new='"port", "light"):',
+        test="tests/report/compare/test_compare.py::test_housings_are_told_where_any_system_has_one",
+    ),
+    Defect(
         name="rounding that makes worse is told as better", file="uwopt/report/text/doubts.py",
         old="better = (shown > exact) ==", new="better = (shown > exact) !=",
         test="tests/report/test_tables.py::test_what_rounding_costs_stands_beside_the_bound_with_its_reason",

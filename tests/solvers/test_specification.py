@@ -136,6 +136,14 @@ def test_a_focal_length_has_two_ends() -> None:
         assert math.isfinite(trial.values([others | {"focal_length_mm": end}])[0])
 
 
+def test_a_part_of_a_system_that_does_not_fit_has_no_limits() -> None:
+    result = evaluate(BOTH | {"requirements": NEEDS | {"max_gsd_mm": 0.5}}, SYSTEM)
+    assert result.status == "violated"
+    again = replay(result.mission, result.best, physics=result.physics, system=result.system)
+    problem, goal = again.model.problem, goal_of(again.model.problem.mission)
+    assert specification(problem, again.model.hardware, goal, rival=math.inf, kinds=("lens",)) == {"lens": []}
+
+
 def test_every_end_is_tried_with_every_other() -> None:
     asked = [Asked("a", 1.0, 1), Asked("b", 2.0, 1), Asked("b", 2.0, -1), Asked("c", 3.0, 1), Asked("c", 3.0, -1)]
     made = corners(asked, [0.5, 1.5, 2.5, 2.0, 4.0])

@@ -110,7 +110,8 @@ def uncertain(result: Result, design: Design) -> Weighed:
         return
     because = f"settings that meet every requirement exist in {100.0 * known.held:.0f} % of the scenarios"
     if known.lost_to:
-        because += f"; else {LOST_TO.get(known.lost_to[0].requirement, known.lost_to[0].requirement)} is missed first"
+        first = known.lost_to[0].requirement
+        because += f"; else {LOST_TO.get(first) or ASKED.get(stem_of(first), plain(first))} is missed first"
     wanted = "all ends" if known.asked == "ends" else f"{100.0 * float(known.asked):g} % asked"
     yield 95.0, Risk("it may not do what is asked", because, wanted)
 
@@ -246,7 +247,8 @@ def lost_in_corners(result: Result, design: Design) -> Weighed:
     known = [(told, scene.figures.get(name) or 0.0) for name, told in BLURS]
     causes = listed([f"{told} {format_quantity(value, 'px')}" for told, value in known if value >= TELLING_PX])
     because = (causes or "lens, diffraction and motion blur them") + in_scene(design, scene)
-    figure = f"two-pixel bars keep {100.0 * kept:.2g} % of their contrast"
+    share = f"{100.0 * kept:.2g} %" if kept > 0.0 else "none"
+    figure = f"two-pixel bars keep {share} of their contrast"
     yield 78.0 - 20.0 * kept / RESOLVED_CONTRAST, Risk("fine detail is lost in the corners", because, figure)
 
 
@@ -404,8 +406,8 @@ def noted(result: Result, design: Design) -> Weighed:
 
 RULES: Sequence[Callable[[Result, Design], Weighed]] = (
     missed, uncertain, at_bad_ends, nothing_in_hand, shallow, floats, in_other_water, lamps_off, uneven,
-    lost_in_corners, seen_in_the_image, smeared_subjects, must_stand_still, weak_colours, wide_open, high_gain, held_back, price,
-    to_be_made, maybe_withdrawn, idle_lamps, better_elsewhere, noted,
+    lost_in_corners, seen_in_the_image, smeared_subjects, must_stand_still, weak_colours, wide_open, high_gain,
+    held_back, price, to_be_made, maybe_withdrawn, idle_lamps, better_elsewhere, noted,
 )  # fmt: skip
 
 

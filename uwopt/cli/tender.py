@@ -25,7 +25,7 @@ def tender_command(
 ) -> int:
     """Write what makers are asked: per part what it must fulfil, with cells for their answers, and a letter."""
     from uwopt.report.order.tender_book import BOOK_FILE, LETTER_FILE, letter, tender_book
-    from uwopt.report.order.tender_lines import lines_of
+    from uwopt.report.order.tender_lines import falls_short, lines_of
     from uwopt.report.text.console import ProgressBar
     from uwopt.report.write import check_folder, made_folder, write_files
     from uwopt.results.reading import read_solved
@@ -40,6 +40,8 @@ def tender_command(
     files: dict[str, str | bytes] = {BOOK_FILE: tender_book(held, lines), LETTER_FILE: letter(held, lines)}
     written = write_files(made_folder(folder), files)
     if not quiet:
+        if short := falls_short(held):
+            told(f"{short}.", DONE)
         told("written: " + ", ".join(map(str, written)), DONE)
         if deadline.left_out:
             told(f"no time was left for {', '.join(deadline.left_out)}; more --seconds find them", DONE)

@@ -18,10 +18,10 @@ from uwopt.api.comparing import apart, compare
 from uwopt.cli.app import app
 from uwopt.errors import MissionError
 from uwopt.report.compare.page import comparison_blocks, comparison_csv, comparison_html
-from uwopt.report.compare.rows import margins_of, requirement_rows, sentences
+from uwopt.report.compare.rows import facts, margins_of, requirement_rows, sentences
 from uwopt.report.text.layout import Grid
 from uwopt.results.comparison import Comparison, SideBySide
-from uwopt.results.design import Margin, Note
+from uwopt.results.design import Margin, Note, UsedPart
 
 Make = Callable[..., Any]
 MISSION: dict[str, Any] = {
@@ -69,6 +69,16 @@ def side_by_side(make_result: Make, rig: float, *, missed: bool = False, notes: 
     own = replace(best.best, objective_value=rig, scenes=scenes, warnings=[*notes])
     given = replace(best, command="evaluate", recommendation=None, design=own, warnings=[])
     return Comparison((SideBySide("rig", given), SideBySide("recommended", best)))
+
+
+def test_housings_are_told_where_any_system_has_one(make_result: Make) -> None:
+    made = side_by_side(make_result, 50.0)
+    assert "housing" not in [row.key for row in facts(made)]
+    rig, best = made.systems
+    housing = UsedPart("acme-tube", "Acme Tube", generic=False)
+    own = replace(rig.result, design=replace(rig.design, hardware=replace(rig.design.hardware, housing=housing)))
+    (told,) = (row for row in facts(Comparison((SideBySide("rig", own), best))) if row.key == "housing")
+    assert [cell.text for cell in told.cells] == ["1 x Acme Tube", "none"]
 
 
 def test_rig_that_is_worse_by_the_goal_may_show_more(make_result: Make) -> None:

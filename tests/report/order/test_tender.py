@@ -27,7 +27,7 @@ from uwopt.mission.mission import Mission, load_mission  # noqa: E402
 from uwopt.report.order import tender_lines  # noqa: E402
 from uwopt.report.order.answers import answer_blocks, certainty_sentences, change_sentences  # noqa: E402
 from uwopt.report.order.tender_book import FIRST_ANSWER, letter, tender_book  # noqa: E402
-from uwopt.report.order.tender_lines import end_text, lines_of, needed_beside  # noqa: E402
+from uwopt.report.order.tender_lines import end_text, falls_short, lines_of, needed_beside  # noqa: E402
 from uwopt.report.text.layout import Text  # noqa: E402
 from uwopt.results.design import Margin  # noqa: E402
 from uwopt.results.result import Result  # noqa: E402
@@ -69,6 +69,14 @@ def solved_once(mission: Mission, **_: Any) -> Result:
 @pytest.fixture(autouse=True)
 def each_mission_is_solved_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("uwopt.api.quoting.solve", solved_once)
+
+
+COUNTED = {
+    "asked": 0.9, "enough": False, "held": 0.74, "held_low": 0.71, "held_high": 0.77, "scenarios": 1024,
+    "held_in_choice": 0.75, "scenarios_in_choice": 256, "p50_in_choice": 61.0, "objective_p50": 62.0,
+    "objective_p90": None, "f_number": 4.0, "lost_to": [], "drawn": [], "central_objective": 40.0,
+    "central_held": 0.7, "central_p50": None,
+}  # fmt: skip
 
 
 def limit(name: str, feasible: float, best: float | None) -> PropertyLimit:
@@ -161,6 +169,19 @@ def test_a_tender_without_time_asks_without_limits_and_says_so(result: Result) -
     assert none.left_out and {f"the limits of the {kind}" for kind in kinds}.issuperset(none.left_out)
 
 
+def test_a_tender_of_what_misses_a_requirement_says_so_first(result: Result, make_result: Make) -> None:
+    (scene,) = result.recommendation.as_set.scenes
+    blurred = Margin("max_blur_px", 2.3, 1.0, "<=", -1.3, "px", None, False, False)
+    missing = with_margins(result, [*scene.margins, blurred])
+    told = "This system misses what is asked: motion blur (2.300 px against 1.000 px)."
+    assert letter(missing, []).startswith(f"[{told} Take this line out")
+    first = openpyxl.load_workbook(io.BytesIO(tender_book(missing, [])))["Read me"]
+    assert str(first["A2"].value).startswith(told)
+    assert falls_short(result) == falls_short(make_result(confidence=COUNTED | {"held": 0.97, "enough": True})) == ""
+    unsure = falls_short(make_result(confidence=COUNTED))
+    assert unsure.startswith("This system is not certain enough: it holds in 74 %")
+
+
 def test_limits_are_rounded_to_the_safe_side() -> None:
     from uwopt.catalog.columns import COLUMNS
 
@@ -227,16 +248,10 @@ def test_of_two_offers_of_one_part_the_cheaper_counts() -> None:
 
 
 def test_whoever_decides_again_reads_how_certain_it_is(make_result: Make) -> None:
-    counted = {
-        "asked": 0.9, "enough": False, "held": 0.74, "held_low": 0.71, "held_high": 0.77, "scenarios": 1024,
-        "held_in_choice": 0.75, "scenarios_in_choice": 256, "p50_in_choice": 61.0, "objective_p50": 62.0,
-        "objective_p90": None, "f_number": 4.0, "lost_to": [], "drawn": [], "central_objective": 40.0,
-        "central_held": 0.7, "central_p50": None,
-    }  # fmt: skip
-    now, was = make_result(confidence=counted), make_result(confidence=counted | {"held": 0.57})
+    now, was = make_result(confidence=COUNTED), make_result(confidence=COUNTED | {"held": 0.57})
     (told,) = certainty_sentences(SolvedAgain(before=was, after=now))
     assert told.startswith("Not certain enough: it holds in 74 % of 1 024 scenarios") and "before in 57 %" in told
-    surer = make_result(confidence=counted | {"held": 0.97, "enough": True})
+    surer = make_result(confidence=COUNTED | {"held": 0.97, "enough": True})
     assert next(certainty_sentences(SolvedAgain(before=was, after=surer))).startswith("It holds in 97 %")
     assert [*certainty_sentences(SolvedAgain(before=was, after=make_result()))] == []
 

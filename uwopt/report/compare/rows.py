@@ -60,7 +60,9 @@ def facts(comparison: Comparison) -> Iterator[ComparedRow]:
     yield ComparedRow("", "price", "price", "", designs[0].totals.cost.currency, prices)
     masses = tuple(Reached(d.totals.mass_kg, formats.quantity(d.totals.mass_kg, "kg")) for d in designs)
     yield ComparedRow("", "mass_kg", "mass of what is known", "", "kg", masses)
-    for kind in ("camera", "lens", "port", "light"):
+    for kind in ("camera", "lens", "port", "housing", "light"):
+        if all(kind not in design.hardware.parts for design in designs):
+            continue
         yield ComparedRow("", kind, kind, "", "", tuple(Reached(None, part_text(d, kind)) for d in designs))
 
 
@@ -76,7 +78,7 @@ def part_text(design: Design, kind: str) -> str:
     """A part with its number."""
     hardware = design.hardware
     number = hardware.light_count if kind == "light" else hardware.camera_count
-    if not number:
+    if not number or kind not in hardware.parts:
         return "none"
     return f"{number} x {words.part_name(hardware.parts[kind])}"
 

@@ -9,7 +9,7 @@ from uwopt.catalog.columns import COLUMNS
 from uwopt.catalog.offers import FORM, KEYS, MAKERS
 from uwopt.catalog.parts.part import Kind
 from uwopt.report.order.book import Page, book_bytes, new_book
-from uwopt.report.order.tender_lines import COMMERCIAL, AskedFact, TenderLine
+from uwopt.report.order.tender_lines import COMMERCIAL, AskedFact, TenderLine, falls_short
 from uwopt.report.text import formats
 from uwopt.results.result import Result
 
@@ -33,6 +33,8 @@ def read_me(book: Any, result: Result, lines: Sequence[TenderLine]) -> None:
     """What is tendered, and how to answer."""
     page = Page(book, "Read me", (30, 90))
     page.line(formats.one_line(result.mission.get("name") or "Mission", 120), bold=True)
+    if short := falls_short(result):
+        page.line(f"{short}. {MAKERS_ARE_NOT_TOLD}", bold=True)
     page.row += 1
     for text in HOW:
         page.line("", text, wrap=True)
@@ -52,6 +54,8 @@ HOW = (
     "A part that is better in one number may be worse in another: every answer is worked through as a whole.",
     "Give the price of one piece with its currency, the day of the quote, until when it holds, and the lead time.",
 )
+
+MAKERS_ARE_NOT_TOLD = "Take this line out before you send it."
 
 
 def line_page(book: Any, line: TenderLine) -> None:
@@ -115,7 +119,9 @@ def letter(result: Result, lines: Sequence[TenderLine]) -> str:
         for fact in line.facts
         if (fact.together or fact.needed) and not fact.loose
     ]
-    return LETTER.format(name=name, wanted=wanted, hard="\n".join(hard))
+    short = falls_short(result)
+    first = f"[{short}. {MAKERS_ARE_NOT_TOLD}]\n\n" if short else ""
+    return first + LETTER.format(name=name, wanted=wanted, hard="\n".join(hard))
 
 
 LETTER = """\

@@ -17,6 +17,9 @@ from uwopt.evaluation.recompute import replay
 from uwopt.objectives.goal import goal_of
 from uwopt.objectives.objective import Objective
 from uwopt.report.order.other_parts import AS_GOOD, other_systems
+from uwopt.report.text import words
+from uwopt.report.text.certainty import held_text
+from uwopt.report.text.formats import margin_ends
 from uwopt.report.text.not_counted import depth_m
 from uwopt.report.text.stated import cells_of
 from uwopt.results.design import BillRow, Design
@@ -83,6 +86,18 @@ def lines_of(result: Result, name: str, deadline: Deadline = NEVER) -> list[Tend
     if result.best is None:
         raise ResultError(f"{name}: holds no system, so there is nothing to ask for; solve a mission that has one.")
     return tender_lines(result, result.best, deadline)
+
+
+def falls_short(result: Result) -> str:
+    """What a system that is tendered misses, as nobody should order it unawares; empty where it does what is asked."""
+    design, known = result.best, result.confidence
+    assert design is not None
+    missed = {m.requirement: m for scene in design.as_set.scenes for m in scene.margins if not m.satisfied}
+    if missed:
+        by = {name: " against ".join(margin_ends(m, design.totals.cost)) for name, m in missed.items()}
+        told = [f"{words.requirement_name(name)} ({ends})" for name, ends in by.items()]
+        return f"This system misses what is asked: {words.listed(told)}"
+    return "" if known is None or known.enough else f"This system is not certain enough: it {held_text(known)}"
 
 
 def tender_lines(result: Result, design: Design, deadline: Deadline = NEVER) -> list[TenderLine]:

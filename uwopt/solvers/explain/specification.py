@@ -81,8 +81,10 @@ def specification(
 def limits_of_part(
     problem: Problem, hardware: Hardware, objective: Objective, kind: str, rival: float, deadline: Deadline
 ) -> list[PropertyLimit]:
-    """Limits of the numbers of one part, each alone, and together."""
+    """Limits of the numbers of one part, each alone, and together; none where it does not fit as it is."""
     trial = PartTrial(problem, hardware, objective, kind, deadline)
+    if not holds(trial.values([{}])[0], math.inf):
+        return []
     asked = properties(trial.part)
     feasible, best = trial.limits(asked, (math.inf, rival))
     together = trial.together(asked, feasible)
