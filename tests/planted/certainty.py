@@ -454,8 +454,8 @@ DEFECTS = (
     Defect(
         name="hardware with room is looked for with lenses in focus",
         file=f"{ROOM}/candidates.py",
-        old="worse if np.ptp(foci) == 0.0 else worse.focused_at(shares)",
-        new="worse",
+        old="problem if np.ptp(foci) == 0.0 else problem.focused_at(shares)",
+        new="problem",
         test=f"{TESTS}::test_hardware_with_room_is_sharp_wherever_the_lens_may_stand",
     ),
     Defect(

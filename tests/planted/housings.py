@@ -237,7 +237,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a rival in another housing is taken for one in the first",
-        file="uwopt/solvers/explain/robustness.py",
+        file="uwopt/solvers/one_hardware.py",
         old="[own_id(own) for own in lists[kind]].index(own_id(part))",
         new="[own.id for own in lists[kind]].index(part.id)",
         test="tests/solvers/test_robustness.py::test_a_rival_keeps_its_housing_among_the_catalogue",

@@ -47,7 +47,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a rival keeps its place among the mixed",
-        file="uwopt/solvers/explain/robustness.py",
+        file="uwopt/solvers/one_hardware.py",
         old="return replace(found, **places)",
         new="return found",
         test=f"{DOUBT}test_a_rival_that_stands_twice_among_the_mixed_is_one_of_the_catalogue",
@@ -845,16 +845,16 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="the bad end is the good one",
-        file="uwopt/solvers/explain/robustness.py",
-        old='taken_as(name, value, best if end == "good" else worst)',
-        new='taken_as(name, value, best if end == "bad" else worst)',
+        file="uwopt/solvers/part_ends.py",
+        old='taken_as(name, known, best if end == "good" else worst)',
+        new='taken_as(name, known, best if end == "bad" else worst)',
         test=f"{DOUBT}test_the_bad_end_of_a_camera_harms[price-3.0-1.0]",
     ),
     Defect(
         name="more light harms",
-        file="uwopt/solvers/explain/robustness.py",
-        old="best = value.high if sign > 0 else value.low",
-        new="best = value.low",
+        file="uwopt/solvers/part_ends.py",
+        old="best, worst = (known.high, known.low) if",
+        new="best, worst = (known.low, known.low) if",
         test=f"{DOUBT}test_the_bad_end_of_a_camera_harms[saturation_e-1.0-3.0]",
     ),
     Defect(

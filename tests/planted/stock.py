@@ -56,9 +56,9 @@ DEFECTS = (
     ),
     Defect(
         name="only a small dome is doubted",
-        file="uwopt/solvers/explain/robustness.py",
-        old="value.low if end == \"low\" else value.high, value.status",
-        new="value.low, value.status",
+        file="uwopt/solvers/part_ends.py",
+        old='known.low if end == "low" else known.high',
+        new="known.low",
         test="tests/solvers/test_robustness.py::test_a_dome_whose_radius_is_estimated_fails_at_whichever_end_harms",
     ),
     Defect(

@@ -15,8 +15,8 @@ from uwopt.api.common import base_result
 from uwopt.forward.scene import scene_optics
 from uwopt.mission.mission import load_mission
 from uwopt.report.text.doubts import robustness_block
+from uwopt.solvers.explain.assumptions import assumptions
 from uwopt.solvers.explain.other_waters import in_other_waters
-from uwopt.solvers.explain.robustness import assumptions
 from uwopt.solvers.recommend import Sought
 
 C_PER_M = {

@@ -17,7 +17,7 @@ from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.search import Looked, look, unheard
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.explain.robustness import among
+from uwopt.solvers.one_hardware import among
 from uwopt.solvers.recommend import Sought, same_scenes
 
 ALL_PARTS = "parts to be made that may hold more often"  # where there is no time for them

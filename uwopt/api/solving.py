@@ -226,7 +226,7 @@ def found_result(
 
     `first` is called with it before the doubts, unless a person wants no more.
     """
-    from uwopt.solvers.explain.robustness import assumptions
+    from uwopt.solvers.explain.assumptions import assumptions
 
     sought, winner, sure, alternative = chosen.sought, chosen.design, chosen.made_sure, chosen.alternative
     cut_short = chosen.cut or sought.outcome.interrupted

@@ -48,7 +48,7 @@ from uwopt.results.result import Result
 from uwopt.solvers.beside import side_by_side
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.explain.robustness import assumptions
+from uwopt.solvers.explain.assumptions import assumptions
 from uwopt.solvers.front.designs import few, found_of, objectives_of, picks_of, values_of
 from uwopt.solvers.front.search import FrontSearch
 from uwopt.solvers.recommend import hardware_of, part_warnings, with_rounded

@@ -218,6 +218,18 @@ class Problem:
         changed.f_number, changed.known_models = f_number, {}
         return changed
 
+    def over(
+        self, parts: Parts, *, mission: Mission | None = None, scenes: list[SceneOptics] | None = None,
+        counts: tuple[int, int] | None = None, mounts: Sequence[Mount] | None = None, have_estimates: bool = False,
+    ) -> Problem:  # fmt: skip
+        """Tables of other parts, as these are where nothing else is said; a mission brings its own scenes."""
+        own = self.scenes if mission is None else None
+        return Problem(
+            mission or self.mission, parts, paper=self.paper, owned_lights=self.owned_lights,
+            counts=counts or self.count_range, mounts=self.mounts if mounts is None else mounts, scenes=scenes or own,
+            effects=self.effects, have_estimates=have_estimates,
+        )  # fmt: skip
+
     def with_fineness(self, fineness: fine.Fineness) -> Problem:
         """The same problem with its integrals taken more or less finely; all tables anew."""
         return Problem(

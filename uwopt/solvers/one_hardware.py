@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from uwopt.catalog.records import Part
+from uwopt.catalog.records import Part, Port
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.parts import Parts
 from uwopt.forward.problem import Problem
@@ -52,11 +53,9 @@ def problem_of(
     mission : another one brings its own scenes; scenes : in their place; lists : variants of each kind of part
     """
     lists = lists or {kind: [part] for kind, part in parts_of(base, found)}
-    own = base.scenes if mission is None else None
-    return Problem(
-        mission or base.mission, Parts(*(tuple(lists[kind]) for kind in KINDS)), paper=base.paper,
-        owned_lights=base.owned_lights, counts=(found.count, found.count), mounts=[found.lighting.mount],
-        scenes=scenes or own, effects=base.effects,
+    return base.over(
+        Parts(*(tuple(lists[kind]) for kind in KINDS)), mission=mission, scenes=scenes,
+        counts=(found.count, found.count), mounts=[found.lighting.mount],
     )  # fmt: skip
 
 
@@ -111,3 +110,27 @@ def values_under(search: Search, imagers: Any, rows: Any, light: Any, optics: in
     value = search.solve(pairs, [seen.take(back) for seen in lights], lighting)[0]
     within = (limit_cost <= limit(limits.cost) * ROUND) & (mass <= limit(limits.mass_kg) * ROUND)
     return np.where(within, value, np.inf)
+
+
+def own_id(part: Part) -> str:
+    """The id of a part; of a port with that of its housing."""
+    return part.enclosure_id if isinstance(part, Port) else part.id
+
+
+def same_parts(one: Problem, a: Found, other: Problem, b: Found) -> bool:
+    """Whether two designs are made of the same parts."""
+    return [own_id(p) for _, p in parts_of(one, a)] == [own_id(p) for _, p in parts_of(other, b)]
+
+
+def among(problem: Problem, found: Found, mixed: Problem) -> Found:
+    """A design of the mixed problem, which may hold a part twice, by the places of its parts in another.
+
+    Raises ValueError where a part is not there.
+    """
+    own_parts = problem.parts
+    lists = dict(zip(KINDS, (own_parts.cameras, own_parts.lenses, own_parts.ports, own_parts.lights), strict=True))
+    places: dict[str, Any] = {
+        kind: [own_id(own) for own in lists[kind]].index(own_id(part))
+        for kind, part in parts_of(mixed, found)
+    }
+    return replace(found, **places)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import fields
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields, replace
 from typing import Any
 
 from uwopt.catalog.parts.part import Part
@@ -37,6 +37,16 @@ def taken_as(name: str, known: Quantity, value: float) -> Quantity:
     if name in EITHER_SIZE:
         return Quantity(value, min(value, known.low), max(value, known.high), known.status, known.source)
     return exact(value, known.status, known.source)
+
+
+def with_numbers(part: Any, value_at: Callable[[str, Quantity], Quantity | None], *, housing: bool = True) -> Any:
+    """A part whose doubtful numbers are those that a rule gives; None: as it is. `housing`: a port's own likewise."""
+    made: dict[str, Any] = {
+        name: value for name, known in doubtful(part) if (value := value_at(name, known)) is not None
+    }
+    if housing and getattr(part, "housing", None) is not None:
+        made["housing"] = with_numbers(part.housing, value_at)
+    return replace(part, **made) if made else part
 
 
 def each_with(part: Any, columns: Mapping[str, Sequence[Any]], count: int) -> list[Any]:

@@ -24,7 +24,7 @@ from uwopt.report.text.not_counted import depth_m
 from uwopt.report.text.stated import cells_of
 from uwopt.results.design import BillRow, Design
 from uwopt.results.result import Result
-from uwopt.solvers.explain.robustness import UNITS_BY_SUFFIX
+from uwopt.solvers.explain.assumptions import UNITS_BY_SUFFIX
 from uwopt.solvers.explain.specification import PropertyLimit, specification
 from uwopt.solvers.one_hardware import KINDS as VARIED
 from uwopt.units import format_number, split_unit, symbol

@@ -139,7 +139,4 @@ def murkier(scene: SceneOptics, factor: float) -> SceneOptics:
 
 def like(problem: Problem, scene: SceneOptics, parts: Any = None) -> Problem:
     """A problem of one system in another scene, or with other parts."""
-    return Problem(
-        problem.mission, parts or problem.parts, paper=problem.paper, owned_lights=problem.owned_lights,
-        counts=problem.count_range, mounts=problem.mounts, scenes=[scene], effects=problem.effects,
-    )  # fmt: skip
+    return problem.over(parts or problem.parts, scenes=[scene])

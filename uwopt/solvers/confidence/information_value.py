@@ -22,8 +22,8 @@ from uwopt.solvers.confidence.draws import probabilities
 from uwopt.solvers.confidence.scenarios import BEAM_FACTS, PORTS, Scenarios
 from uwopt.solvers.confidence.search import Certain
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.explain.robustness import matters
 from uwopt.solvers.one_hardware import pieces_of
+from uwopt.solvers.part_ends import matters
 
 Array = NDArray[np.float64]
 BINS = 3

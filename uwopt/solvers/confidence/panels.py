@@ -38,7 +38,7 @@ from uwopt.model.scattering import PhaseTable
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.draws import drawn_facts
 from uwopt.solvers.confidence.scenarios import Scenarios, loss
-from uwopt.solvers.explain.robustness import with_either_end
+from uwopt.solvers.part_ends import with_either_end
 
 Array = NDArray[Any]
 STEEP = {
@@ -92,10 +92,7 @@ def panel_of(base: Problem, scenarios: Scenarios, objective: Objective, covered:
         tuple(lights),
     )
     scenes = [scenarios.scenes[int(k)] for k in np.flatnonzero(water)]
-    problem = Problem(
-        base.mission.with_changes(fixed={}), made_parts, paper=base.paper, owned_lights=base.owned_lights,
-        counts=base.count_range, mounts=base.mounts, scenes=best_scenes(scenes), effects=base.effects,
-    )  # fmt: skip
+    problem = base.over(made_parts, mission=base.mission.with_changes(fixed={}), scenes=best_scenes(scenes))
     return Panel(problem, least)
 
 

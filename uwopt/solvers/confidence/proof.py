@@ -28,8 +28,7 @@ from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.states import imagers_among
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.explain.robustness import among
-from uwopt.solvers.one_hardware import problem_of
+from uwopt.solvers.one_hardware import among, problem_of
 from uwopt.tolerances import TIE
 
 Progress = Callable[[float, str], None]

@@ -29,8 +29,7 @@ from uwopt.solvers.confidence.worst_case import EndScenarios
 from uwopt.solvers.exact.imagers import IMAGER_RULES, Imagers, imagers_behind, joined
 from uwopt.solvers.exact.ranking import Found, told_apart
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.explain.robustness import among
-from uwopt.solvers.one_hardware import KINDS, problem_of
+from uwopt.solvers.one_hardware import KINDS, among, problem_of
 from uwopt.solvers.recommend import Sought
 from uwopt.solvers.settings.best import scenes_need_cells
 from uwopt.tolerances import TIE, TIED_MEDIANS_REL

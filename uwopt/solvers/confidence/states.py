@@ -102,10 +102,9 @@ class Together:
         lights = States.of([one["light"] for one in own], scenarios.lights)
         mounts = list(dict.fromkeys(one.lighting.mount for one in found))
         counts = np.array([one.count for one in found])
-        problem = Problem(
-            base.mission, Parts(tuple(cameras.parts), tuple(lenses.parts), tuple(ports.parts), tuple(lights.parts)),
-            paper=base.paper, owned_lights=base.owned_lights, counts=(int(counts.min()), int(counts.max())),
-            mounts=mounts, scenes=base.scenes, effects=base.effects, have_estimates=True,
+        problem = base.over(
+            Parts(tuple(cameras.parts), tuple(lenses.parts), tuple(ports.parts), tuple(lights.parts)),
+            counts=(int(counts.min()), int(counts.max())), mounts=mounts, have_estimates=True,
         )  # fmt: skip
         meant_m = np.full(len(found), np.nan) if in_focus else meant_foci_m(base, found, scenarios)
         if not in_focus:

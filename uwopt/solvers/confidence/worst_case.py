@@ -15,7 +15,7 @@ from uwopt.mission.doubt import Doubt
 from uwopt.mission.mission import Mission
 from uwopt.solvers.confidence.scenarios import Scenarios, brighter
 from uwopt.solvers.confidence.waters import Waters, WaterState
-from uwopt.solvers.explain.robustness import at_end, with_either_end
+from uwopt.solvers.part_ends import at_end, with_either_end
 
 ENDS = (-1.0, 1.0)
 PORT_VARIANTS = 3  # of a dome whose radius is in doubt: as it is, and both ends

@@ -130,10 +130,9 @@ class PartTrial:
         self.deadline.check()
         made = [changed(self.part, variant) for variant in variants]
         lists = {name: (made if name == self.kind else [part]) for name, part in self.lists.items()}
-        one = Problem(
-            self.base.mission, Parts(*(tuple(lists[name]) for name in KINDS)), paper=self.base.paper,
-            owned_lights=self.base.owned_lights, counts=(self.hardware.count,) * 2, mounts=[self.hardware.mount],
-            scenes=self.base.scenes, effects=self.base.effects,
+        one = self.base.over(
+            Parts(*(tuple(lists[name]) for name in KINDS)), counts=(self.hardware.count,) * 2,
+            mounts=[self.hardware.mount],
         )  # fmt: skip
         places = [dict.fromkeys(KINDS, 0) | {self.kind: n} for n in range(len(made))]
         return best_of_each(one, self.objective, places, self.deadline)

@@ -18,8 +18,8 @@ from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.explain.robustness import at_end, housing_at_end, own_id
-from uwopt.solvers.one_hardware import best_of, parts_of, problem_of
+from uwopt.solvers.one_hardware import best_of, own_id, parts_of, problem_of
+from uwopt.solvers.part_ends import at_end, housing_at_end
 from uwopt.solvers.recommend import Sought
 from uwopt.solvers.settings.best import scenes_need_cells
 from uwopt.tolerances import TIE

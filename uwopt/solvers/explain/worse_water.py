@@ -82,9 +82,8 @@ def alone(problem: Problem, hardware: Hardware, mission: Mission) -> Problem:
     if not (camera.mounts and lens.mounts):
         camera, lens = replace(camera, mounts=ANY_MOUNT), replace(lens, mounts=ANY_MOUNT)
     parts = Parts((camera,), (lens,), (own.ports[hardware.port],), (own.lights[hardware.light],))
-    return Problem(
-        mission, parts, paper=problem.paper, owned_lights=problem.owned_lights,
-        counts=(hardware.count, hardware.count), mounts=[hardware.mount],
+    return problem.over(
+        parts, mission=mission, counts=(hardware.count, hardware.count), mounts=[hardware.mount]
     )  # fmt: skip
 
 
