@@ -38,6 +38,20 @@ DEFECTS = (
         test=f"{TESTS}::test_a_ceiling_that_is_too_low_hides_nothing",
     ),
     Defect(
+        name="imagers of another temperature of the water are taken for these",
+        file=SEARCHES,
+        old="key = apart_from_light(problem.mission), index, selection.indices",
+        new="key = selection.indices",
+        test=f"{TESTS}::test_other_light_has_the_imagers_of_the_last",
+    ),
+    Defect(
+        name="each search by bounds has tables of light of its own",
+        file=SEARCHES,
+        old="lights=lights, widest_m=kept.widest_m",
+        new="lights=lights",
+        test=f"{TESTS}::test_searches_by_bounds_have_the_tables_of_the_first",
+    ),
+    Defect(
         name="what is found below a guess counts above it too",
         file=SEARCHES,
         old="if sought.outcome.complete and reached > most:",

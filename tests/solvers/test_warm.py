@@ -183,6 +183,42 @@ def test_many_missions_look_at_a_fifth_of_the_imagers(monkeypatch):
     assert looked_at[0] <= 0.2 * len(missions) * by_first
 
 
+def test_other_light_has_the_imagers_of_the_last(monkeypatch):
+    """Water and floor change no view; its temperature does, by the index of refraction, and so do all other keys."""
+    listed, honest = list[Any](), searches.enumerate_imagers
+
+    def counted(problem: Any) -> Any:
+        listed.append(honest(problem))
+        return listed[-1]
+
+    monkeypatch.setattr(searches, "enumerate_imagers", counted)
+    warm, base = Warm(), reef()
+    for n_listed, mission in (
+        (1, base), (1, varied(base, water="II")), (1, varied(base, water="1C", seafloor=0.3)),
+        (2, varied(base, temperature_c=30.0)), (3, varied(base, altitude_m=1.9)),
+    ):  # fmt: skip
+        agree(warm, mission)
+        assert len(listed) == n_listed
+
+
+def test_searches_by_bounds_have_the_tables_of_the_first(monkeypatch):
+    """Light that one has worked out serves the next, however few of the imagers it looks at."""
+    reaches, honest = list[Any](), Search.run
+
+    def told_reach(search: Search) -> Any:
+        outcome = honest(search)
+        if search.given is not None:
+            reaches.append(search.tables.problem.contractions[0].reach_m)
+        return outcome
+
+    monkeypatch.setattr(Search, "run", told_reach)
+    warm, base = Warm(), reef(catalog={"lenses": [*FEW["lenses"], "hikrobot-mvl-hf4028m-6mpe"]})
+    for speed in (0.3, 0.6, 0.8):
+        warm.best(varied(base, speed_m_s=speed))
+    assert len(reaches) >= 3
+    assert len(set(reaches)) == 1
+
+
 # ---------------------------------------------------------------- what is compared
 
 

@@ -30,6 +30,11 @@ STRICTER_RESERVE = frozenset({"snr_db", "blur", "swath"})
 OF_HOUSINGS = frozenset({"size_mm", "depth_rating_m"})
 SECTIONS = ("vehicle", "requirements", "limits", "reserve")
 UNHEARD = ("name", "seed", "confidence", "doubt")  # keys of a mission that no search at central numbers asks
+#: Keys of a scene that change the light alone, not what is seen: nothing of an index of refraction, or of heights.
+OF_LIGHT = (
+    "water", "c_per_m", "visibility_m", "secchi_m", "turbidity_ntu", "water_table", "seafloor", "backscatter_ratio",
+    "phase_function", "multiple_scattering",
+)  # fmt: skip
 
 
 def sign_of(mission: Mission, section: str, name: str) -> int:
@@ -82,3 +87,12 @@ def sections_of(data: Mapping[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]
         for section in ("vehicle", "requirements"):
             if isinstance(scene.get(section), dict):
                 yield section, scene[section]
+
+
+def apart_from_light(mission: Mission) -> str:
+    """All that a mission says, as text, but for what of its scenes changes the light alone."""
+    data = mission.to_dict(absolute_paths=True)
+    for place, names in ((data, UNHEARD), *((scene, OF_LIGHT) for scene in data["scenes"])):
+        for name in names:
+            place.pop(name, None)
+    return json.dumps([data, str(mission.base_dir)], sort_keys=True, default=str)

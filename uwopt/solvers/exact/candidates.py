@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -29,9 +30,12 @@ class Candidates:
     signal_bounds: Bounds | None = None  # with the light of each node integrated, where there are many more
 
     @staticmethod
-    def of(problem: Problem, objective: Objective, imagers: Imagers, *, lights: Array | None = None) -> Candidates:
-        """All imagers of a small catalogue. `lights` marks those that are searched."""
-        tables = FieldTables(problem, imagers)
+    def of(
+        problem: Problem, objective: Objective, imagers: Imagers, *, lights: Array | None = None,
+        widest_m: Sequence[float] | None = None,
+    ) -> Candidates:  # fmt: skip
+        """All imagers of a small catalogue. `lights` marks those that are searched; `widest_m` as of `FieldTables`."""
+        tables = FieldTables(problem, imagers, widest_m=widest_m)
         bounds = Bounds(objective, imagers, tables, lights=lights)
         return Candidates(imagers, tables, bounds)
 

@@ -36,6 +36,8 @@ class Tally:
         passed, n_port = np.ones(len(camera), bool), len(ports)
         for rule, passes in rules:
             lost = np.flatnonzero(passed & ~passes)
+            if len(lost) == 0:
+                continue
             pair, of = np.divmod(some_of(len(lost) * n_port), n_port)
             self.count(rule, len(lost) * n_port, camera[lost[pair]], lens[lost[pair]], ports[of])
             passed &= passes

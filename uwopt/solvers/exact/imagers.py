@@ -269,6 +269,8 @@ def housed(problem: Problem, sharp: SharpPairs, ports: Array, tally: Tally) -> P
 
     def drop(rule: str, passes: Array) -> None:
         lost = np.flatnonzero(alive & ~(passes if passes.ndim == 2 else passes[:, None]))
+        if len(lost) == 0:
+            return
         pair, of = np.divmod(lost[some_of(len(lost))], len(ports))
         tally.count(rule, len(lost), sharp.camera[pair], sharp.lens[pair], ports[of])
         alive.ravel()[lost] = False

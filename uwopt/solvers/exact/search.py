@@ -10,7 +10,7 @@ it, so that the account adds up.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -94,17 +94,18 @@ class Search(Evaluation):
         self, problem: Problem, objective: Objective, *, top: int, deadline: Deadline = NEVER,
         progress: Callable[[float, str], None] | None = None, ceiling: float = np.inf,
         only: Mapping[str, Array] | None = None, imagers: Imagers | None = None, enough: bool = False,
-        most_in_vain: float = np.inf,
+        most_in_vain: float = np.inf, widest_m: Sequence[float] | None = None,
     ):  # fmt: skip
         """`imagers`: those to search, of all that there are; `enough`: one design that fits, whichever.
 
+        widest_m : by scene, how far tables of light reach whatever the imagers see; None: as far as they do
         most_in_vain : designs; where more are looked at and none fits, the search ends without a proof
         """
         super().__init__(
             problem, objective, top=top, deadline=deadline, ceiling=ceiling, only=only, enough=enough,
             most_in_vain=most_in_vain,
         )  # fmt: skip
-        self.given = imagers
+        self.given, self.widest_m = imagers, widest_m
         self.every_imager: Imagers | None = None  # of all parts, once they are listed
         self.progress = progress or (lambda share, what: None)
         self.bounds_s = 0.0
@@ -148,7 +149,9 @@ class Search(Evaluation):
             imagers = enumerate_imagers(self.problem, cameras=cameras, deadline=deadline)
             if cameras.all():
                 self.every_imager = imagers
-        self.take_up(Candidates.of(self.problem, self.objective, imagers, lights=self.only.get("light")))
+        self.take_up(Candidates.of(
+            self.problem, self.objective, imagers, lights=self.only.get("light"), widest_m=self.widest_m
+        ))  # fmt: skip
         return imagers
 
     def _by_imagers(self) -> tuple[bool, float, float]:

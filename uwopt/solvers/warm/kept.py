@@ -8,6 +8,7 @@ stricter mission only those nodes are searched whose bound is no more than what 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from uwopt.catalog.choose import Selection
 from uwopt.deadline import Deadline
 from uwopt.forward.problem import Problem
+from uwopt.forward.views import table_reach_m
 from uwopt.solvers.exact.evaluation import MOST_ROWS_AT_ONCE
 from uwopt.solvers.exact.imager_rules import limit
 from uwopt.solvers.exact.imagers import Imagers, PortBlock
@@ -42,6 +44,7 @@ class KeptBounds:
     node: Array  # imager's number (see `numbers`) times the number of light optics, plus its lighting's
     least: Array
     tight: bool = False  # whether the light of every design has been looked at
+    widest_m: Sequence[float] | None = None  # by scene, as far as tables of light reach: those of all searches are one
 
     def __len__(self) -> int:
         return len(self.node)
@@ -52,7 +55,8 @@ class KeptBounds:
         lighting, imager = np.nonzero(np.isfinite(least))
         node = numbers(search.problem, search.imagers)[imager] * len(search.problem.optics)
         node += np.array([each.optics for each in search.tables.lightings], int)[lighting]
-        return KeptBounds(selection, search.problem, node, least[lighting, imager]).in_order()
+        widest_m = search.widest_m or [table_reach_m(scene.view) for scene in search.imagers.scenes]
+        return KeptBounds(selection, search.problem, node, least[lighting, imager], widest_m=widest_m).in_order()
 
     def in_order(self) -> KeptBounds:
         """The same, least first."""
@@ -95,7 +99,7 @@ def some_nodes(problem: Problem, node: Array) -> tuple[Imagers, Array]:
 
 
 def imagers_by_number(problem: Problem, wanted: Array) -> Imagers:
-    """Those of some imagers that pass the rules of a problem."""
+    """Those of some imagers, rising, that pass the rules of a problem."""
     camera, lens, port, landscape = np.unravel_index(wanted, sizes(problem))
     n_lens = len(problem.parts.lenses)
     like, pairs = problem.like_port[port], dict[tuple[int, bool], tuple[Array, Array]]()
@@ -106,7 +110,9 @@ def imagers_by_number(problem: Problem, wanted: Array) -> Imagers:
         pairs[int(one) // 2, bool(one % 2)] = both // n_lens, both % n_lens
 
     def kept(block: PortBlock) -> PortBlock:
-        return of_block(block, np.flatnonzero(np.isin(numbers(problem, block), wanted)))
+        number = numbers(problem, block)
+        place = np.minimum(np.searchsorted(wanted, number), len(wanted) - 1)  # they rise
+        return of_block(block, np.flatnonzero(wanted[place] == number))
 
     return imagers_of(problem, pairs, kept)
 

@@ -22,7 +22,7 @@ from uwopt.forward.assembly import Generic, build_problem, load_catalog, selecte
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import SceneOptics
 from uwopt.mission.mission import Mission
-from uwopt.mission.strictness import Asking
+from uwopt.mission.strictness import Asking, apart_from_light
 from uwopt.model.fineness import DEFAULT
 from uwopt.objectives.goal import goal_of
 from uwopt.objectives.objective import Objective
@@ -139,6 +139,7 @@ class Warm:
         self.selections: dict[Any, Selection] = {}
         self.winners: list[PartIds] = []
         self.known: list[Problem] = []
+        self.listed: tuple[Any, Imagers] | None = None  # the last that were listed, and of what
         self.n_searches = 0
 
     # ------------------------------------------------------------ one mission
@@ -321,7 +322,9 @@ class Warm:
         """A search of some nodes for a mission."""
         problem = asking(kept.problem, mission, kept.selection)
         imagers, lights = some_nodes(problem, some)
-        return self._search(problem, goal_of(mission), ceiling=ceiling, imagers=imagers, lights=lights)
+        return self._search(
+            problem, goal_of(mission), ceiling=ceiling, imagers=imagers, lights=lights, widest_m=kept.widest_m
+        )
 
     # ------------------------------------------------------------ anew
 
@@ -333,13 +336,21 @@ class Warm:
         problem = build_problem(mission, selection, scenes=self._scenes(mission))
         imagers: Imagers | None = None
         if ahead and not are_too_many(problem, fitting_pairs(problem)):
-            imagers = enumerate_imagers(problem)  # those too that are beyond the ceiling here
+            imagers = self._every_imager(problem, selection)  # those too that are beyond the ceiling here
         sought = self._run(selection, self._search(problem, goal, ceiling=ceiling, imagers=imagers))
         if not sought.outcome.best and sought.outcome.complete and math.isfinite(ceiling):
             sought = self._run(selection, self._search(problem, goal, imagers=imagers))  # reached by rounding alone
         if imagers is not None and sought.outcome.complete:
             family.waiting = stage.asks, sought
         return sought
+
+    def _every_imager(self, problem: Problem, selection: Selection) -> Imagers:
+        """All imagers of a mission: those of the last where it was the same but for its light."""
+        index = tuple(scene.n_water for scene in problem.scenes)
+        key = apart_from_light(problem.mission), index, selection.indices
+        if self.listed is None or self.listed[0] != key:
+            self.listed = key, enumerate_imagers(problem)
+        return self.listed[1]
 
     def _reached(self, stage: WarmStage) -> float:
         """What the parts of the last winners reach here; inf where they do not fit."""
@@ -361,11 +372,13 @@ class Warm:
 
     def _search(
         self, problem: Problem, goal: Objective, *, ceiling: float = math.inf, imagers: Imagers | None = None,
-        lights: NDArray[Any] | None = None,
+        lights: NDArray[Any] | None = None, widest_m: Sequence[float] | None = None,
     ) -> Search:  # fmt: skip
         """One certified search, of some imagers and lights or of all."""
         only = {} if lights is None else {"light": lights}
-        return Search(problem, goal, top=1, ceiling=ceiling, deadline=self.deadline, imagers=imagers, only=only)
+        return Search(
+            problem, goal, top=1, ceiling=ceiling, deadline=self.deadline, imagers=imagers, only=only, widest_m=widest_m
+        )
 
     def _run(self, selection: Selection, search: Search) -> Sought:
         """What a search finds."""
