@@ -5,13 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from thorough import drawn
+from thorough import THOROUGH, drawn
 
 import uwopt
 from uwopt.mission.mission import load_mission
 
 JOBS = Path(__file__).parents[2] / "problems" / "jobs"
 NAMES = sorted(path.stem for path in JOBS.glob("*.yaml"))
+SOME_CAMERAS = "allied*"  # among which the best of all lies
 README = (JOBS / "README.md").read_text(encoding="utf-8")
 
 
@@ -34,10 +35,13 @@ def test_the_page_of_signatures_tells_of_every_mission() -> None:
 
 @pytest.mark.parametrize("name", drawn(["plankton"], NAMES))
 def test_a_job_is_answered_with_what_was_asked_for(name: str) -> None:
-    result = uwopt.solve(JOBS / f"{name}.yaml", quick=True)
+    mission = load_mission(JOBS / f"{name}.yaml")
+    if not THOROUGH:
+        mission = mission.with_changes(catalog=mission.to_dict()["catalog"] | {"cameras": [SOME_CAMERAS]})
+    result = uwopt.solve(mission, quick=True)
     assert result.status in ("optimal", "feasible") and result.certificate is not None
     assert result.certificate.adds_up()
     best = result.recommendation
     assert best is not None and best.feasible
     for scene in best.scenes:
-        assert scene.figures["snr_db_p05"] >= load_mission(JOBS / f"{name}.yaml").requirements.min_snr_db - 1e-6
+        assert scene.figures["snr_db_p05"] >= mission.requirements.min_snr_db - 1e-6

@@ -139,11 +139,11 @@ PARTS: dict[str, Any] = {
     "scene": {"water": "II", "seafloor": 0.2, "depth_m": 30}, "practice": "bare",
     "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.3, "light_count": [1, 4]},
     "requirements": {"overlap": 0.3, "max_blur_px": 1.0, "min_snr_db": 10},
-    "catalog": {"cameras": ["flir-bfs-u3-120s4m"], "lenses": ["kowa"], "lights": ["bigblue"], "generic": "never"},
+    "catalog": {"cameras": ["flir-bfs-u3-120s4m"], "lenses": ["kowa-lm8"], "lights": ["bigblue"], "generic": "never"},
 }  # fmt: skip
 
 
-FEW: dict[str, Any] = {"physics": "paper", "catalog": PARTS["catalog"] | {"lenses": ["kowa-lm8"]}}
+FEW: dict[str, Any] = {"physics": "paper", "doubt": {"scenarios": 64}}
 
 
 @pytest.mark.parametrize(("confidence", "given"), [("central", {}), (0.9, FEW)], ids=["central", "certain"])
