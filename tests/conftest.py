@@ -140,7 +140,7 @@ def unhurried() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         for name in ("EXACT_S", "PEER_S", "PEER_ALONE_S"):
             patch.setattr(api_pareto, name, math.inf)
-        patch.setattr(api_pareto, "few", partial(api_pareto.few, most=drawn(30, MOST_POINTS)))
+        patch.setattr(api_pareto, "few", partial(api_pareto.few, most=drawn(16, MOST_POINTS)))
         patch.setattr(
             pymoo_front, "population_front", lambda *given, **more: honest(*given, **(more | short))
         )

@@ -583,7 +583,7 @@ def test_schema_is_json(what: str) -> None:
 def test_ascii_terminal_gets_ascii() -> None:
     done = program("evaluate", MISSION, SYSTEM, env={"PYTHONIOENCODING": "ascii", "LC_ALL": "C"})
     assert done.returncode == 0 and done.stdout.isascii()
-    data = program("evaluate", MISSION, SYSTEM, "--json", env={"PYTHONIOENCODING": "ascii"})
+    data = CliRunner(charset="ascii").invoke(app, ["evaluate", str(MISSION), str(SYSTEM), "--json"])
     assert json.loads(data.stdout)["status"]
 
 

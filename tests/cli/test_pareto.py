@@ -23,9 +23,8 @@ def run(*arguments: object) -> Any:
 
 
 def test_writes_page_table_and_json(tmp_path):
-    done = run(
-        MISSION, "--objectives", "power,cost", "--solver", "exact,nsga2", "--out", tmp_path / "front"
-    )
+    words = ("--objectives", "power,cost", "--solver", "exact,nsga2", "--physics", "paper")
+    done = run(MISSION, *words, "--out", tmp_path / "front")
     assert done.exit_code == 0, done.output
     assert {p.name for p in (tmp_path / "front").iterdir()} == {"report.html", "front.csv", "front.json"}
     data = json.loads((tmp_path / "front" / "front.json").read_text(encoding="utf-8"))
