@@ -43,8 +43,8 @@ DEFECTS = (
     Defect(
         name="energy over scenes is no margin",
         file="uwopt/evaluation/design.py",
-        old="if len(scenes) > 1:",
-        new="if len(scenes) > 2:",
+        old="if len(found) > 1:",
+        new="if len(found) > 2:",
         test=f"{DURATION}test_limits_over_scenes_hold_just_inside_and_are_missed_just_outside",
     ),
     Defect(

@@ -23,8 +23,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a system that misses more is told that it misses good practice alone",
         file="uwopt/api/evaluating.py",
-        old="if plain is not None and plain.feasible else []",
-        new="if plain is not None else []",
+        old="if is_met else []",
+        new="if missed else []",
         test="tests/api/test_yielding.py::test_a_system_is_told_whether_good_practice_is_all_that_it_misses",
     ),
     Defect(

@@ -1017,8 +1017,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a relaxed search asks for what the mission asked for",
         file="uwopt/solvers/warm/tables.py",
-        old="made.mission, made.scenes, made.known_models = mission, scenes, {}",
-        new="made.known_models = {}",
+        old="return problem.asking(mission)",
+        new="return problem",
         test=f"{RELAXED}::test_imagers_that_a_dropped_requirement_frees_are_those_of_a_mission_without_it",
     ),
     Defect(

@@ -19,7 +19,6 @@ from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.summary import wilson
 from uwopt.solvers.confidence.waters import Waters, WaterState, drawn_states, over_band
 from uwopt.solvers.confidence.worst_case import EndScenarios
-from uwopt.solvers.recommend import same_scenes
 
 
 @pytest.mark.parametrize(
@@ -170,7 +169,7 @@ def test_known_waters_ask_for_what_a_mission_asks() -> None:
     for state in (beyond, central):
         waters.kept(state)
     wider = mission.with_changes(requirements=mission.to_dict()["requirements"] | {"min_swath_m": 1.6})
-    scenes = same_scenes(problem, wider)
+    scenes = problem.scenes_for(wider)
     assert scenes is not None
     seen = waters.seen_by(wider, scenes)
     for state in (beyond, central):
@@ -178,6 +177,6 @@ def test_known_waters_ask_for_what_a_mission_asks() -> None:
         assert ours.cache is waters.kept(state)[0].cache and ours.view == anew.view
         assert ours.range_m.tolist() == anew.range_m.tolist() and ours.view.requirements.min_swath_m == 1.6
     still = mission.with_changes(vehicle=mission.to_dict()["vehicle"] | {"speed_m_s": 0.0})
-    scenes = same_scenes(problem, still)
+    scenes = problem.scenes_for(still)
     assert scenes is not None
     assert waters.seen_by(still, scenes).kept(beyond)[0].range_m.tolist() == problem.scenes[0].range_m.tolist()

@@ -18,7 +18,7 @@ from uwopt.solvers.confidence.search import Looked, look, unheard
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.one_hardware import among
-from uwopt.solvers.recommend import Sought, same_scenes
+from uwopt.solvers.recommend import Sought
 
 ALL_PARTS = "parts to be made that may hold more often"  # where there is no time for them
 CERTAINTY_S = 15.0  # of work, where no time is given
@@ -67,7 +67,7 @@ def waters_of(before: Counts, problem: Problem) -> Scenarios | None:
     """Scenarios of a mission like this as it sees them; None where its water, heights or doubts are others."""
     mission, old = problem.mission, before.sought.problem
     same = mission.doubt == old.mission.doubt and mission.seed == old.mission.seed
-    if not same or same_scenes(old, mission) is None:
+    if not same or old.scenes_for(mission) is None:
         return None
     return before.seen.scenarios.seen_by(mission, problem.scenes)
 

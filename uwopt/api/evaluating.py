@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from uwopt.api.accuracy import (
     accuracy_warnings,
@@ -21,11 +21,11 @@ from uwopt.api.timing import STAGES, timed
 from uwopt.catalog.compatibility import explain_pair
 from uwopt.deadline import Deadline
 from uwopt.errors import MissionError
-from uwopt.evaluation.accuracy import coarsest
+from uwopt.evaluation.accuracy import Accuracy, coarsest
 from uwopt.evaluation.breathing import breathing_notes
-from uwopt.evaluation.design import evaluate_design
+from uwopt.evaluation.design import evaluate_design, meets_all
 from uwopt.evaluation.influences import influences_of
-from uwopt.evaluation.leaning import tilt_notes
+from uwopt.evaluation.leaning import settings_of, tilt_notes
 from uwopt.evaluation.outside import Departure, departures
 from uwopt.forward.assembly import load_catalog, system_problem
 from uwopt.forward.designs import Hardware, SceneSettings
@@ -37,13 +37,71 @@ from uwopt.mission.mission import Mission
 from uwopt.mission.system import System, load_system
 from uwopt.mission.yielding import with_yields, yields_of
 from uwopt.objectives.goal import goal_of
+from uwopt.objectives.objective import Objective
 from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL
+from uwopt.results.certainty import Confidence
 from uwopt.results.design import PRACTICE_MISSED, Design, Margin, Note
 from uwopt.results.result import Result
 from uwopt.tolerances import SATISFIED_REL
 
 GAIN_STEP_DB = 0.1  # in which most cameras are set
+MISFIT = "fits: "  # how margins begin of what does not fit together
 STEP_DIGITS = 1e-4  # of a step: as nearly as a gain typed as a ratio tells
+
+
+@dataclass(frozen=True)
+class GivenSystem:
+    """A system in a mission: its tables, and what is set in each scene."""
+
+    problem: Problem
+    hardware: Hardware
+    settings: list[SceneSettings]
+    goal: Objective
+
+    @staticmethod
+    def of(mission: Mission, system: System) -> GivenSystem:
+        """Tables of the system in a mission, which is taken to have as many cameras."""
+        system.check_scenes(mission)
+        if system.camera_count != mission.vehicle.camera_count:
+            if mission.vehicle.camera_baseline_m is not None:
+                raise MissionError([
+                    f"{system.source_name}: camera_count = {system.camera_count}, where the mission asks for a stereo "
+                    "pair (vehicle.camera_baseline_m); set it to 2"
+                ])  # fmt: skip
+            vehicle = {**mission.to_dict()["vehicle"], "camera_count": system.camera_count}
+            mission = mission.with_changes(vehicle=vehicle)
+        goal = goal_of(mission)
+        problem, hardware = system_problem(mission, system)
+        settings = [scene_settings(problem, hardware, system, scene.name) for scene in problem.scenes]
+        return GivenSystem(problem, hardware, settings, goal)
+
+    def design(self, problem: Problem | None = None) -> Design:
+        """All that it does; `problem`: the same tables taken more or less finely."""
+        return evaluate_design(
+            problem or self.problem, self.hardware, self.settings, self.goal, level_tolerance_rel=LEVEL_TOLERANCE_REL
+        )
+
+    def errors(self, deadline: Deadline) -> Accuracy | None:
+        """Numerical errors of its figures; None where there is no time for them."""
+        in_time = estimator_of(self.problem, lambda at: deadline.in_time(lambda: self.design(at)))
+        return deadline.within("errors of figures", lambda: in_time.errors(self.problem.fineness), None)
+
+    def as_coarse_as(self, allowed: float) -> tuple[GivenSystem, Accuracy]:
+        """The same with integrals that are taken as coarsely as this error of figures allows, and the errors."""
+        estimator = estimator_of(self.problem, self.design)
+        measured = estimator.cheapest(allowed, coarsest(estimator.parts))
+        return replace(self, problem=self.problem.with_fineness(measured.fineness)), measured
+
+    def confidence(self, design: Design, deadline: Deadline) -> Confidence | None:
+        """In how many scenarios it holds; None where there is no time for them."""
+        from uwopt.api.certainty import confidence_of  # brings the search, which nothing else here needs
+
+        asked = self.problem.mission.confidence
+        return deadline.within(
+            STAGES["certainty"],
+            lambda: confidence_of(self.problem, self.hardware, self.goal, asked, self.settings[0], design, deadline),
+            None,
+        )
 
 
 @own_float_rules
@@ -63,59 +121,35 @@ def evaluate(
     start, deadline = time.perf_counter(), Deadline.after(seconds)
     timing: dict[str, float] = {}
     as_written = prepared(mission, physics, None, confidence)
-    wanted = as_written.without_gain_cap  # what is given is not refused for it
-    auto = wanted.physics == "auto"
+    asked = as_written.without_gain_cap  # what is given is not refused for it
+    auto = asked.physics == "auto"
     allowed = math.inf  # error of integrals
     if checked_tolerance(tolerance) is not None:
         allowed = of_integrals(tolerance or 0.0, may_leave_out=auto)
-        wanted = wanted.with_changes(tolerance=(tolerance or 0.0) - allowed) if auto else wanted
+        asked = asked.with_changes(tolerance=(tolerance or 0.0) - allowed) if auto else asked
     built = load_system(system)
-    built.check_scenes(wanted)
-    asked = wanted
-    if built.camera_count != wanted.vehicle.camera_count:
-        if wanted.vehicle.camera_baseline_m is not None:
-            raise MissionError([
-                f"{built.source_name}: camera_count = {built.camera_count}, where the mission asks for a stereo pair "
-                "(vehicle.camera_baseline_m); set it to 2"
-            ])  # fmt: skip
-        vehicle = {**wanted.to_dict()["vehicle"], "camera_count": built.camera_count}
-        wanted = wanted.with_changes(vehicle=vehicle)
-    goal = goal_of(wanted)
     with timed(timing, "catalogue"):
-        problem, hardware = system_problem(wanted, built)
-    given = [scene_settings(problem, hardware, built, scene.name) for scene in problem.scenes]
+        given = GivenSystem.of(asked, built)
     with timed(timing, "effects"):
-        influences = influences_of(problem, hardware, given)
+        influences = influences_of(given.problem, given.hardware, given.settings)
     if auto:
-        problem = problem.with_effects(effects_kept(influences))
-
-    def evaluated(at: Problem) -> Design:
-        return evaluate_design(at, hardware, given, goal, level_tolerance_rel=LEVEL_TOLERANCE_REL)
-
+        given = replace(given, problem=given.problem.with_effects(effects_kept(influences)))
     measured = None
     if accuracy or tolerance is not None:
         with timed(timing, "accuracy"):
             if tolerance is None:
-                in_time = estimator_of(problem, lambda at: deadline.in_time(lambda: evaluated(at)))
-                measured = deadline.within("errors of figures", lambda: in_time.errors(problem.fineness), None)
+                measured = given.errors(deadline)
             else:
-                estimator = estimator_of(problem, evaluated)
-                measured = estimator.cheapest(allowed, coarsest(estimator.parts))
-                problem = problem.with_fineness(measured.fineness)
+                given, measured = given.as_coarse_as(allowed)
+    problem, hardware, settings, goal = given.problem, given.hardware, given.settings, given.goal
     with timed(timing, "evaluation"):
-        elsewhere = departures(asked, load_catalog(asked), built, problem, hardware, given, goal)
-        design = with_compatibility(evaluated(problem), problem, wanted, elsewhere)
+        elsewhere = departures(asked, load_catalog(asked), built, problem, hardware, settings, goal)
+        design = with_compatibility(given.design(), problem, elsewhere)
     counted = None
-    if confidence is not None and wanted.confidence != CENTRAL:
-        from uwopt.api.certainty import confidence_of  # brings the search, which nothing else here needs
-
+    if confidence is not None and asked.confidence != CENTRAL:
         with timed(timing, "certainty"):
-            counted = deadline.within(
-                STAGES["certainty"],
-                lambda: confidence_of(problem, hardware, goal, wanted.confidence, given[0], design, deadline),
-                None,
-            )
-    result = base_result("evaluate", wanted, goal, problem, influences)
+            counted = given.confidence(design, deadline)
+    result = base_result("evaluate", problem.mission, goal, problem, influences)
     made = replace(
         result,
         status="feasible" if design.feasible else "violated",
@@ -126,9 +160,9 @@ def evaluate(
         warnings=[
             *result.warnings,
             *design.warnings,
-            *tilt_notes(problem, hardware, given),
+            *tilt_notes(problem, hardware, settings),
             *gain_notes(as_written, design),
-            *practice_notes(as_written, built, design),
+            *practice_notes(given, design),
             *accuracy_warnings(measured, allowed),
             *time_warnings(deadline),
         ],
@@ -138,17 +172,23 @@ def evaluate(
     return with_risks(made)
 
 
-def practice_notes(mission: Mission, system: System, design: Design) -> list[Note]:
-    """That a system misses what good practice has filled in alone, and nothing that the mission itself says."""
-    every = () if design.feasible else yields_of(mission)
-    if not every:
+def practice_notes(given: GivenSystem, design: Design) -> list[Note]:
+    """That a system misses what good practice has filled in alone, and nothing that the mission itself says.
+
+    Set as it is told: its requirements are held against what the mission itself says, over the same tables.
+    """
+    missed = {margin.requirement for scene in design.scenes for margin in scene.margins if not margin.satisfied}
+    every = yields_of(given.problem.mission) if missed else ()
+    if not every or any(name.startswith(MISFIT) for name in missed):
         return []
-    plain = evaluate(with_yields(mission, every), system).best
+    plain = given.problem.asking(with_yields(given.problem.mission, every))
+    shown = [settings_of(scene.settings) for scene in design.scenes]
     text = (
         "what the mission itself says is met: all that is missed is good practice, of which solve lets give way what "
         "nothing keeps"
     )
-    return [Note(PRACTICE_MISSED, "practice", text)] if plain is not None and plain.feasible else []
+    is_met = meets_all(plain, given.hardware, shown, level_tolerance_rel=LEVEL_TOLERANCE_REL)
+    return [Note(PRACTICE_MISSED, "practice", text)] if is_met else []
 
 
 def scene_settings(problem: Problem, hardware: Hardware, system: System, name: str) -> SceneSettings:
@@ -183,36 +223,34 @@ def scene_settings(problem: Problem, hardware: Hardware, system: System, name: s
     )
 
 
-def with_compatibility(
-    design: Design, problem: Problem, mission: Mission, elsewhere: Sequence[Departure] = ()
-) -> Design:
+def with_compatibility(design: Design, problem: Problem, elsewhere: Sequence[Departure] = ()) -> Design:
     """A design with what does not fit together among its parts, or not on the vehicle, as margins that are missed."""
-    parts = problem.parts
+    parts, mission = problem.parts, problem.mission
     findings = explain_pair(
         parts.cameras[0], parts.lenses[0], parts.ports[0], parts.lights[0],
         frame_rate_hz=max(float(s.settings["frame_rate_hz"] or 0.0) for s in design.scenes) or None,
     )  # fmt: skip
     strict = "lens rating" if mission.catalog.lens_rating == "limit" else ""
     faults = [f.rule for f in findings if f.severity == "fault" or f.rule == strict]
-    faults += unwanted_kind(problem, mission)
+    faults += unwanted_kind(problem)
     faults += [departure.rule for departure in elsewhere if departure.binds]
     notes = [Note(f.rule, "hardware", f.message) for f in findings]
     notes += [*(departure.note for departure in elsewhere), *breathing_notes(design), *design.warnings]
     notes += inexact_level_notes(design)
     if not faults:
         return replace(design, warnings=notes)
-    missed = [Margin(f"fits: {rule}", 0.0, 1.0, ">=", -1.0, "", None, False, False) for rule in faults]
+    missed = [Margin(f"{MISFIT}{rule}", 0.0, 1.0, ">=", -1.0, "", None, False, False) for rule in faults]
     scenes = [replace(scene, margins=[*scene.margins, *missed]) for scene in design.scenes]
     return replace(design, scenes=scenes, feasible=False, warnings=notes)
 
 
-def unwanted_kind(problem: Problem, mission: Mission) -> list[str]:
+def unwanted_kind(problem: Problem) -> list[str]:
     """Where the camera's shutter or colour is not what a scene asks for."""
     camera = problem.parts.cameras[0]
     return sorted(
         {
             key
-            for view in mission.views
+            for view in problem.mission.views
             for key in ("shutter", "colour")
             if getattr(view.requirements, key) not in ("any", getattr(camera, key))
         }

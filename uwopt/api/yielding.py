@@ -19,7 +19,7 @@ from uwopt.results.design import PRACTICE_IN_VAIN, PRACTICE_WOULD_YIELD, PRACTIC
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.infeasible.relaxer import ANY
 from uwopt.solvers.one_hardware import best_of, problem_of
-from uwopt.solvers.recommend import Sought, same_scenes, seek
+from uwopt.solvers.recommend import Sought, seek
 from uwopt.units import ratio_to_db
 
 if TYPE_CHECKING:
@@ -115,7 +115,7 @@ def _least(lifted: Mission, catalog: Catalog, like: Problem, patience: Deadline)
 
 def _fits_alone(problem: Problem, found: Found, mission: Mission) -> bool:
     """Whether hardware that fits in a mission does in another one."""
-    alone = problem_of(problem, found, mission=mission, scenes=same_scenes(problem, mission))
+    alone = problem_of(problem, found, mission=mission, scenes=problem.scenes_for(mission))
     return math.isfinite(best_of(alone, ANY))
 
 

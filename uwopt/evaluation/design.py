@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -27,7 +26,7 @@ from uwopt.evaluation.resolved import Measured, Resolved, resolved
 from uwopt.evaluation.tested import tested_notes
 from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.enclosures import tight_at_worst
-from uwopt.forward.figures import Figures, SettingRows
+from uwopt.forward.figures import Figures
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.objectives.requirements import MarginRows, common_margins
@@ -74,6 +73,28 @@ def measured(problem: Problem, hardware: Hardware, given: list[SceneSettings]) -
     return Measured(model, each, figures)
 
 
+def meets_all(
+    problem: Problem, hardware: Hardware, given: list[SceneSettings], *, level_tolerance_rel: float = 1e-6
+) -> bool:
+    """Whether a design with these settings meets every requirement; no more is worked out of it."""
+    found = margins_of(problem, measured(problem, hardware, given), level_tolerance_rel)
+    return all(bool(one.satisfied[0]) for margins in found for one in margins)
+
+
+def margins_of(problem: Problem, design: Measured, level_tolerance_rel: float) -> list[list[MarginRows]]:
+    """Every requirement by scene, what scenes have in common and together included."""
+    model, first = design.model, design.settings[0]
+    found = [
+        model.margins(index, settings, figures, level_tolerance_rel=level_tolerance_rel)
+        for index, (settings, figures) in enumerate(zip(design.settings, design.figures, strict=True))
+    ]
+    if len(found) > 1:
+        together = model.duration_margins(design.figures)
+        common = [[], *(common_margins(model.lenses, settings, first) for settings in design.settings[1:])]
+        found = [[*own, *shared, *together] for own, shared in zip(found, common, strict=True)]
+    return found
+
+
 def told(
     problem: Problem, design: Measured, sharp: Sequence[Resolved | None], objective: Objective,
     *, level_tolerance_rel: float,
@@ -81,17 +102,13 @@ def told(
     """Everything a result says of a design, in plain values."""
     model, each, hardware = design.model, design.settings, design.model.hardware
     scenes, powers, snrs, peaks, light_powers = [], [], [], [], []
-    contrasts, information, by_scene, drawn = [], [], [], []
-    first: SettingRows | None = None
+    contrasts, information, drawn = [], [], []
+    margins = margins_of(problem, design, level_tolerance_rel)
     for index, settings in enumerate(each):
         scene, figures = problem.scenes[index], design.figures[index]
-        margins = model.margins(index, settings, figures, level_tolerance_rel=level_tolerance_rel)
-        margins += [] if first is None else common_margins(model.lenses, settings, first)
-        first = first or settings
         contrasts.append(float(figures.contrast[0, scene.nominal]))
         bits = figures.information_bit_per_m2
         information.append(math.nan if bits is None else float(bits[0]))
-        by_scene.append(figures)
         terms = model.totals(figures)
         powers.append(float(terms["power_w"][0]))
         light_powers.append(float(figures.light_power_w[0]))
@@ -105,12 +122,9 @@ def told(
                 settings=plain_settings(model, settings, figures),
                 settings_to_set=None,
                 figures=plain_figures(model, index, settings, figures, sharp[index]),
-                margins=[plain_margin(m) for m in margins],
+                margins=[plain_margin(m) for m in margins[index]],
             )
         )
-    if len(scenes) > 1:
-        together = [plain_margin(m) for m in model.duration_margins(by_scene)]
-        scenes = [replace(scene, margins=[*scene.margins, *together]) for scene in scenes]
     cost, mass = float(terms["cost"][0]), float(terms["mass_kg"][0])
     gsd_mm = max(float(view.gsd_m[0, 1]) * 1e3 for view in model.views)
     worst = (max(powers), cost, mass, min(snrs), gsd_mm, min(contrasts), min(information))
@@ -130,7 +144,7 @@ def told(
             mass_kg=mass,
             **housed_totals(model),
             run_time_h=model.run_time_h,
-            **used_up(model, by_scene),
+            **used_up(model, design.figures),
         ),
         scenes=scenes,
         bom=bill,

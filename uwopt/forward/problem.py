@@ -46,7 +46,7 @@ from uwopt.forward.part_columns import (
     port_rows,
 )
 from uwopt.forward.parts import Parts, estimated
-from uwopt.forward.scene import SceneOptics, glass_index, scene_optics
+from uwopt.forward.scene import SceneOptics, glass_index, scene_optics, seen_anew
 from uwopt.forward.spectra import Contraction, LightPart
 from uwopt.forward.views import port_shape, port_shapes
 from uwopt.mission.duration import Duration
@@ -160,6 +160,24 @@ class Problem:
         """The same tables for a mission that differs in its limits of power and cost alone."""
         changed = copy(self)
         changed.mission, changed.known_models = mission, {}
+        return changed
+
+    def scenes_for(self, mission: Mission) -> list[SceneOptics] | None:
+        """These scenes with what a mission asks for in them; None where it is about other scenes."""
+        if len(self.scenes) != len(mission.scenes) or self.paper != (mission.physics == "paper"):
+            return None
+        made = [seen_anew(scene, mission.scene_view(index)) for index, scene in enumerate(self.scenes)]
+        known = [scene for scene in made if scene is not None]
+        return known if len(known) == len(made) else None
+
+    def asking(self, mission: Mission) -> Problem:
+        """The same tables for a mission that asks for other things in the same scenes, but of no column of parts."""
+        scenes = self.scenes_for(mission)
+        assert scenes is not None, "what is asked changes no scene"
+        changed = copy(self)
+        changed.mission, changed.scenes, changed.known_models = mission, scenes, {}
+        changed.__dict__.pop("duration", None)  # depends on limits of energy
+        changed.contractions = changed.contracted(scenes)
         return changed
 
     def at_limit_prices(self) -> Problem:

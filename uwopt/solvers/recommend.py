@@ -22,7 +22,6 @@ from uwopt.evaluation.leaning import TILT_RESERVE, settings_of, tilt_notes
 from uwopt.forward.assembly import Generic, build_problem, selected, wish
 from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
-from uwopt.forward.scene import SceneOptics, seen_anew
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.mission.mission import Mission
 from uwopt.model.fineness import DEFAULT, Fineness
@@ -66,22 +65,13 @@ def seek(
     whole : as `Search.whole`
     """
     selection = selected(mission, catalog, generic=generic, depth_m=depth_m)
-    scenes = None if like is None or like.fineness != fineness else same_scenes(like, mission)
+    scenes = None if like is None or like.fineness != fineness else like.scenes_for(mission)
     problem = build_problem(mission, selection, fineness=fineness, scenes=scenes)
     search = Search(
         problem, objective, top=top, deadline=deadline, progress=progress, ceiling=ceiling, enough=enough,
         imagers=imagers, most_in_vain=most_in_vain,
     )  # fmt: skip
     return Sought(selection, problem, search, search.whole() if whole else search.run())
-
-
-def same_scenes(like: Problem, mission: Mission) -> list[SceneOptics] | None:
-    """A problem's scenes with what a mission asks for in them; None where it is about other scenes."""
-    if len(like.scenes) != len(mission.scenes) or like.paper != (mission.physics == "paper"):
-        return None
-    made = [seen_anew(scene, mission.scene_view(index)) for index, scene in enumerate(like.scenes)]
-    known = [scene for scene in made if scene is not None]
-    return known if len(known) == len(made) else None
 
 
 def hardware_of(found: Found) -> Hardware:

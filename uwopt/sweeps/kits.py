@@ -10,7 +10,6 @@ from uwopt.mission.mission import Mission
 from uwopt.objectives.goal import goal_of
 from uwopt.results.sweep import SweepKit
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.recommend import same_scenes
 from uwopt.solvers.warm.parts import PartIds, only
 
 YES, NO = "1", "0"
@@ -39,7 +38,7 @@ def served_by(mission: Mission, kits: Sequence[SweepKit]) -> str:
         if not (allowed and bodies and few.lights):
             signs.append(NO)
             continue
-        scenes = None if like is None else same_scenes(like, mission)
+        scenes = None if like is None else like.scenes_for(mission)
         count = max(kit.light_count, 1)
         problem = build_problem(mission, few, scenes=scenes, counts=(count, count))
         outcome = Search(problem, goal, top=1).whole()

@@ -32,7 +32,6 @@ from uwopt.solvers.confidence.search import at_its_stop
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.infeasible.least_change import rounded_away
 from uwopt.solvers.one_hardware import problem_of
-from uwopt.solvers.recommend import same_scenes
 from uwopt.units import split_unit
 
 Array = NDArray[np.float64]
@@ -188,7 +187,7 @@ def outcomes_with(
     problem: Problem, objective: Objective, found: Found, scenarios: Scenarios, mission: Mission, *, moved: bool = False
 ) -> tuple[Problem, Counted]:
     """One hardware alone in another mission, counted in the same scenarios."""
-    alone = problem_of(problem, found, mission=mission, scenes=same_scenes(problem, mission))
+    alone = problem_of(problem, found, mission=mission, scenes=problem.scenes_for(mission))
     here = scenarios.seen_by(mission, alone.scenes)
     here = replace(here, known=scenarios.known, responses={} if moved else scenarios.responses)
     there = replace(found, camera=0, lens=0, port=0, light=0)

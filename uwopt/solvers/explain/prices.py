@@ -26,7 +26,7 @@ from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.infeasible.least_change import rounded_away
 from uwopt.solvers.infeasible.reached import reached_value
 from uwopt.solvers.one_hardware import best_of, problem_of
-from uwopt.solvers.recommend import Sought, same_scenes
+from uwopt.solvers.recommend import Sought
 from uwopt.units import split_unit
 
 Objectives = Callable[[float], "float | None"]  # of one system where so much more is asked of a key
@@ -193,7 +193,7 @@ def reached(
     for other, before in solved:
         if other == mission:
             return before
-    problem = problem_of(sought.problem, found, mission=mission, scenes=same_scenes(sought.problem, mission))
+    problem = problem_of(sought.problem, found, mission=mission, scenes=sought.problem.scenes_for(mission))
     best = best_of(problem, goal)
     solved.append((mission, goal.reported(best) if math.isfinite(best) else None))
     return solved[-1][1]

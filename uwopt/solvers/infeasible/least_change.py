@@ -20,7 +20,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.infeasible.reached import miss
 from uwopt.solvers.one_hardware import problem_of
-from uwopt.solvers.recommend import Sought, same_scenes
+from uwopt.solvers.recommend import Sought
 
 CLOSER = 0.02  # of a change: what is proven not to be enough is a change smaller by this share
 DIGITS = 3  # of a limit, rounded away from what was asked: it can be typed as it stands
@@ -179,7 +179,7 @@ def rounded_away(value: float, asked: float) -> float:
 
 def same_hardware(found: Sought, mission: Mission) -> Sought:
     """The best settings of a design's hardware for a mission."""
-    scenes = same_scenes(found.problem, mission)
+    scenes = found.problem.scenes_for(mission)
     problem = problem_of(found.problem, found.outcome.best[0], mission=mission, scenes=scenes)
     search = Search(problem, Objective.of("power"), top=1)
     return Sought(found.selection, problem, search, search.whole())

@@ -36,7 +36,7 @@ from uwopt.solvers.exact.imagers import (
 )
 from uwopt.solvers.exact.node_bounds import NODE_RULES
 from uwopt.solvers.exact.search import Search, are_too_many
-from uwopt.solvers.recommend import Sought, same_scenes, seek
+from uwopt.solvers.recommend import Sought, seek
 from uwopt.solvers.warm.tables import asking, imagers_of, of_block
 
 Array = NDArray[Any]
@@ -232,7 +232,7 @@ class Relaxer:
             soon = fitting(self._of_known(mission, deadline, moved, few=True)) if few_first else None
             return soon or self._of_known(mission, deadline, moved)
         selection = selected(mission, self.catalog, generic=self.generic, depth_m=depth_m)
-        problem = build_problem(mission, selection, scenes=same_scenes(self.problem, mission))
+        problem = build_problem(mission, selection, scenes=self.problem.scenes_for(mission))
         pairs = fitting_pairs(problem)
         few = not are_too_many(problem, pairs)
         if few and few_first and (soon := fitting(self._soon(selection, problem, pairs, deadline))) is not None:
@@ -252,7 +252,7 @@ class Relaxer:
         if self._is_known_of(moved):
             return self._of_known(mission, deadline, moved, few=True)
         selection = selected(mission, self.catalog, generic=self.generic)
-        problem = build_problem(mission, selection, scenes=same_scenes(self.problem, mission))
+        problem = build_problem(mission, selection, scenes=self.problem.scenes_for(mission))
         pairs = fitting_pairs(problem)
         return None if are_too_many(problem, pairs) else self._soon(selection, problem, pairs, deadline, number, goal)
 

@@ -29,7 +29,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.imagers import Imagers, enumerate_imagers, fitting_pairs
 from uwopt.solvers.exact.ranking import Found, comes_before
 from uwopt.solvers.exact.search import Search, are_too_many
-from uwopt.solvers.recommend import Sought, same_scenes
+from uwopt.solvers.recommend import Sought
 from uwopt.solvers.settings.best import scenes_need_cells
 from uwopt.solvers.warm.kept import KeptBounds, least_of_designs, least_of_nodes, some_nodes
 from uwopt.solvers.warm.parts import PartIds, ids_of, joined_ids, only
@@ -404,7 +404,7 @@ class Warm:
     def _scenes(self, mission: Mission) -> list[SceneOptics] | None:
         """The scenes with the light that an earlier search in them has worked out; None where they are new."""
         for problem in reversed(self.known):
-            scenes = same_scenes(problem, mission)
+            scenes = problem.scenes_for(mission)
             if scenes is not None:
                 return scenes
         return None

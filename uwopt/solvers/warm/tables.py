@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from copy import copy
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,6 @@ from uwopt.forward.assembly import build_problem
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.solvers.exact.imagers import IMAGER_RULES, Imagers, PortBlock, imagers_behind, joined, landscapes
-from uwopt.solvers.recommend import same_scenes
 
 Array = NDArray[Any]
 Pairs = Mapping[tuple[int, bool], tuple[Array, Array]]  # camera and lens by the first of like ports and landscape
@@ -23,15 +21,9 @@ Pairs = Mapping[tuple[int, bool], tuple[Array, Array]]  # camera and lens by the
 
 def asking(problem: Problem, mission: Mission, selection: Selection) -> Problem:
     """The tables of the same parts for a mission that asks for more or less of them in the same scenes."""
-    scenes = same_scenes(problem, mission)
-    assert scenes is not None, "what is asked changes no scene"
     if in_columns(mission) != in_columns(problem.mission):
-        return build_problem(mission, selection, scenes=scenes)
-    made = copy(problem)
-    made.mission, made.scenes, made.known_models = mission, scenes, {}
-    made.__dict__.pop("duration", None)  # depends on limits of energy
-    made.contractions = made.contracted(scenes)
-    return made
+        return build_problem(mission, selection, scenes=problem.scenes_for(mission))
+    return problem.asking(mission)
 
 
 def in_columns(mission: Mission) -> tuple[Any, ...]:
