@@ -567,9 +567,9 @@ DEFECTS = (
     ),
     Defect(
         name="the floor sends nothing up that water turns down again",
-        file="uwopt/forward/scene.py",
-        old="reflectance=0.0 if back else weight @ self.reflectance",
-        new="reflectance=0.0",
+        file="uwopt/forward/waters_beside.py",
+        old="reflectance=floor)",
+        new="reflectance=0.0)",
         test=f"{FULL}::test_mean_electrons_under_smooth_lobes[all orders, flat port, narrow lobes, turbid]",
     ),
     Defect(

@@ -17,16 +17,17 @@ from numpy.typing import NDArray
 from uwopt.catalog.curves import phase_functions, spectra
 from uwopt.catalog.curves.clarity import Clarity, ClarityEnd, clarity
 from uwopt.errors import RangeError
+from uwopt.forward.waters_beside import WatersBeside
 from uwopt.mission.mission import SceneView
 from uwopt.mission.sections.scene import Scene
 from uwopt.model import fineness as fine
 from uwopt.model import multiple, water
 from uwopt.model.beam import Beam, half_power_angle_rad
 from uwopt.model.scattering import PhaseTable, share_beyond
-from uwopt.model.sent_back import mean_way_m, widened_phase
-from uwopt.model.spectrum import resample, trapezoid_weights_nm, wavelength_grid_nm
+from uwopt.model.sent_back import widened_phase
+from uwopt.model.spectrum import resample, wavelength_grid_nm
 from uwopt.model.sunlight import turned_per_sr
-from uwopt.model.widened import Turned, arriving_share, ways_m, widened
+from uwopt.model.widened import arriving_share, ways_m, widened
 
 Array = NDArray[Any]
 LampLeg = Literal["diffuse", "least", "most"]
@@ -41,7 +42,6 @@ PAPER_ALTITUDES = 3
 FULL_ALTITUDES = 5
 FAINTEST_SUN_LX = 1e-6  # a billionth of what lamps give; starlight on the sea is a thousand times more
 STEEPEST_SUN_PATH = 0.85  # way of light straight down over that of the sun at 60 deg, with room
-FAINTEST = 1e-9  # of a lamp's brightest colour: fainter ones count for nothing
 FAINT = 1e-12  # 1/m, below which no coefficient counts
 LEAST_SHARE = 1e-3  # of a step: a kink nearer to a point of the grid lies on it
 GRID_SPAN_NM = 400.0  # of `wavelength_grid_nm`
@@ -167,42 +167,18 @@ class SceneOptics:
         One lobe for all colours: of the scattering where the lamp's light gets through there and back. K is the central
         one: what is in doubt about it remains.
         """
-        half_power = half_power_angle_rad(lobe)
-        angle = float(multiple.lamp_angle_rad(half_power))
+        legs = self.lamp_leg_per_m(half_power_angle_rad(lobe))[None, :]
         ways = ways_m(way_m) if back else np.array([way_m])
-        lost = self.attenuation_per_m + self.lamp_leg_per_m(half_power)
-        weight = self.colours_weight(relative_spectrum, np.multiply.outer(ways, lost))
-        turned = [
-            Turned(ways * (weight @ one.scattering_per_m), one.share_beyond(angle), one.table)
-            for one in self.scattering
-        ]
-        absorbed = ways * (weight @ self.absorption_per_m())
-        returned = multiple.returned_gain(
-            absorbed, turned_back=ways * (weight @ self.backward_per_m()),
-            reflectance=0.0 if back else weight @ self.reflectance,
-        )  # fmt: skip
-        return widened(lobe, turned, way_m, absorbed=absorbed, returned=returned, sent_back=back)
-
-    def sent_colours(self, relative_spectrum: Array) -> tuple[Array, Array]:
-        """A lamp's light by the wavelengths' own steps, and which colours it has: of others alone nothing is left."""
-        sent = relative_spectrum * trapezoid_weights_nm(self.wavelength_nm)
-        return sent, sent > FAINTEST * sent.max()
-
-    def colours_weight(self, relative_spectrum: Array, optical: Array) -> Array:
-        """How much each colour of a lamp counts of what gets through (k, n), 1 in all."""
-        sent, told = self.sent_colours(relative_spectrum)
-        least = optical[:, told].min(axis=1, keepdims=True)
-        weight = np.where(told, sent, 0.0) * np.exp(-np.maximum(optical - least, 0.0))
-        return np.asarray(weight / weight.sum(axis=1, keepdims=True))
+        met = WatersBeside.of([self]).on_the_way(ways, lobe, relative_spectrum, legs, back=back)
+        return widened(lobe, met.turned, way_m, absorbed=met.absorbed, returned=met.returned, sent_back=back)
 
     def sent_back(self, relative_spectrum: Array, range_m: float) -> tuple[PhaseTable | None, ...]:
         """Phase functions of `scattering` as lamp light meets them that has turned, before a floor so far off.
 
         One for all colours, of those that get through; molecules scatter too evenly for it to matter.
         """
-        ways = mean_way_m(range_m, self.attenuation_per_m)
-        weight = self.colours_weight(relative_spectrum, (self.attenuation_per_m * ways)[None, :])[0] * ways
-        turned = [(multiple.BACK_WAY * float(weight @ one.scattering_per_m), one.table) for one in self.scattering]
+        each = WatersBeside.of([self]).turned_before(range_m, relative_spectrum)
+        turned = [(float(thickness[0]), table) for thickness, table in each]
         return tuple(None if one.table is None else widened_phase(one.table, turned) for one in self.scattering)
 
     def backward_per_m(self) -> Array:
