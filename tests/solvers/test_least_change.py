@@ -504,7 +504,7 @@ def test_changes_found_together_among_a_few_imagers_are_enough_and_one_alone_hel
     monkeypatch.setattr(CommonShare, "_among_few", of_all)
     wanted = mission(parts, max_airy_px=9.0, max_blur_px=2.0, **asked)
     trials = Trials(wanted, catalog, POWER, "never", like=seek(wanted, catalog, POWER, generic="never", top=1))
-    singles, mover = Singles(trials), Mover(trials.relaxer, NEVER)
+    singles, mover = Singles(trials), Mover(trials)
     fit = together_soon(trials, singles, mover)
     assert set(shares) == {0.75, 0.85}
     assert [helps.name for helps in singles.helpful] == ([] if len(given) > 1 else ["min_swath_m"])
@@ -536,7 +536,7 @@ def test_a_speed_that_is_found_to_do_is_drawn_back(parts, catalog):
     wanted = mission(parts, max_blur_px=0.1, min_snr_db=30.0)
     slow = wanted.with_changes(vehicle=wanted.to_dict()["vehicle"] | {"speed_m_s": 0.01})
     found = seek(slow, catalog, POWER, generic="never", top=1)
-    mover = Mover(Trials(wanted, catalog, POWER, "never").relaxer, NEVER)
+    mover = Mover(Trials(wanted, catalog, POWER, "never"))
     mover.take_for_far("speed_m_s", 0.01, found)
     (move,) = mover.changes()
     in_rounds([move.drawn], NEVER)

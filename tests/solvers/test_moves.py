@@ -20,7 +20,7 @@ from uwopt.results.basis import Moved
 from uwopt.solvers.infeasible.contradiction import Contradiction, contradiction
 from uwopt.solvers.infeasible.least_change import CLOSER, in_rounds
 from uwopt.solvers.infeasible.moves import Mover, NearestType
-from uwopt.solvers.infeasible.relaxer import Relaxer
+from uwopt.solvers.infeasible.trials import Trials
 from uwopt.solvers.recommend import seek
 
 POWER = Objective.of("power")
@@ -40,7 +40,12 @@ def moves(wanted: Mission) -> dict[str, Moved]:
     catalog = load_catalog(wanted)
     sought = seek(wanted, catalog, POWER, generic="never", top=1)
     assert not sought.outcome.best
-    return {move.name: move for move in Mover(Relaxer(wanted, catalog, "never", sought), NEVER).all()}
+    mover = Mover(Trials(wanted, catalog, POWER, "never", like=sought))
+    mover.try_few()
+    mover.try_all()
+    changes = mover.changes()
+    in_rounds([move.drawn for move in changes], NEVER)
+    return {move.name: move for move in (change.told() for change in changes)}
 
 
 def test_speed_and_height_move_as_far_as_they_must(parts):

@@ -15,8 +15,9 @@ from uwopt.errors import UwoptError
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Value, Varied, VariedMission, rounded
 from uwopt.results.basis import Moved
-from uwopt.solvers.infeasible.least_change import Change, Narrowing, in_rounds, rounded_away
-from uwopt.solvers.infeasible.relaxer import OTHER_WATER, Relaxer
+from uwopt.solvers.infeasible.least_change import Change, Narrowing, rounded_away
+from uwopt.solvers.infeasible.relaxer import OTHER_WATER
+from uwopt.solvers.infeasible.trials import Trials
 from uwopt.solvers.recommend import Sought
 from uwopt.units import split_unit
 
@@ -130,10 +131,8 @@ class Move:
 class Mover:
     """Searches of one mission with single keys moved."""
 
-    relaxer: Relaxer
-    deadline: Deadline
+    trials: Trials
     far: list[Far] = field(default_factory=list)
-    interrupted: bool = False
     useless: dict[str, tuple[str, ...]] = field(default_factory=dict)  # known not to help: `relaxer.in_the_way`
     not_known: list[str] = field(default_factory=list)  # keys
     base: VariedMission = field(init=False)
@@ -144,22 +143,14 @@ class Mover:
     @property
     def mission(self) -> Mission:
         """As it is asked."""
-        return self.relaxer.mission
-
-    def all(self) -> list[Moved]:
-        """The keys that help when moved alone, each as little as is known to do."""
-        self.try_few()
-        self.try_all()
-        changes = self.changes()
-        in_rounds([move.drawn for move in changes], self.deadline)
-        return [move.told() for move in changes]
+        return self.trials.mission
 
     def try_few(self) -> None:
         """Move each key far and look among a few imagers, as `Singles.try_few`."""
-        phase = self.deadline.at_most(FEW_SHARE * self.deadline.left_s)
+        phase = self.trials.deadline.at_most(FEW_SHARE * self.trials.deadline.left_s)
         for one in self.tries():
             for value in one.values:
-                if phase.passed() or self.interrupted:
+                if phase.passed() or self.trials.interrupted:
                     return
                 found = self._among_few(one.key, value, phase.at_most(FEW_TURN * phase.left_s))
                 if found is not None and found.outcome.best:
@@ -173,28 +164,28 @@ class Mover:
     def _among_few(self, key: Varied, value: Value, turn: Deadline) -> Sought | None:
         """A design among a few imagers with a key at another value; None where there is none, or no such mission."""
         try:
-            found = self.relaxer.few_designs(self._at(key, value), turn, what_moves(key))
+            found = self.trials.relaxer.few_designs(self._at(key, value), turn, what_moves(key))
         except UwoptError:
             return None
-        self.interrupted |= found is not None and found.outcome.interrupted
+        self.trials.interrupted |= found is not None and found.outcome.interrupted
         return found
 
     def try_all(self, share: float = SHARE) -> None:
         """Move each key far, as long as there is time: a share of what is left."""
-        phase = self.deadline.at_most(share * self.deadline.left_s)
+        phase = self.trials.deadline.at_most(share * self.trials.deadline.left_s)
         found = {far.tried.key.name for far in self.far}
         for one in self.tries():
             if one.key.name in found:
                 continue
             try:
-                known = not self.interrupted and phase.left_s > LEAST_S and self._is_known(one, phase)
+                known = not self.trials.interrupted and phase.left_s > LEAST_S and self._is_known(one, phase)
             except OutOfTimeError:
                 known = False
             except KeyboardInterrupt:
-                self.interrupted, known = True, False
+                self.trials.interrupted, known = True, False
             if not known:
                 self.not_known.append(one.key.name)
-                self.deadline.left_out.append(f"whether another {one.key.name} would do")
+                self.trials.deadline.left_out.append(f"whether another {one.key.name} would do")
 
     def changes(self) -> list[Move]:
         """Keys that help, to be drawn in."""
@@ -254,7 +245,7 @@ class Mover:
                 self.far.append(Far(one, value, found))
                 return True
             known = known and (found is None or found.outcome.complete)
-            rules = rules if found is None else self.relaxer.why_not(found, one.key.name)
+            rules = rules if found is None else self.trials.relaxer.why_not(found, one.key.name)
         if known:
             self.useless[one.key.name] = rules
         return known
@@ -281,7 +272,7 @@ class Mover:
 
     def _seek(self, key: Varied, mission: Mission, turn: Deadline, *, few_first: bool = True) -> Sought:
         """A search for any design; raises OutOfTimeError where its imagers alone take too long."""
-        found = self.relaxer.any_design(mission, turn, few_first=few_first, moved=what_moves(key))
+        found = self.trials.relaxer.any_design(mission, turn, few_first=few_first, moved=what_moves(key))
         if found is None:
             raise OutOfTimeError
         if found.outcome.interrupted:

@@ -36,49 +36,22 @@ TOGETHER_SHARE = 0.6  # of the time left, for changes together; the rest is for 
 
 def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
     """The part of a result."""
-    excluded = [
-        Excluded(item.rule, item.count, item.rule in BOUNDED) for item in certificate.discarded if item.count
-    ]
     by_size = any(item.rule.startswith("housing") and item.count for item in certificate.discarded)
-    singles, mover = Singles(trials), Mover(trials.relaxer, trials.deadline)
-    soon, quick = None, trials.relaxer.is_soon_known()
+    singles, mover = Singles(trials), Mover(trials)
     singles.ask_suspects()
-    if quick:
-        whole = trials.deadline
-        trials.deadline = mover.deadline = whole.but_for(QUICK_SHARE)
-        singles.drop_light()
-        if not trials.interrupted:
-            mover.try_all(singles.share(SHARE))
-            trials.interrupted |= mover.interrupted
-        if mover.far:
-            trials.deadline = whole
-        singles.drop_rest()
-        trials.deadline = mover.deadline = whole
-    else:
-        singles.try_few()
-        mover.interrupted |= trials.interrupted
-        mover.try_few()
-        trials.interrupted |= mover.interrupted
-    if not singles.helpful and not mover.far and not trials.over:
-        soon = together_soon(trials, singles, mover)
-    if not mover.far and not quick:
-        singles.try_more()
-    if soon is None and not singles.helpful and not mover.far and not trials.over:
-        singles.give_together(GIVE_SHARE)
+    is_quick = trials.relaxer.is_soon_known()
+    soon = first_that_help(trials, singles, mover, is_quick=is_quick)
     whole = trials.deadline
     if not singles.helpful and not mover.far:  # it may be that no single change helps
-        trials.deadline = mover.deadline = whole.but_for(KEPT_SHARE)
-    if not quick:
+        trials.deadline = whole.but_for(KEPT_SHARE)
+    if not is_quick:
         singles.drop_hopeful()
-        singles.drop_light()
-        if not trials.interrupted:
-            mover.try_all(singles.share(SHARE))
-            trials.interrupted |= mover.interrupted
+        drop_light_and_move(singles, mover)
         singles.drop_rest()
     fit = nearest_fit(trials.relaxer) if by_size and not trials.interrupted else None
     if not mover.far:
         singles.drop_others()
-    trials.deadline = mover.deadline = whole
+    trials.deadline = whole
     singles.tell_open()
     every, moves = least_changes(trials, singles, mover)
     relaxations = [one for one in every if one.is_of_use]
@@ -87,12 +60,9 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
         relaxations = every
         nearest = design_of(trials, every)
     clash = clash_of(trials, relaxations, singles.unmet)
-    helpful = [
-        Relaxed(r.name, r.limit, r.needed, r.miss_rel, r.fits_at_central_prices, r.is_least) for r in relaxations
-    ]
     return WhyNothing(
-        excluded,
-        helpful,
+        [Excluded(item.rule, item.count, item.rule in BOUNDED) for item in certificate.discarded if item.count],
+        [Relaxed(r.name, r.limit, r.needed, r.miss_rel, r.fits_at_central_prices, r.is_least) for r in relaxations],
         nearest,
         together,
         fit,
@@ -104,6 +74,39 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
         not_known=[*singles.left, *mover.not_known],
         unmet=[*singles.unmet],
     )
+
+
+def first_that_help(trials: Trials, singles: Singles, mover: Mover, *, is_quick: bool) -> CommonFit | None:
+    """What soon shows what helps: single changes of all imagers or of a few, else several together, which are told.
+
+    is_quick : whether bounds tell of all imagers as soon as of a few
+    """
+    if is_quick:
+        whole = trials.deadline
+        trials.deadline = whole.but_for(QUICK_SHARE)
+        drop_light_and_move(singles, mover)
+        if mover.far:
+            trials.deadline = whole
+        singles.drop_rest()
+        trials.deadline = whole
+    else:
+        singles.try_few()
+        mover.try_few()
+    soon = None
+    if not singles.helpful and not mover.far and not trials.over:
+        soon = together_soon(trials, singles, mover)
+    if not mover.far and not is_quick:
+        singles.try_more()
+    if soon is None and not singles.helpful and not mover.far and not trials.over:
+        singles.give_together(GIVE_SHARE)
+    return soon
+
+
+def drop_light_and_move(singles: Singles, mover: Mover) -> None:
+    """Drop what no imager's rule knows, and move each key: both leave the imagers, so that they take least."""
+    singles.drop_light()
+    if not singles.trials.interrupted:
+        mover.try_all(singles.share(SHARE))
 
 
 def together_soon(trials: Trials, singles: Singles, mover: Mover) -> CommonFit | None:
