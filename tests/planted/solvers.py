@@ -1002,7 +1002,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a depth of field that is dropped frees no imager",
-        file="uwopt/solvers/infeasible/relaxer.py",
+        file="uwopt/solvers/infeasible/freed_rules.py",
         old='"min_dof_m": frozenset({"focus", "min_dof_m", "lens_stop_down"}),',
         new='"min_dof_m": frozenset({"focus"}),',
         test=f"{RELAXED}::test_imagers_that_a_dropped_requirement_frees_are_those_of_a_mission_without_it",

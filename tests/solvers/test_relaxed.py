@@ -19,7 +19,8 @@ from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.imagers import Imagers, enumerate_imagers, fitting_pairs, imagers_behind
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.infeasible import relaxer as relaxed_searches
-from uwopt.solvers.infeasible.relaxer import MAY_PASS, OF_IMAGERS, Relaxer, in_best_housing
+from uwopt.solvers.infeasible.freed_rules import MAY_PASS, OF_IMAGERS
+from uwopt.solvers.infeasible.relaxer import Relaxer, in_best_housing
 from uwopt.solvers.recommend import Sought
 
 ANY = Objective.of("power")

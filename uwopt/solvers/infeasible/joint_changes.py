@@ -22,9 +22,10 @@ from uwopt.mission.varying import Varied, VariedMission
 from uwopt.mission.weakened import RELAXABLE, is_from_above
 from uwopt.results.basis import Relaxed
 from uwopt.results.design import Design
+from uwopt.solvers.infeasible.freed_rules import MAY_PASS
 from uwopt.solvers.infeasible.least_change import Change, rounded_away, same_hardware, with_its_hardware
 from uwopt.solvers.infeasible.reached import UNKNOWN, judged_by, miss, missed_by, reached_value
-from uwopt.solvers.infeasible.relaxer import ANY, MAY_PASS
+from uwopt.solvers.infeasible.relaxer import ANY
 from uwopt.solvers.infeasible.trials import BRIGHT, Trials
 from uwopt.solvers.recommend import Sought
 

@@ -15,8 +15,8 @@ from uwopt.errors import UwoptError
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Value, Varied, VariedMission, rounded
 from uwopt.results.basis import Moved
+from uwopt.solvers.infeasible.freed_rules import OTHER_WATER
 from uwopt.solvers.infeasible.least_change import Change, Narrowing, rounded_away
-from uwopt.solvers.infeasible.relaxer import OTHER_WATER
 from uwopt.solvers.infeasible.trials import Trials
 from uwopt.solvers.recommend import Sought
 from uwopt.units import split_unit
@@ -133,7 +133,7 @@ class Mover:
 
     trials: Trials
     far: list[Far] = field(default_factory=list)
-    useless: dict[str, tuple[str, ...]] = field(default_factory=dict)  # known not to help: `relaxer.in_the_way`
+    useless: dict[str, tuple[str, ...]] = field(default_factory=dict)  # known not to help: `freed_rules.in_the_way`
     not_known: list[str] = field(default_factory=list)  # keys
     base: VariedMission = field(init=False)
 

@@ -13,7 +13,8 @@ from uwopt.forward.problem import Problem
 from uwopt.forward.views import widest_corner
 from uwopt.results.basis import Lacking, NearestFit
 from uwopt.solvers.exact.imagers import landscapes, seen_behind
-from uwopt.solvers.infeasible.relaxer import Broken, Relaxer
+from uwopt.solvers.infeasible.broken_rules import Broken
+from uwopt.solvers.infeasible.relaxer import Relaxer
 from uwopt.tolerances import ROUND
 
 MM = 1e3

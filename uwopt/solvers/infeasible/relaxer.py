@@ -7,8 +7,7 @@ broken rules are found once; a search without a requirement takes those that bre
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable
 from functools import cached_property
 from typing import Any
 
@@ -22,20 +21,26 @@ from uwopt.forward.assembly import Generic, build_problem, selected
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.exact.account import NOT_REACHED, RULES
-from uwopt.solvers.exact.imager_rules import focus_rules, view_rules
+from uwopt.solvers.exact.account import NOT_REACHED
 from uwopt.solvers.exact.imagers import (
     FittingPairs,
     Imagers,
     PortBlock,
     enumerate_imagers,
     fitting_pairs,
-    focused_behind,
     landscapes,
-    seen_behind,
 )
-from uwopt.solvers.exact.node_bounds import NODE_RULES
 from uwopt.solvers.exact.search import Search, are_too_many
+from uwopt.solvers.infeasible.broken_rules import Broken
+from uwopt.solvers.infeasible.freed_rules import (
+    FREES,
+    MAY_PASS,
+    MOVES_PASS,
+    OF_IMAGERS,
+    OF_LIGHT,
+    OTHER_WATER,
+    in_the_way,
+)
 from uwopt.solvers.recommend import Sought, seek
 from uwopt.solvers.warm.tables import asking, imagers_of, of_block
 
@@ -44,92 +49,8 @@ FEW_PAIRS = 5000  # of camera and lens behind ports, likewise, of which most bre
 FEW_IMAGERS = 250  # that are tried before all: where something fits at all, it is mostly among them
 QUICK = 30_000  # imagers: of so many bounds tell about as soon as of a few that none of them fits
 FEW_PLACES = 12  # behind which these are: ports of like optics, by orientation
-OTHER_WATER = "other water"  # of which no rule of an imager knows
-NO_REASONS = frozenset({"better_housing", "bound", "mount", "image_circle", "complete"})  # whatever is asked
-LATE_RULES = frozenset({*NODE_RULES, "cost", "mass_kg", "power_w", "energy_wh"}) - NO_REASONS  # that know of lamps
-SETTINGS = "settings"  # that none of a design's does: a reason, though no rule of a search
-MOST_REASONS = 2  # told
 CHEAPEST = Objective.of("cost")
 ANY = Objective.of("power")  # where any design that fits will do: by no other objective takes a search less
-
-#: Rules of imagers that may pass what they fail once a requirement is dropped or weakened. Of requirements that are
-#: not named here anything may change, parts and their prices included.
-MAY_PASS: dict[str, frozenset[str]] = {
-    **dict.fromkeys(
-        (
-            "min_snr", "max_white_balance", "max_skew_px", "max_airy_px", "max_gain_db", "mean_level", "min_contrast",
-            "min_uniformity", "min_mtf_half_nyquist", "peak_power_w", "cost", "power_w", "mass_kg", "energy_wh",
-        ),
-        frozenset[str](),
-    ),
-    "max_gsd_mm": frozenset({"max_gsd_mm"}),
-    "min_swath_m": frozenset({"min_swath_m"}),
-    "min_common_swath_m": frozenset({"min_common_swath_m"}),
-    "max_depth_error_mm": frozenset({"max_depth_error_mm"}),
-    "data_rate_mb_s": frozenset({"data_rate_mb_s"}),
-    "resolve_mm": frozenset({"max_gsd_mm"}),
-    "min_dof_m": frozenset({"focus", "min_dof_m", "lens_stop_down"}),
-    "max_blur_px": frozenset({"max_blur_px"}),
-    "lens_stop_down": frozenset({"lens_stop_down", "min_dof_m"}),
-    "overlap": frozenset(
-        {"frame_rate", "data_rate_mb_s", "storage_gb", "card_gb", "max_blur_px", "min_swath_m"}
-    ),
-}  # fmt: skip
-#: The same of keys that are no requirements, where what they ask is less.
-MOVES_PASS: dict[str, frozenset[str]] = {
-    "speed_m_s": frozenset({"max_blur_px", "frame_rate", "data_rate_mb_s", "storage_gb", "card_gb"}),
-    "frame_interval_s": frozenset({"frame_rate", "data_rate_mb_s", "storage_gb", "card_gb"}),
-    "duration_h": frozenset({"storage_gb", "card_gb"}),
-}
-FREES = MAY_PASS | MOVES_PASS
-#: Those that count of imagers alone: who fits without them and not with them breaks their rule.
-OF_IMAGERS = frozenset({"max_gsd_mm", "min_swath_m", "min_common_swath_m", "max_depth_error_mm", "data_rate_mb_s"})
-#: Those that no imager's rule or column knows.
-OF_LIGHT = frozenset({
-    "min_snr", "max_white_balance", "max_skew_px", "max_airy_px", "max_gain_db", "mean_level", "min_contrast",
-    "min_uniformity", "min_mtf_half_nyquist", "peak_power_w",
-})  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Broken:
-    """Which rules that ports of the same optics share each pair of camera and lens breaks behind them."""
-
-    pairs: FittingPairs
-    behind: dict[tuple[int, bool], Array]  # by the first of like ports and landscape: bits of `names`, (n_pairs,)
-    names: tuple[str, ...]
-
-    @staticmethod
-    def of(problem: Problem) -> Broken:
-        """Every rule of every pair, whatever it breaks before."""
-        pairs, behind, names = fitting_pairs(problem), {}, dict[str, int]()
-        of_camera, _, of_port = problem.ties
-
-        def mark(bits: Array, rows: Array, rules: Iterator[tuple[str, Array]]) -> None:
-            for rule, passes in rules:
-                bits[rows[~passes]] |= 1 << names.setdefault(rule, len(names))
-
-        for ports in problem.port_groups:
-            port, bits = int(ports[0]), np.full(len(pairs.camera), -1)  # pieces of others break everything
-            own = np.flatnonzero(of_camera[pairs.camera] == of_port[port])
-            for landscape in landscapes(problem) if len(own) else []:
-                behind[port, landscape] = bits = bits.copy()
-                bits[own] = 0
-                camera, lens = pairs.camera[own], pairs.lens[own]
-                seen, dioptre, spacers_m = seen_behind(problem, camera, lens, port, landscape)
-                mark(bits, own, view_rules(problem, port, seen, spacers_m))
-                focused = focused_behind(problem, camera, lens, port, seen, dioptre[None, :], spacers_m)
-                mark(bits, own, focus_rules(problem, camera, lens, focused))
-        return Broken(pairs, behind, tuple(names))
-
-    def no_more_than(self, rules: Collection[str], *, some: bool) -> dict[tuple[int, bool], Array]:
-        """Pairs behind like ports that break these rules alone, and one of them at least if that is wanted."""
-        forgiven = sum(1 << bit for bit, name in enumerate(self.names) if name in rules)
-        return {
-            place: np.flatnonzero((bits & ~forgiven == 0) & ((bits != 0) if some else True))
-            for place, bits in self.behind.items()
-        }
-
 
 class Relaxer:
     """One mission's searches without this or that requirement."""
@@ -409,18 +330,6 @@ def hope(found: Sought) -> float:
     """The share of a search's designs that no rule discards: solved, or not reached in time."""
     account = found.outcome.account
     return (account.evaluated + account.discarded.get(NOT_REACHED, 0)) / max(account.total, 1)
-
-
-def in_the_way(found: Sought, freed: str = "") -> tuple[str, ...]:
-    """The rules by which the designs of a search fall that found none, but for that which is `freed`.
-
-    Those that know of lamps if any, else `SETTINGS` of what was solved in vain, else the last of an imager's.
-    """
-    account = found.outcome.account
-    lost = account.discarded
-    rules = [rule for rule in RULES if lost.get(rule, 0) > 0 and rule not in NO_REASONS and rule != freed]
-    late = [rule for rule in rules if rule in LATE_RULES] or ([SETTINGS] if account.evaluated else rules[-1:])
-    return tuple(sorted(late, key=lambda rule: -lost.get(rule, 0))[:MOST_REASONS])
 
 
 def in_best_housing(problem: Problem, block: PortBlock) -> PortBlock:

@@ -13,11 +13,12 @@ from functools import partial
 from uwopt.deadline import Deadline
 from uwopt.mission.weakened import RELAXABLE, with_central_prices, without
 from uwopt.objectives.objective import Objective
+from uwopt.solvers.infeasible.freed_rules import MAY_PASS, OF_LIGHT
 from uwopt.solvers.infeasible.joint_changes import few_that_give
 from uwopt.solvers.infeasible.least_change import in_rounds
 from uwopt.solvers.infeasible.least_limit import LeastLimit, Without
 from uwopt.solvers.infeasible.reached import missed_by
-from uwopt.solvers.infeasible.relaxer import ANY, CHEAPEST, FEW_IMAGERS, MAY_PASS, OF_LIGHT, hope
+from uwopt.solvers.infeasible.relaxer import ANY, CHEAPEST, FEW_IMAGERS, hope
 from uwopt.solvers.infeasible.suspects import MOST_SUSPECTS, asked_by, suspects_of
 from uwopt.solvers.infeasible.trials import BRIGHT, FINEST, Trials
 from uwopt.solvers.recommend import Sought
@@ -45,7 +46,7 @@ class Singles:
     left: dict[str, float] = field(default_factory=dict)
     suspects: Sequence[str] = ()  # without all of which something fits
     hopes: dict[str, float] = field(default_factory=dict)  # of those dropped among a few imagers, as `relaxer.hope`
-    useless: dict[str, tuple[str, ...]] = field(default_factory=dict)  # known not to help: `relaxer.in_the_way`
+    useless: dict[str, tuple[str, ...]] = field(default_factory=dict)  # known not to help: `freed_rules.in_the_way`
     dear: set[str] = field(default_factory=set)  # limits of cost that central prices do not keep either
     in_vain: dict[str, int] = field(default_factory=dict)  # among how many imagers, all of them looked at
     together: tuple[list[str], Sought] | None = None  # that give together, and a design without them

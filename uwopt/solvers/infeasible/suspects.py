@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 
 from uwopt.solvers.exact.account import RULES, Account
-from uwopt.solvers.infeasible.relaxer import LATE_RULES, SETTINGS
+from uwopt.solvers.infeasible.freed_rules import LATE_RULES, SETTINGS
 
 MOST, MOST_SUSPECTS = 2, 3  # of one search, and of all: what more rules speak of is asked in its turn
 ASKED_BY = {"light": "min_snr", SETTINGS: "min_snr"}  # what a rule of another name holds

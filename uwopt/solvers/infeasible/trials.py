@@ -13,8 +13,9 @@ from uwopt.mission.mission import Mission
 from uwopt.mission.weakened import RELAXABLE, asked_value, is_filled_in, with_limit, without
 from uwopt.objectives.objective import Objective
 from uwopt.results.design import Design
+from uwopt.solvers.infeasible.freed_rules import OF_LIGHT
 from uwopt.solvers.infeasible.reached import judged_by
-from uwopt.solvers.infeasible.relaxer import ANY, OF_LIGHT, Relaxer
+from uwopt.solvers.infeasible.relaxer import ANY, Relaxer
 from uwopt.solvers.recommend import Progress, Sought
 
 BRIGHT = Objective.of(

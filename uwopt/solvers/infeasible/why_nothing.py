@@ -14,13 +14,14 @@ from uwopt.results.basis import Excluded, Moved, NoHelp, Relaxed, WhyNothing
 from uwopt.results.design import Design
 from uwopt.results.result import Certificate
 from uwopt.solvers.infeasible.contradiction import Contradiction, contradiction
+from uwopt.solvers.infeasible.freed_rules import MAY_PASS
 from uwopt.solvers.infeasible.joint_changes import CommonFit, CommonShare, Giving, least_set
 from uwopt.solvers.infeasible.least_change import in_rounds
 from uwopt.solvers.infeasible.least_limit import Relaxation
 from uwopt.solvers.infeasible.moves import SHARE, Mover
 from uwopt.solvers.infeasible.nearest_fit import nearest_fit
 from uwopt.solvers.infeasible.none_left import none_left
-from uwopt.solvers.infeasible.relaxer import ANY, MAY_PASS
+from uwopt.solvers.infeasible.relaxer import ANY
 from uwopt.solvers.infeasible.singles import Singles
 from uwopt.solvers.infeasible.trials import Trials
 
