@@ -187,12 +187,16 @@ class Trade:
             self._one_try(some, low * (np.maximum(high, low) / low) ** aperture, light, time)
             for aperture, light, time in product(TRIED_F_NUMBERS, TRIED_LIGHT, TRIED_TIMES)
         ]
-        glance = [information_of(some.rows, chosen, np.isfinite(power), orders=GLANCE) for chosen, power in tries]
-        worth = _best_by_power(np.array([power for _, power in tries]), np.array(glance))
-        which, mine = np.nonzero(worth)
+        powers = np.array([power for _, power in tries])
+        each = [Chosen.joined(scene) for scene in zip(*(chosen for chosen, _ in tries), strict=True)]
+        glance, possible = np.full(powers.size, np.nan), np.flatnonzero(np.isfinite(powers))
+        glance[possible] = information_of(  # all at once: calls are dear
+            some.take(possible % len(some)).rows, [one.take(possible) for one in each], np.ones(len(possible), bool),
+            orders=GLANCE,
+        )  # fmt: skip
+        which, mine = np.nonzero(_best_by_power(powers, glance.reshape(powers.shape)))
         place = which * len(some) + mine
-        power = np.concatenate([power for _, power in tries])[place]
-        chosen = [Chosen.joined(scene).take(place) for scene in zip(*(chosen for chosen, _ in tries), strict=True)]
+        power, chosen = powers.ravel()[place], [one.take(place) for one in each]
         every = np.ones(len(place), bool)
         quality = information_of(some.take(mine).rows, chosen, every)
         return [Answers(design[mine], power, power, quality, quality, every, chosen)]
