@@ -252,10 +252,10 @@ def test_a_search_tells_gap_and_residual_and_within_a_tolerance_errors(monkeypat
     monkeypatch.setattr(doubting, "doubts_of", lambda *given: {})  # the residual is that of a second opinion
     monkeypatch.setattr(prices, "prices", lambda *given: [])
     mission = load_mission(REEF).with_changes(physics="full")
-    plain = uwopt.solve(mission)
+    plain = uwopt.solve(mission, top=1)
     assert plain.accuracy.keys() == {"gap_abs", "gap_rel", "kkt_residual"}
     assert plain.accuracy["gap_rel"] == 0.0 and 0.0 <= plain.accuracy["kkt_residual"] < 1e-8
-    coarse = uwopt.solve(mission, tolerance=1e-2)
+    coarse = uwopt.solve(mission, top=1, tolerance=1e-2)
     assert coarse.status == "optimal" and coarse.accuracy["meets_tolerance"]
     assert max(coarse.physics["fineness"][part] for part in ("spectrum", "image", "veil")) < 1.0
     best, other = plain.objective["value"], coarse.objective["value"]

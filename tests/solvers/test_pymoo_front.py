@@ -173,7 +173,7 @@ def test_run_out_of_time_is_stopped_and_keeps_what_was_found():
 
 
 def test_run_ends_when_the_hypervolume_stagnates():
-    search = cases.search_of(rc.case(8), PAIR)
+    search = cases.search_of(rc.case(9), PAIR)
     front = population_front(search, PAIR, pop_size=20)
     assert front.status == "complete"
     assert front.generations < 200
