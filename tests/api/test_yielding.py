@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -17,7 +18,7 @@ from uwopt.api import whatif as api_whatif
 from uwopt.api import yielding
 from uwopt.api.choosing import surer
 from uwopt.api.risks import risks_of
-from uwopt.api.whatif import Work
+from uwopt.api.whatif import Work, full_practice_notes
 from uwopt.api.yielding import gives_way_alone, patience_of
 from uwopt.deadline import NEVER, Deadline
 from uwopt.mission.mission import load_mission
@@ -28,12 +29,14 @@ from uwopt.report.text.explanation import explanation_blocks
 from uwopt.report.text.layout import Block
 from uwopt.report.text.short import GAVE_WAY, nothing_blocks, verdict_lines
 from uwopt.report.text.verdict import verdict
-from uwopt.report.write import system_yaml
+from uwopt.report.write import SOLVED_FILE, system_yaml, write_results
 from uwopt.results.basis import WhyNothing
 from uwopt.results.design import PRACTICE_IN_VAIN, PRACTICE_MISSED, PRACTICE_WOULD_YIELD, PRACTICE_YIELDS
+from uwopt.results.whatif import WhatIfPoint
 from uwopt.solvers.confidence import search
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.infeasible import why_nothing as infeasible
+from uwopt.sweeps.rows import with_practice_held
 
 HARDWARE = {
     "cameras": ["flir-bfs-u3-120s4m"], "lenses": ["kowa-lm8*"], "lights": ["generic-lamp-flood-20000lm"],
@@ -98,6 +101,23 @@ def test_a_reserve_that_nothing_keeps_gives_way_and_is_told_first() -> None:
     assert given_way(result) == ["reserve.snr_db"]
     assert result.mission["reserve"]["snr_db"] == 0.0 and result.mission["reserve"]["blur"] == 0.2
     assert risks_of(result)[0].what.startswith("nothing meets all of good practice; what has given way: no signal")
+
+
+def test_the_mission_as_solved_answers_the_same_without_a_search_for_what_gives_way(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    file = tmp_path / "survey.yaml"
+    file.write_text(yaml.safe_dump(survey(brightest_db() - 1.0)), "utf-8")
+    first = uwopt.solve(file, top=1, quick=True)
+    assert first.mission_as_solved is not None and "snr_db: 0.0" in first.mission_as_solved
+    written = write_results(first, tmp_path / "out")
+    assert (tmp_path / "out" / SOLVED_FILE) in written
+    monkeypatch.setattr("uwopt.api.solving.gives_way", None)
+    again = uwopt.solve(tmp_path / "out" / SOLVED_FILE, top=1, quick=True)
+    assert again.recommendation is not None and again.recommendation == first.recommendation
+    assert again.mission == first.mission and again.mission_as_solved is None and given_way(again) == []
+    assert (tmp_path / "out" / SOLVED_FILE) not in write_results(again, tmp_path / "out")
+    assert not (tmp_path / "out" / SOLVED_FILE).exists()  # that of the earlier run
 
 
 def test_nobody_reads_on_without_knowing_that_practice_gave_way() -> None:
@@ -308,6 +328,40 @@ def test_what_is_varied_gives_way_at_no_point_and_full_practice_is_told_where_no
     table = uwopt.whatif(survey(easy_db), {"min_snr_db": [easy_db, asked_db]})
     assert [point.status for point in table.points] == ["optimal", "infeasible"] and not table.gave_way
     assert "practice_held" in [note.code for note in table.warnings]
+
+
+def test_a_sweep_says_which_practice_it_holds_where_nothing_fits(tmp_path: Path) -> None:
+    mission = survey(round(brightest_db() - 1.0, 2))
+    made = uwopt.sweep(mission, {"reserve.snr_db": [3.0, 0.0]}, out=tmp_path, kits=0, workers=1)
+    assert made.counts == {"infeasible": 1, "optimal": 1}
+    (note,) = (note for note in made.warnings if note.code == "practice_held")
+    assert "in 1 of 2 missions nothing fits with it" in note.message and "reserve.snr_db" in note.message
+    assert "mission-as-solved.yaml" in note.message
+    assert made.frame()["practice_held"].notna().tolist() == [True, False]
+
+
+def test_a_row_that_holds_less_often_than_is_asked_names_what_would_give_way_for_it() -> None:
+    mission = load_mission(survey(20.0))
+    row = {"status": "feasible", "confidence_asked": "0.9", "confidence": 0.5}
+    assert "reserve.snr_db" in with_practice_held(row, mission)["practice_held"]
+    for other in (row | {"confidence": 0.95}, row | {"confidence_asked": "ends"}, {"status": "optimal"}):
+        assert with_practice_held(other, mission) == other
+    bare = load_mission(survey(20.0) | {"practice": "bare"})
+    assert with_practice_held(row | {"status": "infeasible"}, bare)["practice_held"] is None
+
+
+def test_a_table_with_certainty_says_that_practice_gives_way_only_so_that_something_fits() -> None:
+    def notes(mission: dict[str, Any], *points: WhatIfPoint) -> list[str]:
+        return [note.message for note in full_practice_notes(points, work_on(mission))]
+
+    def work_on(mission: dict[str, Any]) -> Any:
+        return SimpleNamespace(certain=True, given_way=(), base=SimpleNamespace(base=load_mission(mission)))
+
+    seldom = WhatIfPoint([0.3], "infeasible", figures={"held": 0.4})
+    (told,) = notes(survey(20.0), seldom)
+    assert told.startswith("good practice gives way here only so that something fits")
+    assert notes(survey(20.0) | {"practice": "bare"}, seldom) == []
+    assert notes(survey(20.0), WhatIfPoint([0.3], "optimal", figures={"held": 0.95})) == []
 
 
 def test_a_spider_is_of_the_mission_that_solve_answers(monkeypatch):

@@ -41,6 +41,28 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/report/compare/test_compare.py::test_housings_are_told_where_any_system_has_one",
     ),
     Defect(
+        name="a mission as solved leaves out what an option gave", file="uwopt/mission/as_solved.py",
+        old="if wanted[key] != given[key]}", new="if False}",
+        test="tests/mission/test_as_solved.py::test_the_users_text_is_kept_and_states_what_gave_way",
+    ),
+    Defect(
+        name="what gave way is not written down", file="uwopt/api/solving.py",
+        old="as_solved(chosen.mission, chosen.given_way) if chosen", new="None if chosen",
+        test="tests/api/test_yielding.py::"
+        "test_the_mission_as_solved_answers_the_same_without_a_search_for_what_gives_way",
+    ),
+    Defect(
+        name="a sweep holds good practice without a word", file="uwopt/sweeps/work.py",
+        old="return with_practice_held(row, mission)", new="return row",
+        test="tests/api/test_yielding.py::test_a_sweep_says_which_practice_it_holds_where_nothing_fits",
+    ),
+    Defect(
+        name="a table with certainty is silent of practice", file="uwopt/api/whatif.py",
+        old="if work.certain and any(", new="if False and any(",
+        test="tests/api/test_yielding.py::"
+        "test_a_table_with_certainty_says_that_practice_gives_way_only_so_that_something_fits",
+    ),
+    Defect(
         name="rounding that makes worse is told as better", file="uwopt/report/text/doubts.py",
         old="better = (shown > exact) ==", new="better = (shown > exact) !=",
         test="tests/report/test_tables.py::test_what_rounding_costs_stands_beside_the_bound_with_its_reason",

@@ -48,6 +48,7 @@ from uwopt.evaluation.breathing import breathing_notes
 from uwopt.evaluation.influences import influences_of
 from uwopt.forward.assembly import Generic, load_catalog
 from uwopt.forward.effects import Influence
+from uwopt.mission.as_solved import as_solved
 from uwopt.mission.doubt import CENTRAL
 from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import with_yields, yields_of
@@ -247,6 +248,7 @@ def found_result(
         result,
         physics=replace(result.physics, effects=[item.used() for item in proven_in_full(influences)]),
         confidence=chosen.counted,
+        mission_as_solved=as_solved(chosen.mission, chosen.given_way) if chosen.given_way else None,
         status=status_of(proven=proven, exact=winner.is_settable and not wide and surely_best),
         recommendation=winner,
         runners_up=chosen.others,

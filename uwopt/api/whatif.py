@@ -232,8 +232,21 @@ class Work:
         return SpiderLine(f"{key.section}.{key.name}", unit_of(key, self.base.base), float(key.values[0]), points)
 
 
+NOT_FOR_CERTAINTY = (
+    "good practice gives way here only so that something fits; where that holds less often than is asked, uwopt solve "
+    "lets more of it give way: vary the mission-as-solved.yaml that it writes"
+)
+
+
+def for_certainty(work: Work) -> bool:
+    """Whether `solve` could let more of good practice give way so that something holds as often as is asked."""
+    return any(one.for_certainty for one in yields_of(with_given_way(work.base.base, work.given_way or ())))
+
+
 def full_practice_notes(points: Sequence[WhatIfPoint], work: Work) -> list[Note]:
     """That all of good practice is asked where nothing fits, though `solve` would let it give way there."""
+    if work.certain and any(point.status == "infeasible" and point.figures for point in points):
+        return [Note("practice_held", "practice", NOT_FOR_CERTAINTY)] if for_certainty(work) else []
     if work.given_way or not yields_of(work.base.base) or all(point.status != "infeasible" for point in points):
         return []
     text = (

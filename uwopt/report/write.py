@@ -33,11 +33,13 @@ if TYPE_CHECKING:
 Writes = Callable[[BinaryIO], None]
 RESULT_FILE, BOM_FILE, PAGE_FILE = "result.json", "bom.csv", "report.html"
 SYSTEM_FILE = "system.yaml"
+SOLVED_FILE = "mission-as-solved.yaml"
 BOOK_FILE = "bom.xlsx"
 FRONT_FILE, FRONT_TABLE = "front.json", "front.csv"
 WHATIF_FILE, WHATIF_TABLE, WHATIF_PARQUET = "whatif.json", "whatif.csv", "whatif.parquet"
 WRITTEN = (
-    RESULT_FILE, SYSTEM_FILE, BOM_FILE, BOOK_FILE, FRONT_FILE, FRONT_TABLE, PAGE_FILE, WHATIF_FILE, WHATIF_TABLE,
+    RESULT_FILE, SYSTEM_FILE, SOLVED_FILE, BOM_FILE, BOOK_FILE, FRONT_FILE, FRONT_TABLE, PAGE_FILE, WHATIF_FILE,
+    WHATIF_TABLE,
 )  # fmt: skip
 BOM_COLUMNS = (
     "kind", "id", "manufacturer", "model", "count", "owned", "unit_price", "unit_price_low", "unit_price_high",
@@ -50,7 +52,9 @@ def write_results(result: Result, folder: str | Path, *, deadline: Deadline = NE
     """Write result.json, system.yaml, bom.csv, bom.xlsx and report.html into a folder, made if need be; their paths.
 
     Without a design the bill of materials holds its header only, and system.yaml a remark, so that none of an earlier
-    run stays. The page does without pictures for which the deadline leaves no time.
+    run stays. Where good practice gave way a mission that says so is written too. The page does without pictures for
+    which the deadline leaves no time.
+
     """
     target = check_folder(folder)
     rows = result.best.bom if result.best is not None else []
@@ -60,7 +64,12 @@ def write_results(result: Result, folder: str | Path, *, deadline: Deadline = NE
         from uwopt.report.order.bom_book import bom_book
 
         files[BOOK_FILE] = bom_book(result)
-    return write_files(made_folder(target), files | {PAGE_FILE: page_text(result, deadline)})
+    if result.mission_as_solved is not None:
+        files[SOLVED_FILE] = result.mission_as_solved
+    written = write_files(made_folder(target), files | {PAGE_FILE: page_text(result, deadline)})
+    if result.mission_as_solved is None:
+        (target / SOLVED_FILE).unlink(missing_ok=True)  # of an earlier run
+    return written
 
 
 def write_front(front: FrontResult, folder: str | Path, *, deadline: Deadline = NEVER) -> list[Path]:

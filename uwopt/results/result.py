@@ -102,6 +102,9 @@ class Result(Shown, FiledRecord):
     mission_file: dict[str, str] | None = Field(
         default=None, description="name, folder, text as the user wrote it"
     )
+    mission_as_solved: str | None = Field(
+        default=None, description="text of a mission file that states what of good practice gave way; null: nothing did"
+    )
     system: dict[str, Any] | None = Field(
         default=None, description="what was evaluated, inline parts included"
     )
@@ -134,6 +137,9 @@ class Result(Shown, FiledRecord):
         absent = (
             ("design", "system")
             if self.command == "solve"
-            else ("recommendation", "certificate", "generic_alternative", "alternatives", "knee", "prices")
-        )
+            else (
+                "mission_as_solved", "recommendation", "certificate", "generic_alternative", "alternatives", "knee",
+                "prices",
+            )
+        )  # fmt: skip
         return {key: value for key, value in data.items() if key not in absent}

@@ -9,6 +9,9 @@ import json
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from uwopt.mission.doubt import ENDS
+from uwopt.mission.mission import Mission
+from uwopt.mission.yielding import yields_of
 from uwopt.results.design import Design
 from uwopt.results.result import Result
 
@@ -25,7 +28,7 @@ DIED = "the process that worked on this mission ended"  # begins the message of 
 TEXTS = frozenset({
     "key", "input_hash", "catalogue_hash", "version", "inputs", "mission", "status", "message", "camera", "lens",
     "port", "housing", "complete", "light", "orientation", "lamps", "objective_name", "objective_unit", "currency",
-    "missed", "warnings", "scenes", "confidence_asked", "served", "point", "curve", "front",
+    "missed", "warnings", "scenes", "confidence_asked", "practice_held", "served", "point", "curve", "front",
 })  # fmt: skip
 WHOLES = frozenset({"n", "camera_count", "light_count", "points"})
 FLAGS = frozenset({"generic", "settable", "beyond_gain_cap"})
@@ -34,8 +37,8 @@ FIRST = (
     "key", "mission", "inputs", "status", "message", "points", "point", "curve", "camera", "lens", "port",
     "housing", "complete", "light", "camera_count", "light_count", "orientation", "spacer_mm", "lamps", "generic",
     "objective_name", "objective", "objective_as_set", "objective_unit", "lower_bound", "gap_rel",
-    "confidence_asked", "confidence", "settable", "beyond_gain_cap", "missed", "warnings", "cost", "cost_low",
-    "cost_high", "currency", "power_w", "mass_kg",
+    "confidence_asked", "confidence", "practice_held", "settable", "beyond_gain_cap", "missed", "warnings", "cost",
+    "cost_low", "cost_high", "currency", "power_w", "mass_kg",
 )  # fmt: skip
 LAST = ("scenes", "time_s", "processor_s", "version", "input_hash", "catalogue_hash")
 #: Columns that a result always has, so that an input of the same name gets its section before it.
@@ -59,6 +62,20 @@ def row_of(result: Result) -> Row:
         "warnings": " ".join(dict.fromkeys(note.code for note in result.warnings)),
     }
     return row if best is None else row | design_columns(best, best.as_set)
+
+
+def with_practice_held(row: Row, mission: Mission) -> Row:
+    """The row of a mission, with what of good practice is held where `solve` would let some of it give way.
+
+    That is where nothing fits, or holds as often as is asked.
+    """
+    known = yields_of(mission)
+    asked, held = row.get("confidence_asked"), row.get("confidence")
+    if asked is not None and held is not None and asked != ENDS and held < float(asked):
+        known = tuple(one for one in known if one.for_certainty)
+    elif row["status"] != "infeasible":
+        return row
+    return row | {"practice_held": ", ".join(dict.fromkeys(one.path for one in known)) or None}
 
 
 def row_of_front(front: FrontResult) -> Row:

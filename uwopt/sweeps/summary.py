@@ -140,14 +140,14 @@ def summary_of(job: SweepJob, store: SweepStore, *, interrupted: bool, kept: int
         failed=[FailedMissions(message, count) for message, count in failed.most_common(MOST_FAILURES)],
         kept=kept,
         passed_over=len(store.keys) - len({row["key"] for row in rows} & store.keys),
-        warnings=notes_of(job, store),
+        warnings=[*notes_of(job, store), *practice_notes(rows)],
         folder=str(store.folder),
     )
 
 
 def job_rows(job: SweepJob, store: SweepStore) -> Iterator[dict[str, Any]]:
     """What is told of each mission of a job that is worked out, in few columns."""
-    wanted = ["key", "status", "message", *KIT, "generic", "cost", "currency"]
+    wanted = ["key", "status", "message", *KIT, "generic", "cost", "currency", "practice_held"]
     for _, rows in store.pieces((task.key for task in job.tasks()), wanted):
         yield from rows.to_pylist()
 
@@ -183,6 +183,20 @@ def notes_of(job: SweepJob, store: SweepStore) -> list[Note]:
             Note("no_csv", "", f"more than {MOST_CSV} rows: sweep.parquet has them, and no CSV is written")
         )
     return notes
+
+
+def practice_notes(rows: Sequence[Mapping[str, Any]]) -> list[Note]:
+    """What of good practice stands in the way of missions that `solve` would answer with less of it."""
+    held = [str(row["practice_held"]) for row in rows if row.get("practice_held")]
+    if not held:
+        return []
+    paths = ", ".join(dict.fromkeys(path for told in held for path in told.split(", ")))
+    text = (
+        f"a sweep holds all of good practice: in {len(held)} of {len(rows)} missions nothing fits with it, or not as "
+        f"often as is asked ({paths}); uwopt solve lets some of it give way: sweep the mission-as-solved.yaml that it "
+        "writes"
+    )
+    return [Note("practice_held", "practice", text)]
 
 
 # ---------------------------------------------------------------- few kits for many missions

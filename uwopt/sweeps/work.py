@@ -27,7 +27,7 @@ from uwopt.sweeps.identity import differences, program_identity
 from uwopt.sweeps.job import LABEL, SweepBatch, SweepJob, SweepTask
 from uwopt.sweeps.kits import served_by
 from uwopt.sweeps.neighbours import warm_row
-from uwopt.sweeps.rows import Row, failed_row, row_of, row_of_front
+from uwopt.sweeps.rows import Row, failed_row, row_of, row_of_front, with_practice_held
 
 MOST_BASES = 64  # missions of files that are kept read
 
@@ -105,12 +105,12 @@ class SweepWorker:
                 raise KeyboardInterrupt
             return row_of_front(front)
         row = warm_row(mission, self._warm)
-        if row is not None:
-            return row
-        result = solve(mission, top=TOP, quick=True, explain=False)
-        if interrupted(result):
-            raise KeyboardInterrupt
-        return row_of(result)
+        if row is None:
+            result = solve(mission, top=TOP, quick=True, explain=False)
+            if interrupted(result):
+                raise KeyboardInterrupt
+            row = row_of(result)
+        return with_practice_held(row, mission)
 
     def _base(self, index: int) -> tuple[VariedMission, tuple[Varied | None, ...]]:
         """A base and its keys; read again where it was long ago."""

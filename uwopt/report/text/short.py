@@ -55,7 +55,10 @@ NUMBERS = ("", "The greatest risk", "The two greatest risks", "The three greates
 SHARED_FOCUS = "nearer than what is sharp, on purpose: middle and corners of a curved image share it"
 FIGURES = ("gsd_mm", "swath_m", "snr_db", "dof_m", "frame_rate_hz")
 DEAR = 0.1  # a part's share of the doubt in the price from which a quote is worth asking for
-GAVE_WAY = "Not all of good practice is kept: the risks say what gave way."
+GAVE_WAY = (
+    "Not all of good practice is kept: the risks say what gave way, and --out writes a mission that says so "
+    "(mission-as-solved.yaml)."
+)
 BARE = (
     "Only what the mission says is held: `practice: recommended` in it asks for light and sharpness over the whole "
     "image and for reserves as well."
