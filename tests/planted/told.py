@@ -63,6 +63,21 @@ DEFECTS: tuple[Defect, ...] = (
         "test_a_table_with_certainty_says_that_practice_gives_way_only_so_that_something_fits",
     ),
     Defect(
+        name="a lander has a next image", file="uwopt/report/pictures/design_pictures.py",
+        old='"." if advance_m is None else', new='"." if advance_m == 0 else',
+        test="tests/report/test_drawing.py::test_the_next_image_is_told_of_where_it_is_drawn",
+    ),
+    Defect(
+        name="a mission wants no depth at all", file="uwopt/report/pictures/design_pictures.py",
+        old='if dof.wanted_dof_m else ""', new='if dof.wanted_dof_m is not None else ""',
+        test="tests/report/test_design_pictures.py::test_no_depth_is_wanted_where_none_is_asked",
+    ),
+    Defect(
+        name="a long address cuts the reasons of a page off", file="uwopt/report/assets/page.css",
+        old="td.left:last-child { overflow-wrap: anywhere;", new="td.left:last-child { overflow-wrap: normal;",
+        test="tests/report/test_browser.py::test_tables_are_whole_at_the_width_of_a_laptop",
+    ),
+    Defect(
         name="rounding that makes worse is told as better", file="uwopt/report/text/doubts.py",
         old="better = (shown > exact) ==", new="better = (shown > exact) !=",
         test="tests/report/test_tables.py::test_what_rounding_costs_stands_beside_the_bound_with_its_reason",

@@ -6,6 +6,7 @@ Without a browser these tests are skipped; UWOPT_REQUIRE_BROWSER=1 makes a missi
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -415,6 +416,30 @@ def test_page_never_scrolls_sideways(show: Callable[..., Any], make_front: Make,
     page = show(make_front(), viewport={"width": width, "height": 800})
     wait_drawn(page, "#pairs", 1)
     assert page.evaluate("document.documentElement.scrollWidth") <= width
+
+
+def test_tables_are_whole_at_the_width_of_a_laptop(
+    show: Callable[..., Any], make_result: Make, make_margin: Make
+) -> None:
+    result = make_result()
+    address = f"https://example.com/{'a' * 120}"
+    kept = make_margin("max_skew_px", 0.3, 1.6, "<=", "px", reserve=0.4, at_altitude_m=1.75)
+    best = result.recommendation
+    (scene,) = best.scenes
+    check = replace(best.rounded, totals=best.totals)
+    far = replace(scene, margins=[*scene.margins, kept], margins_as_set=[*scene.margins, replace(kept, value=0.31)],
+                  figures_as_set=scene.figures)  # fmt: skip
+    made = replace(
+        result, recommendation=replace(best, scenes=[far], rounded=check),
+        assumptions=[replace(one, source=f"{one.source} {address}") for one in result.assumptions],
+    )  # fmt: skip
+    page = show(made, viewport={"width": 1200, "height": 800})
+    page.evaluate("document.querySelectorAll('details').forEach(one => { one.open = true; })")
+    cut = page.evaluate(
+        "[...document.querySelectorAll('main .scroll')].filter(one => one.scrollWidth > one.clientWidth)"
+        ".map(one => one.innerText.slice(0, 80)).filter(told => /why|Requirement/.test(told))"
+    )
+    assert cut == []
 
 
 def test_result_can_be_taken_from_the_page(show: Callable[..., Any], make_front: Make) -> None:

@@ -15,6 +15,7 @@ import pytest
 
 import uwopt
 from uwopt.evaluation.recompute import replay, telling_figures
+from uwopt.report.pictures.curves import DepthOfField
 from uwopt.report.pictures.design_pictures import (
     MOST_BYTES,
     Picture,
@@ -23,6 +24,7 @@ from uwopt.report.pictures.design_pictures import (
     png_bytes,
     png_uri,
     rounded,
+    sharp_pictures,
 )
 from uwopt.report.pictures.plots import numbers
 from uwopt.units import format_quantity
@@ -165,3 +167,11 @@ def test_figures_that_tell_of_changed_inputs_are_those_of_the_report(made: Any) 
     whole = again.plain_figures()
     for name, value in telling_figures(again, 0).items():
         assert value == pytest.approx(whole[name], rel=1e-12)  # the same numbers by a shorter way
+
+
+@pytest.mark.parametrize(("asked_m", "told"), [(None, ""), (0.0, ""), (0.4, "wants 0.4 m of depth")])
+def test_no_depth_is_wanted_where_none_is_asked(asked_m: float | None, told: str) -> None:
+    known = np.array([1.0, 2.0])
+    dof = DepthOfField(known, known, known, 2.0, known, known, known, 2.0, 1.8, 2.0, 2.2, asked_m, 1.0)
+    (caption, _) = (one.caption for one in sharp_pictures(dof))
+    assert ("The mission wants" in caption) == bool(told) and told in caption

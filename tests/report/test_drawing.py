@@ -15,6 +15,7 @@ import uwopt
 from uwopt.evaluation.recompute import replay
 from uwopt.report.pictures import drawing, oblique_drawing
 from uwopt.report.pictures.curves import Lamp, RigMeasures, rig_measures
+from uwopt.report.pictures.design_pictures import drawings
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
 SVG = "{http://www.w3.org/2000/svg}"
@@ -145,3 +146,11 @@ def test_edges_of_a_pitched_view_by_hand():
     assert rig.altitude_m == pytest.approx(2.0)
     assert near == pytest.approx(2.0 * math.tan(math.radians(40) - half), rel=0.02)  # corner rays bend a little more
     assert far == pytest.approx(2.0 * math.tan(math.radians(40) + half), rel=0.02)
+
+
+@pytest.mark.parametrize(("advance_m", "told"), [(0.3, True), (None, False), (50.0, False)])
+@pytest.mark.parametrize("rig", [RIG, PITCHED])
+def test_the_next_image_is_told_of_where_it_is_drawn(rig: RigMeasures, advance_m: float | None, told: bool) -> None:
+    moved = RigMeasures(**{**vars(rig), "advance_m": advance_m})
+    above = next(one for one in drawings(moved, on_axis=False) if one.id == "rig-above")
+    assert ("next image" in above.caption) == told == bool(shapes(above.content, "polygon", "next"))

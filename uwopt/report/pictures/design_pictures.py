@@ -163,7 +163,7 @@ def sharp_pictures(dof: DepthOfField) -> list[Picture]:
         far = float(1.0 / np.interp(dof.chosen_f_number, dof.f_number, 1.0 / dof.far_m))
     span = f"{near:.3g} m to {'infinity' if not np.isfinite(far) or far > 1e6 else f'{far:.3g} m'}"
     focus = "infinity" if not np.isfinite(dof.chosen_focus_m) else f"{dof.chosen_focus_m:.3g} m"
-    wanted = "" if dof.wanted_dof_m is None else f" The mission wants {dof.wanted_dof_m:g} m of depth."
+    wanted = f" The mission wants {dof.wanted_dof_m:g} m of depth." if dof.wanted_dof_m else ""
     altitudes = (
         f"{dof.lowest_altitude_m:g} to {dof.highest_altitude_m:g} m"
         if dof.highest_altitude_m > dof.lowest_altitude_m
@@ -296,12 +296,17 @@ def drawings(rig: RigMeasures, *, on_axis: bool) -> list[Picture]:
         ),
         Picture(
             "rig-above", "drawing", title_above,
-            "To scale, forward is up; the dashed outline is the next image."
-            + (f" {beams}" if rig.sun_elevation_deg is None else " No lamp shines."),
+            f"{above_caption(drawing.shown_advance_m(rig))} "
+            + (beams if rig.sun_elevation_deg is None else "No lamp shines."),
             f"Footprint {sides}. {next_one}", "svg",
             drawing.view_from_above(rig, title=title_above, description=f"Footprint {sides}. {next_one}"),
         ),
     ]  # fmt: skip
+
+
+def above_caption(advance_m: float | None) -> str:
+    """How to read a drawing from above, with the next image where that is drawn."""
+    return "To scale, forward is up" + ("." if advance_m is None else "; the dashed outline is the next image.")
 
 
 def oblique_drawings(rig: RigMeasures) -> list[Picture]:
@@ -323,8 +328,8 @@ def oblique_drawings(rig: RigMeasures) -> list[Picture]:
             beside, "svg", oblique_drawing.view_from_side(rig, title=title_beside, description=beside),
         ),
         Picture(
-            "rig-above", "drawing", title_above, "To scale, forward is up; the dashed outline is the next image.",
-            above, "svg", oblique_drawing.trapezoid_from_above(rig, title=title_above, description=above),
+            "rig-above", "drawing", title_above, above_caption(oblique_drawing.shown_advance_m(rig)), above, "svg",
+            oblique_drawing.trapezoid_from_above(rig, title=title_above, description=above),
         ),
     ]  # fmt: skip
 

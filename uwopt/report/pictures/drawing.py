@@ -115,10 +115,15 @@ def view_from_behind(rig: RigMeasures, *, title: str, description: str) -> str:
     return svg(title, description, parts)
 
 
+def shown_advance_m(rig: RigMeasures) -> float | None:
+    """How far ahead the next image is drawn; None where nothing moves or it is too far away."""
+    return rig.advance_m if rig.advance_m is not None and rig.advance_m < 6 * rig.half_along_m else None
+
+
 def view_from_above(rig: RigMeasures, *, title: str, description: str) -> str:
     """Footprint, the next one, the lamps' light on the floor and the lamps themselves; forward is up."""
     along, across = rig.half_along_m, rig.half_across_m
-    advance = rig.advance_m if rig.advance_m is not None and rig.advance_m < 6 * along else None
+    advance = shown_advance_m(rig)
     reach_x = max([across, *(abs(lamp.y_m) for lamp in rig.lamps)]) * 1.15
     ahead = along + (advance or 0.0)
     ahead = max([ahead, *(lamp.x_m for lamp in rig.lamps)]) * 1.06

@@ -61,10 +61,16 @@ def view_from_side(rig: RigMeasures, *, title: str, description: str) -> str:
     return svg(title, description, parts)
 
 
+def shown_advance_m(rig: RigMeasures) -> float | None:
+    """How far ahead the next image is drawn; None where nothing moves or it is too far away."""
+    (near_m, _), (far_m, _) = rig.edges_m
+    return rig.advance_m if rig.advance_m is not None and rig.advance_m < 3 * (far_m - near_m) else None
+
+
 def trapezoid_from_above(rig: RigMeasures, *, title: str, description: str) -> str:
     """The footprint of a view that looks ahead, and the next one; the port is the dot, forward is up."""
     (near_m, near_half), (far_m, far_half) = rig.edges_m
-    advance = rig.advance_m if rig.advance_m is not None and rig.advance_m < 3 * (far_m - near_m) else None
+    advance = shown_advance_m(rig)
     wide, deep = 1.1 * far_half, far_m - near_m
     frame = fitted(-wide, wide, -(far_m + (advance or 0.0)) - 0.05 * deep, max(0.0, -near_m) + 0.05 * deep)
 
