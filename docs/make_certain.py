@@ -28,7 +28,7 @@ import uwopt  # noqa: E402
 from uwopt.api.certainty import confidence_of  # noqa: E402
 from uwopt.api.common import prepared  # noqa: E402
 from uwopt.deadline import Deadline  # noqa: E402
-from uwopt.forward.assembly import Generic, build_problem, load_catalog, selected  # noqa: E402
+from uwopt.forward.assembly import build_problem, load_catalog, selected  # noqa: E402
 from uwopt.forward.designs import SceneSettings  # noqa: E402
 from uwopt.forward.problem import Problem  # noqa: E402
 from uwopt.mission.mission import Mission  # noqa: E402
@@ -116,7 +116,8 @@ def attacked(row: Row, mission: Mission, result: Result, asked: float, tries: in
     """Count hardware that is drawn at random, and again what holds and seems better."""
     assert result.recommendation is not None
     goal, parts = goal_of(mission), result.recommendation.hardware.named.values()
-    generic: Generic = "allow" if mission.catalog.generic == "allow" or any(part.generic for part in parts) else "never"
+    to_be_made, choice = any(part.generic for part in parts), mission.catalog
+    generic = choice.generic_at_last if to_be_made else choice.generic_at_first
     problem = build_problem(mission, selected(mission, load_catalog(mission), generic=generic))
     imagers, rng = enumerate_imagers(problem), np.random.default_rng(SEED)
     own = chosen(problem, imagers, result)

@@ -40,7 +40,7 @@ import uwopt  # noqa: E402
 from uwopt.api.common import prepared  # noqa: E402
 from uwopt.deadline import Deadline  # noqa: E402
 from uwopt.errors import UwoptError  # noqa: E402
-from uwopt.forward.assembly import Generic, load_catalog  # noqa: E402
+from uwopt.forward.assembly import load_catalog  # noqa: E402
 from uwopt.mission.mission import Mission, load_mission  # noqa: E402
 from uwopt.mission.varying import Value, Varied, VariedMission, rounded  # noqa: E402
 from uwopt.mission.weakened import (  # noqa: E402
@@ -150,8 +150,8 @@ def fits(mission: Mission) -> bool | None:
     """Whether something fits, of all parts that `solve` would come to; None where that is not known."""
     try:
         wanted = prepared(mission, None, None, "central").without_gain_cap
-        generic: Generic = "never" if wanted.catalog.generic == "never" else "allow"
         deadline = Deadline.after(TRY_S, time.process_time)
+        generic = wanted.catalog.generic_at_last
         found = seek(wanted, load_catalog(wanted), ANY, generic=generic, top=1, deadline=deadline, enough=True)
     except UwoptError:
         return None

@@ -32,9 +32,10 @@ from speed_commands import measured  # noqa: E402
 
 import uwopt  # noqa: E402
 from uwopt.bench.machine import processor  # noqa: E402
+from uwopt.catalog.choose import ToBeMade  # noqa: E402
 from uwopt.deadline import Deadline  # noqa: E402
 from uwopt.errors import MissionError  # noqa: E402
-from uwopt.forward.assembly import Generic, build_problem, load_catalog, selected  # noqa: E402
+from uwopt.forward.assembly import build_problem, load_catalog, selected  # noqa: E402
 from uwopt.forward.batch import Batch  # noqa: E402
 from uwopt.forward.designs import Designs  # noqa: E402
 from uwopt.forward.effects import effects_kept  # noqa: E402
@@ -268,7 +269,7 @@ def front_table() -> list[str]:
     ]
 
 
-def front_of(mission: Mission, names: Sequence[str], generic: Generic) -> Front:
+def front_of(mission: Mission, names: Sequence[str], generic: ToBeMade) -> Front:
     """The exact front over the parts that are sold, or those to be made too."""
     problem = build_problem(mission, selected(mission, load_catalog(mission), generic=generic))
     return FrontSearch(problem, Axes.of(names), deadline=Deadline.after(LONGEST_FRONT_S)).run()

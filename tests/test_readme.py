@@ -55,7 +55,7 @@ NARROWED = {
         "problems/mbari-lass-2013.yaml": [
             ("  generic: allow\n", "  generic: allow\n  cameras: [basler-aca2040-55uc]\n"),
         ],
-        "problems/jobs/deep-auv.yaml": [("  generic: allow\n", "  generic: allow\n" + DEEP)],
+        "problems/jobs/deep-auv.yaml": [("objective: power\n", "catalog:\n" + DEEP + "objective: power\n")],
     },
     INIT: {
         "my-survey.yaml": [

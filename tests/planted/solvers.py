@@ -61,6 +61,27 @@ DEFECTS: tuple[Defect, ...] = (
         "::test_no_point_is_better_than_the_bound_of_a_cell_that_holds_it[power of bars under the sun]",
     ),
     Defect(
+        name="a lamp is made before a housing",
+        file="uwopt/solvers/made.py",
+        old='TO_BE_MADE: tuple[Kind, ...] = ("light", "port", "housing")',
+        new='TO_BE_MADE: tuple[Kind, ...] = ("housing", "port", "light")',
+        test="tests/solvers/test_made.py::test_the_kinds_are_the_most_liked_of_all_that_fit",
+    ),
+    Defect(
+        name="a lamp to be made brings a port to be made with it",
+        file="uwopt/api/searching.py",
+        old="found = look(mission, generic=fewest_made(fits), like=like)",
+        new='found = look(mission, generic="allow", like=like)',
+        test="tests/api/test_made.py::test_a_port_that_is_sold_stays_where_only_lamps_have_to_be_made",
+    ),
+    Defect(
+        name="what if takes every part to be made where one kind does",
+        file="uwopt/solvers/warm/searches.py",
+        old="kinds = fewest_made(is_met) if is_met(last) else last",
+        new="kinds = last if is_met(last) else last",
+        test="tests/api/test_made.py::test_a_port_that_is_sold_stays_where_only_lamps_have_to_be_made",
+    ),
+    Defect(
         name="the search forgets the bars that must arrive",
         file="uwopt/forward/setting_rows.py",
         old="resolve_m=(needs.resolve_mm or 0.0) * 1e-3",

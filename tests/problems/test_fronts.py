@@ -18,7 +18,7 @@ from thorough import drawn
 
 import uwopt
 from uwopt.api.common import prepared
-from uwopt.forward.assembly import Generic, load_catalog
+from uwopt.forward.assembly import load_catalog
 from uwopt.objectives.objective import Objective
 from uwopt.results.front import FrontPoint, FrontResult
 from uwopt.solvers.recommend import seek
@@ -114,9 +114,8 @@ def test_ends_are_those_of_solve(front):
 def least(path: Path, name: str) -> float:
     """The optimum that `solve` finds, without what it tells of it."""
     mission = prepared(path, None, name)
-    goal, policy = Objective.of(mission.objective), mission.catalog.generic
-    policies: dict[str, tuple[Generic, ...]] = {"fallback": ("never", "allow")}
-    for generic in policies.get(policy, (policy,)):
+    goal, choice = Objective.of(mission.objective), mission.catalog
+    for generic in dict.fromkeys((choice.generic_at_first, choice.generic_at_last)):
         outcome = seek(mission, load_catalog(mission), goal, generic=generic, top=1).outcome
         if outcome.best:
             break

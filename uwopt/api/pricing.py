@@ -6,12 +6,10 @@ from dataclasses import replace
 
 from uwopt.api.common import Progress, Source
 from uwopt.api.floats import own_float_rules
-from uwopt.api.searching import leaves_out_generic
 from uwopt.api.timing import STAGES
 from uwopt.api.varied import SHARP, Switches, Systems, VariedGrid
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError, processor_s
 from uwopt.errors import MissionError
-from uwopt.forward.assembly import Generic
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Varied, VariedMission, rounded
 from uwopt.objectives.goal import goal_of
@@ -80,7 +78,7 @@ def every_price(
     told, mission = list(result.prices), sought.problem.mission
     if result.recommendation is None:
         return told, True
-    generic: Generic = "never" if mission.catalog.generic == "never" or leaves_out_generic(sought) else "allow"
+    generic = sought.selection.generic
     try:
         told = prices(sought, goal, result.recommendation, (), deadline, every=True)
         keys = {price.name: place for place, price in enumerate(told)}

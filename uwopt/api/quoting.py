@@ -56,8 +56,7 @@ def with_quotes(
 
 def searched(offers: Sequence[Offer], mission: Mission) -> list[Offer]:
     """Offers with why no search of the mission uses them, where it does not."""
-    generic = "allow" if mission.catalog.generic == "allow" else "never"
-    excluded = selected(mission, load_catalog(mission), generic=generic).excluded
+    excluded = selected(mission, load_catalog(mission), generic=mission.catalog.generic_at_first).excluded
     why = {plain_name(item.part_id): f"cannot be searched: {item.rule}, {item.reason}" for item in excluded}
     told = []
     for offer in offers:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -10,13 +12,14 @@ from uwopt.api.accuracy import Searched
 from uwopt.api.common import Progress
 from uwopt.api.timing import timed
 from uwopt.catalog.catalogue import Catalog
+from uwopt.catalog.records import Kind, Part
 from uwopt.deadline import Deadline
-from uwopt.forward.assembly import Generic
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.model.fineness import Fineness
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.explain.robustness import SLOW_S
+from uwopt.solvers.made import fewest_made
 from uwopt.solvers.recommend import GENERIC_GAIN, Sought, seek
 from uwopt.solvers.settings.best import scenes_need_cells
 
@@ -36,7 +39,7 @@ def searched(
     in the same scenes that differs in the cap of gain alone, `scenes_of` a problem whose scenes may be the same.
     """
     policy, capless = mission.catalog.generic, mission.without_gain_cap
-    first: Generic = "allow" if policy == "allow" else "never"
+    first = mission.catalog.generic_at_first
     look = partial(
         seek, catalog=catalog, objective=goal, top=top, deadline=deadline, progress=progress, fineness=fineness
     )
@@ -51,13 +54,18 @@ def searched(
     alternative: Sought | None = None
     if policy == "fallback" and sought.outcome.complete:
         with timed(timing, "search_generic"):
-            if not sought.outcome.best and capless is not mission:
-                any_of_all = look(capless, generic="allow", like=sought.problem, enough=True)
-                if any_of_all.outcome.complete and not any_of_all.outcome.best:
-                    return look(capless, generic=first, **known_from(sought)), any_of_all
-            alternative = generic_search(mission, catalog, goal, sought, top, deadline, progress)
-        if not sought.outcome.best and alternative is not None and alternative.outcome.best:
-            sought, alternative = alternative, None
+            if not sought.outcome.best:
+                alternative = look(capless, generic="allow", like=sought.problem, enough=True)
+                if alternative.outcome.complete and not alternative.outcome.best:
+                    if capless is not mission:
+                        sought = look(capless, generic=first, **known_from(sought))
+                    return sought, alternative
+                if capless is not mission:
+                    alternative = look(mission, generic="allow", like=alternative.problem, enough=True)
+                if alternative.outcome.best:
+                    sought, alternative = of_fewest_kinds(alternative, look), None
+            if sought.outcome.best and not sought.outcome.interrupted and leaves_out_generic(sought):
+                alternative = generic_search(mission, catalog, goal, sought, deadline, progress)
     if not sought.outcome.best and sought.outcome.complete and capless is not mission:  # light is out of reach
         return searched(capless, catalog, goal, top, deadline, progress, timing, fineness, sought)
     return sought, alternative
@@ -68,6 +76,35 @@ def known_from(like: Sought | None) -> dict[str, Any]:
     if like is None:
         return {}
     return {"like": like.problem, "imagers": like.search.every_imager}
+
+
+def of_fewest_kinds(some: Sought, look: Callable[..., Sought]) -> Sought:
+    """The search with parts to be made of as few kinds as let something fit; what fits of all, where it is cut short.
+
+    some : what fits of all parts
+    """
+    mission, like = some.problem.mission, some.problem
+    fitting = [kinds_made(some)]
+
+    def fits(kinds: tuple[Kind, ...]) -> bool:
+        if not any(made <= set(kinds) for made in fitting):
+            found = look(mission, generic=kinds, like=like, enough=True, whole=True)
+            fitting.extend([kinds_made(found)] if found.outcome.best else [])
+        return any(made <= set(kinds) for made in fitting)
+
+    try:
+        found = look(mission, generic=fewest_made(fits), like=like)
+    except KeyboardInterrupt:
+        return replace(some, outcome=replace(some.outcome, interrupted=True))
+    return found if found.outcome.best else some
+
+
+def kinds_made(sought: Sought) -> set[Kind]:
+    """The kinds of which the best design has parts to be made."""
+    best, parts = sought.outcome.best[0], sought.problem.parts
+    port = parts.ports[best.port]
+    used: dict[Kind, Part | None] = {"light": parts.lights[best.light], "port": port, "housing": port.housing}
+    return {kind for kind, part in used.items() if part is not None and part.generic}
 
 
 def leaves_out_generic(sought: Sought) -> bool:
@@ -86,16 +123,13 @@ def of_all_parts(sought: Sought, goal: Objective, deadline: Deadline, progress: 
 
 
 def generic_search(
-    mission: Mission, catalog: Catalog, goal: Objective, sought: Sought, top: int, deadline: Deadline,
-    progress: Progress | None,
-) -> Sought | None:  # fmt: skip
-    """Generic parts come second: searched in full when nothing real fits, else only for a gain of 10 %."""
-    best, ceiling = sought.outcome.best, math.inf
-    if best:
-        ceiling = best[0].minimised - goal.step(GENERIC_GAIN, best[0].minimised)
-        if scenes_need_cells(sought.problem.scenes, goal):  # no closed form is slow
-            deadline = deadline.at_most(SLOW_S)
+    mission: Mission, catalog: Catalog, goal: Objective, sought: Sought, deadline: Deadline, progress: Progress | None
+) -> Sought:
+    """More parts to be made come second: searched for a gain of 10 %."""
+    best = sought.outcome.best[0].minimised
+    if scenes_need_cells(sought.problem.scenes, goal):  # no closed form is slow
+        deadline = deadline.at_most(SLOW_S)
     return seek(
-        mission, catalog, goal, generic="allow", top=1 if best else top, deadline=deadline, progress=progress,
-        ceiling=ceiling, fineness=sought.problem.fineness, like=sought.problem,
+        mission, catalog, goal, generic="allow", top=1, deadline=deadline, progress=progress,
+        ceiling=best - goal.step(GENERIC_GAIN, best), fineness=sought.problem.fineness, like=sought.problem,
     )  # fmt: skip

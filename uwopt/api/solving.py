@@ -46,7 +46,7 @@ from uwopt.deadline import Deadline, processor_s
 from uwopt.errors import MissionError
 from uwopt.evaluation.breathing import breathing_notes
 from uwopt.evaluation.influences import influences_of
-from uwopt.forward.assembly import Generic, load_catalog
+from uwopt.forward.assembly import load_catalog
 from uwopt.forward.effects import Influence
 from uwopt.mission.as_solved import as_solved
 from uwopt.mission.doubt import CENTRAL
@@ -323,8 +323,8 @@ def infeasible_result(
     from uwopt.solvers.infeasible.why_nothing import why_nothing
 
     used, why = alternative or sought, None
-    with_generic = alternative is not None or mission.catalog.generic == "allow"
-    generic: Generic = "allow" if with_generic else "never"
+    choice = mission.catalog
+    generic = choice.generic_at_first if alternative is None else choice.generic_at_last
     notes, explain = interruption_warnings(used), explain and used.outcome.complete
     spent_s = processor_s() - since_s
     left_s = max(EXPLAIN_S - spent_s, LEAST_EXPLAIN_S, EXPLAIN_SHARE * spent_s)

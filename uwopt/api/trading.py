@@ -28,12 +28,14 @@ from uwopt.api.front_found import (
 )
 from uwopt.api.solving import proven_in_full
 from uwopt.api.timing import timed
-from uwopt.api.yielding import gives_way, yield_notes
+from uwopt.api.yielding import anything, gives_way, yield_notes
 from uwopt.catalog.catalogue import Catalog
+from uwopt.catalog.choose import ToBeMade
+from uwopt.catalog.records import Kind
 from uwopt.deadline import Deadline
 from uwopt.evaluation.design import evaluate_designs
 from uwopt.evaluation.influences import influences_of
-from uwopt.forward.assembly import Generic, build_problem, load_catalog, selected
+from uwopt.forward.assembly import build_problem, load_catalog, selected
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import Yield, with_yields
@@ -51,6 +53,7 @@ from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain.assumptions import assumptions
 from uwopt.solvers.front.designs import few, found_of, objectives_of, picks_of, values_of
 from uwopt.solvers.front.search import FrontSearch
+from uwopt.solvers.made import TO_BE_MADE, fewest_made
 from uwopt.solvers.recommend import hardware_of, part_warnings, with_rounded
 from uwopt.solvers.settable.rounding import given_of
 
@@ -104,10 +107,9 @@ def pareto(
         run = ParetoCall(
             asked, catalog, objectives, axes, solvers, deadline, asked.seed if seed is None else seed, progress
         )
-        policy: Generic = "allow" if asked.catalog.generic == "allow" else "never"
-        sought = run.sought(policy, timing)
+        sought = run.sought(asked.catalog.generic_at_first, timing)
         if asked.catalog.generic == "fallback" and is_empty(sought):
-            sought = run.sought("allow", timing)
+            sought = run.sought(run.made(sought.problem), timing)
         return run, sought
 
     run, sought = searched(wanted)
@@ -173,7 +175,15 @@ class ParetoCall:
         names = [item for item in self.objectives if isinstance(item, str)]
         return Objective(dict.fromkeys(names or ["power"], 1.0))
 
-    def sought(self, generic: Generic, timing: dict[str, float]) -> FrontSearched:
+    def made(self, like: Problem) -> ToBeMade:
+        """The parts to be made that let something fit: of as few kinds as do."""
+
+        def fits(kinds: tuple[Kind, ...]) -> bool:
+            return bool(anything(self.mission, self.catalog, like, self.deadline, kinds).outcome.best)
+
+        return fewest_made(fits) if fits(TO_BE_MADE) else "allow"
+
+    def sought(self, generic: ToBeMade, timing: dict[str, float]) -> FrontSearched:
         """Select, tabulate, search with every solver."""
         with timed(timing, "tables"):
             selection = selected(self.mission, self.catalog, generic=generic)

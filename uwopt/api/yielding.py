@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from uwopt.catalog.catalogue import Catalog
+from uwopt.catalog.choose import ToBeMade
 from uwopt.deadline import Deadline, effort_s
 from uwopt.errors import MissionError
-from uwopt.forward.assembly import Generic, build_problem, load_catalog, selected
+from uwopt.forward.assembly import build_problem, load_catalog, selected
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import SNR_AT, SNR_LESS, YIELDS, Yield, with_yields, yields_of
@@ -65,8 +66,7 @@ def patience_of(deadline: Deadline) -> Deadline:
 def gives_way_alone(mission: Mission, deadline: Deadline) -> tuple[Yield, ...]:
     """As `gives_way`, of a mission that no search is known of."""
     catalog = load_catalog(mission)
-    generic: Generic = "never" if mission.catalog.generic == "never" else "allow"
-    like = build_problem(mission, selected(mission, catalog, generic=generic))
+    like = build_problem(mission, selected(mission, catalog, generic=mission.catalog.generic_at_last))
     return gives_way(mission, catalog, like, deadline).yields
 
 
@@ -86,13 +86,17 @@ def with_least_practice(mission: Mission, catalog: Catalog, like: Problem, deadl
     """Anything that fits where all gives way that may, or that nothing does; None where nothing may give way."""
     lifted = mission.without_gain_cap
     every = yields_of(lifted)
-    return _anything(with_yields(lifted, every), catalog, like, deadline) if every else None
+    return anything(with_yields(lifted, every), catalog, like, deadline) if every else None
 
 
-def _anything(mission: Mission, catalog: Catalog, like: Problem, deadline: Deadline) -> Sought:
-    """A search for anything that fits, of all parts that the mission allows."""
-    generic: Generic = "never" if mission.catalog.generic == "never" else "allow"
-    return seek(mission, catalog, ANY, generic=generic, top=1, deadline=deadline, enough=True, like=like, whole=True)
+def anything(
+    mission: Mission, catalog: Catalog, like: Problem, deadline: Deadline, generic: ToBeMade | None = None
+) -> Sought:
+    """A search for anything that fits, of all parts that the mission allows, unless told which are to be made."""
+    return seek(
+        mission, catalog, ANY, generic=generic or mission.catalog.generic_at_last, top=1, deadline=deadline,
+        enough=True, like=like, whole=True,
+    )  # fmt: skip
 
 
 def _least(lifted: Mission, catalog: Catalog, like: Problem, patience: Deadline) -> GivenWay:
@@ -106,7 +110,7 @@ def _least(lifted: Mission, catalog: Catalog, like: Problem, patience: Deadline)
         weaker = with_yields(lifted, given_way)
         if any(_fits_alone(problem, found, weaker) for problem, found in fitted[:WITNESSES]):
             return True
-        sought = _anything(weaker, catalog, like, patience)
+        sought = anything(weaker, catalog, like, patience)
         fitted[:0] = [(sought.problem, found) for found in sought.outcome.best]
         return bool(sought.outcome.best)
 

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from uwopt.bench.contest import at_most, mission_of, sources_of
 from uwopt.bench.suite import BenchRow, BenchTable, Budget, Suite
+from uwopt.catalog.choose import ToBeMade
 from uwopt.deadline import Deadline
 from uwopt.errors import MissionError
-from uwopt.forward.assembly import Generic, build_problem, load_catalog, selected
+from uwopt.forward.assembly import build_problem, load_catalog, selected
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.objectives.axes import Axes
@@ -33,7 +34,7 @@ LONGEST_RUN_S, SHORTEST_RUN_S = 10.0, 0.5
 EXACT = "exact"
 
 
-def problem_of(mission: Mission, generic: Generic) -> Problem:
+def problem_of(mission: Mission, generic: ToBeMade) -> Problem:
     """Fresh tables of the parts that a mission allows."""
     return build_problem(mission, selected(mission, load_catalog(mission), generic=generic))
 
@@ -71,7 +72,7 @@ def rows_of(
 
 
 def run_exact(
-    case: str, mission: Mission, generic: Generic, longest_s: float = LONGEST_S
+    case: str, mission: Mission, generic: ToBeMade, longest_s: float = LONGEST_S
 ) -> tuple[Front, list[BenchRow]]:
     """The exact front, and how it came about."""
     problem = problem_of(mission, generic)
@@ -88,7 +89,7 @@ def run_exact(
 
 
 def run_population(
-    case: str, mission: Mission, generic: Generic, front: Front, algorithm: str, seed: int, seconds: float
+    case: str, mission: Mission, generic: ToBeMade, front: Front, algorithm: str, seed: int, seconds: float
 ) -> list[BenchRow]:
     """One algorithm with one seed, from tables built to the end of its time."""
     from uwopt.solvers.population.pymoo_front import population_front
@@ -124,10 +125,8 @@ def measure(budget: Budget, algorithms: Sequence[str] | None = None) -> Iterator
         budget.tell(1.0 - left / total, f"{case}: exact front")
         try:
             mission = mission_of(source)
-            kinds: tuple[Generic, ...] = ("never", "allow")
-            if mission.catalog.generic != "fallback":
-                kinds = (mission.catalog.generic,)
-            for generic in kinds:
+            choice = mission.catalog
+            for generic in dict.fromkeys((choice.generic_at_first, choice.generic_at_last)):
                 front, rows = run_exact(case, mission, generic, at_most(LONGEST_S, budget))
                 if len(front.values) or not front.complete:
                     break

@@ -9,7 +9,7 @@ from __future__ import annotations
 import fnmatch
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal, TypeAlias, TypeVar
 
 from uwopt.catalog.catalogue import Catalog, Exclusion, near_names, plain_name, unknown_part
 from uwopt.catalog.interfaces import does_reach
@@ -57,6 +57,9 @@ GLOB_SIGNS = "*?["
 SUPPLIES = {"external": "takes its power from outside", "battery": "has its own battery", "unknown": "supply unknown"}
 
 
+#: Which parts to be made may be used: of no kind, of all, of these kinds, or of a kind of which nothing sold is left.
+ToBeMade: TypeAlias = Literal["fallback", "allow", "never"] | tuple[Kind, ...]
+
 PartT = TypeVar("PartT", bound=Part)
 
 
@@ -71,7 +74,7 @@ class Choice:
     housings: Sequence[str] = ()
     exclude: Sequence[str] = ()
     owned: Sequence[Any] = ()  # {id, quantity}
-    generic: Literal["fallback", "allow", "never"] = "fallback"
+    generic: ToBeMade = "fallback"
     verified: Sequence[str] = ()
     accept_unrated: Sequence[str] = ()
     port_mounts: Sequence[str] = ()
@@ -91,6 +94,7 @@ class Selection:
     counts: dict[Kind, dict[str, int]]  # rule -> parts discarded, in rule order
     warnings: tuple[str, ...]
     owned: dict[str, int]  # id -> pieces that cost nothing
+    generic: ToBeMade = "fallback"  # which parts to be made were let in
 
     @property
     def cameras(self) -> tuple[Camera, ...]:
@@ -165,7 +169,8 @@ def select(
         indices[kind] = tuple(kept)
     counts = {kind: _counts(kind, excluded) for kind in KINDS}
     priced = _with_owned_prices(catalog, owned, camera_count)
-    return Selection(priced, indices, tuple(excluded), counts, tuple(_pattern_warnings(catalog, wish)), owned)
+    warnings = tuple(_pattern_warnings(catalog, wish))
+    return Selection(priced, indices, tuple(excluded), counts, warnings, owned, wish.generic)
 
 
 def matches(pattern: str, part: Part) -> bool:
@@ -342,13 +347,15 @@ def _require_known(part_ids: Iterable[str], catalog: Catalog) -> None:
 
 
 def _without_needless_generic(
-    kind: Kind, parts: Sequence[Part], kept: list[int], rule: str
+    kind: Kind, parts: Sequence[Part], kept: list[int], rule: ToBeMade
 ) -> tuple[list[int], list[Exclusion]]:
-    """Drop generic parts where the mission forbids them, or real parts of the kind are left (`fallback`)."""
+    """Drop generic parts of kinds in which the mission wants none, or has real ones left (`fallback`)."""
     real = [index for index in kept if not parts[index].generic]
-    if rule == "allow" or (rule == "fallback" and not real):
+    if rule == "allow" or kind in rule or (rule == "fallback" and not real):
         return kept, []
-    reason = "generic parts are not wanted" if rule == "never" else f"{len(real)} real parts are left"
+    reason = {
+        "never": "generic parts are not wanted", "fallback": f"{len(real)} real parts are left"
+    }.get(rule if isinstance(rule, str) else "", "what is sold of this kind does")  # fmt: skip
     fallen = [Exclusion(parts[i].id, kind, "generic", reason) for i in kept if parts[i].generic]
     return real, fallen
 

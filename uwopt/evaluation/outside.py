@@ -72,8 +72,8 @@ def other_parts(mission: Mission, catalog: Catalog, system: System) -> Iterator[
         text = f"{', '.join(own)}: written out in the system, so not among the parts that solve searches"
         yield Departure("parts", own[0], text)
     names = [name for name in Choice.__dataclass_fields__ if name != "generic"]
-    generic = "never" if mission.catalog.generic == "never" else "allow"
-    choice = Choice(**{name: getattr(mission.catalog, name) for name in names}, generic=generic)
+    wanted = {name: getattr(mission.catalog, name) for name in names}
+    choice = Choice(**wanted, generic=mission.catalog.generic_at_last)
     vehicle = mission.vehicle
     selection = chosen(
         catalog, choice, required_depth_m=mission.required_depth_m, lamp_supply=vehicle.lamp_supply,

@@ -129,10 +129,10 @@ def searched_problem(mission: Mission, design: Design) -> tuple[Problem, Hardwar
 
     chosen = design.hardware
     wanted = {**{kind: chosen.parts[kind].id for kind in KINDS}, "port": enclosure_id(design)}
-    to_be_made = any(part.generic for part in chosen.parts.values())
-    allow = to_be_made or mission.catalog.generic == "allow"
+    to_be_made, choice = any(part.generic for part in chosen.parts.values()), mission.catalog
     catalog = load_catalog(mission)
-    selection = selected(mission, catalog, generic="allow" if allow else "never")
+    generic = choice.generic_at_last if to_be_made else choice.generic_at_first
+    selection = selected(mission, catalog, generic=generic)
     problem = build_problem(mission, selection)
     rows = (problem.parts.cameras, problem.parts.lenses, problem.parts.ports, problem.parts.lights)
     places = [place_of(part_id, row) for part_id, row in zip(wanted.values(), rows, strict=True)]

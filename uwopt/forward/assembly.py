@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from uwopt.catalog.catalogue import Catalog
-from uwopt.catalog.choose import PATTERN_KEYS, Choice, Selection, matches, select
+from uwopt.catalog.choose import PATTERN_KEYS, Choice, Selection, ToBeMade, matches, select
 from uwopt.catalog.load import load_catalog as _load_catalog
 from uwopt.catalog.parts.light import NO_LAMP
 from uwopt.catalog.records import Port
@@ -54,7 +54,6 @@ def wish(requirements: Requirements, key: str) -> str:
     return str(getattr(requirements, key))
 
 
-Generic = Literal["fallback", "allow", "never"]
 #: Of missions that are tried one after another, most of which choose alike from one catalogue.
 SELECTIONS: Once[Selection] = Once(64)
 
@@ -74,7 +73,7 @@ def chosen(catalog: Catalog, choice: Choice, *, fixed: Fixed | None = None, **as
 
 
 def selected(
-    mission: Mission, catalog: Catalog, *, generic: Generic, depth_m: float | None = None
+    mission: Mission, catalog: Catalog, *, generic: ToBeMade, depth_m: float | None = None
 ) -> Selection:
     """The parts that the mission allows; `depth_m` replaces the depth they must be rated for."""
     names = Choice.__dataclass_fields__

@@ -19,6 +19,9 @@ Refusal = Literal["airy", "skew", "swath", "depth", "lamp", "white_balance"]
 REFUSALS: tuple[str, ...] = get_args(Refusal)
 INTERFACES = ("USB3", "GigE", "2.5GigE", "5GigE", "10GigE", "CSI-2", "Camera Link", "coax", "Ethernet RTSP")
 Target = Literal["floor", "wall", "mid_water"]
+MadeKind = Literal["housing", "port", "light"]  # of which there are classes of parts to be made
+Made = Literal["allow", "never"] | tuple[MadeKind, ...]
+GENERIC = ("fallback", "allow", "never")
 #: Other names of keys of `vehicle`, for what is not a floor.
 OTHER_NAMES = {"distance_m": "altitude_m", "distance_tolerance_m": "altitude_tolerance_m"}
 #: What is looked at, and how far it is, in words.
@@ -147,6 +150,21 @@ def to_interfaces(value: Any) -> Any:
             raise one_of(str(word), INTERFACES)
         found.append(by_name[plain(str(word))])
     return tuple(dict.fromkeys(found))
+
+
+def to_generic(value: Any) -> Any:
+    """Whether parts to be made may be used, or a list of the kinds of which they may."""
+    if not isinstance(value, (list, tuple)):
+        plain = to_choice(value)
+        if plain in GENERIC:
+            return plain
+        value = [value]
+    kinds = get_args(MadeKind)
+    for item in value:
+        if to_choice(item) not in kinds:
+            raise one_of(str(item), GENERIC, f"or list some of {', '.join(kinds)}, of which parts may be made")
+    asked = [to_choice(item) for item in value]
+    return tuple(kind for kind in kinds if kind in asked) or "never"
 
 
 def to_currency_code(value: Any) -> str:

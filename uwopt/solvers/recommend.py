@@ -13,13 +13,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from uwopt.catalog.catalogue import Catalog
-from uwopt.catalog.choose import Selection
+from uwopt.catalog.choose import Selection, ToBeMade
 from uwopt.catalog.compatibility import explain_pair
 from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import SolverError
 from uwopt.evaluation.design import evaluate_design
 from uwopt.evaluation.leaning import TILT_RESERVE, settings_of, tilt_notes
-from uwopt.forward.assembly import Generic, build_problem, selected, wish
+from uwopt.forward.assembly import build_problem, selected, wish
 from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
 from uwopt.forward.setting_rows import SceneRows
@@ -54,7 +54,7 @@ class Sought:
 
 
 def seek(
-    mission: Mission, catalog: Catalog, objective: Objective, *, generic: Generic, top: int,
+    mission: Mission, catalog: Catalog, objective: Objective, *, generic: ToBeMade, top: int,
     deadline: Deadline = NEVER, progress: Progress | None = None, ceiling: float = math.inf,
     depth_m: float | None = None, fineness: Fineness = DEFAULT, like: Problem | None = None,
     enough: bool = False, imagers: Imagers | None = None, most_in_vain: float = math.inf, whole: bool = False,

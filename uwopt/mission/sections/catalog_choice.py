@@ -55,8 +55,11 @@ class CatalogChoice(Section):
     owned: Annotated[tuple[OwnedPart, ...], BeforeValidator(words.to_owned)] = Field(
         default=(), description="list of parts already there, each {id, quantity}"
     )
-    generic: Annotated[Literal["fallback", "allow", "never"], CHOICE] = Field(
-        default="fallback", description="use of generic parts, which no shop sells: fallback, allow or never"
+    generic: Annotated[Literal["fallback"] | words.Made, BeforeValidator(words.to_generic)] = Field(
+        default="fallback",
+        description="use of generic parts, which no shop sells as such and which have to be made: fallback takes those "
+        "of as few kinds as let something fit, lamps last; allow, never, or a list of the kinds that may be made: "
+        "housing, port, light",
     )
     verified: Annotated[tuple[str, ...], BeforeValidator(words.to_part_fields)] = Field(
         default=(), description="list of part fields that must come from a source, such as price"
@@ -111,3 +114,13 @@ class CatalogChoice(Section):
     extras: tuple[Extra, ...] = Field(
         default=(), description="list of items added to every system: {name, cost, mass_kg, power_w}"
     )
+
+    @property
+    def generic_at_first(self) -> words.Made:
+        """The parts to be made that a search may use at first: none where they only step in."""
+        return "never" if self.generic == "fallback" else self.generic
+
+    @property
+    def generic_at_last(self) -> words.Made:
+        """The parts to be made that may be used where nothing else does."""
+        return "allow" if self.generic == "fallback" else self.generic

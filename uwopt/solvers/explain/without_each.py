@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from uwopt.catalog.choose import ToBeMade
 from uwopt.deadline import Deadline
-from uwopt.forward.assembly import Generic
 from uwopt.mission.weakened import RELAXABLE, without
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.explain.prices import SAME_REL
@@ -20,7 +20,7 @@ TURN = 0.4  # of the time left: what one search may take of it
 
 
 def without_each(
-    sought: Sought, goal: Objective, keys: Sequence[str], generic: Generic, deadline: Deadline
+    sought: Sought, goal: Objective, keys: Sequence[str], generic: ToBeMade, deadline: Deadline
 ) -> Iterator[tuple[str, float]]:
     """Requirements by their keys, and the objective as it is reported of the best system without each, as time allows.
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from uwopt.catalog.catalogue import Catalog
+from uwopt.catalog.choose import ToBeMade
 from uwopt.deadline import Deadline
 from uwopt.evaluation.design import evaluate_design
-from uwopt.forward.assembly import Generic
 from uwopt.forward.designs import Hardware
 from uwopt.mission.mission import Mission
 from uwopt.mission.weakened import RELAXABLE
@@ -43,7 +43,7 @@ def deepest(
     catalog: Catalog,
     goal: Objective,
     *,
-    generic: Generic,
+    generic: ToBeMade,
     deadline: Deadline,
 ) -> Sought:
     """Of designs whose parts are not rated deep enough, one whose are rated deepest."""

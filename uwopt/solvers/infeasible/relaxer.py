@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.catalog.catalogue import Catalog
-from uwopt.catalog.choose import Selection
+from uwopt.catalog.choose import Selection, ToBeMade
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError
-from uwopt.forward.assembly import Generic, build_problem, selected
+from uwopt.forward.assembly import build_problem, selected
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
@@ -55,7 +55,7 @@ ANY = Objective.of("power")  # where any design that fits will do: by no other o
 class Relaxer:
     """One mission's searches without this or that requirement."""
 
-    def __init__(self, mission: Mission, catalog: Catalog, generic: Generic, like: Sought | None = None):
+    def __init__(self, mission: Mission, catalog: Catalog, generic: ToBeMade, like: Sought | None = None):
         """`like`: the search that found nothing, whose parts, light and imagers are known."""
         self.mission, self.catalog, self.generic, self.like = mission, catalog, generic, like
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from uwopt.catalog.catalogue import Catalog
+from uwopt.catalog.choose import ToBeMade
 from uwopt.deadline import NEVER, Deadline
-from uwopt.forward.assembly import Generic
 from uwopt.mission.mission import Mission
 from uwopt.mission.weakened import RELAXABLE, asked_value, is_filled_in, with_limit, without
 from uwopt.objectives.objective import Objective
@@ -35,7 +35,7 @@ class Trials:
     mission: Mission
     catalog: Catalog
     objective: Objective
-    generic: Generic
+    generic: ToBeMade
     deadline: Deadline = NEVER
     progress: Progress | None = None
     like: Sought | None = None

@@ -15,10 +15,10 @@ from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
-from uwopt.catalog.choose import Selection
+from uwopt.catalog.choose import Selection, ToBeMade
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.errors import SolverError
-from uwopt.forward.assembly import Generic, build_problem, load_catalog, selected
+from uwopt.forward.assembly import build_problem, load_catalog, selected
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import SceneOptics
 from uwopt.mission.mission import Mission
@@ -29,6 +29,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.imagers import Imagers, enumerate_imagers, fitting_pairs
 from uwopt.solvers.exact.ranking import Found, comes_before
 from uwopt.solvers.exact.search import Search, are_too_many
+from uwopt.solvers.made import fewest_made
 from uwopt.solvers.recommend import Sought
 from uwopt.solvers.settings.best import scenes_need_cells
 from uwopt.solvers.warm.kept import KeptBounds, least_of_designs, least_of_nodes, some_nodes
@@ -40,7 +41,7 @@ LEAST_GUESS, MOST_GUESS = 0.02, 0.15  # by which share the optimum is worse than
 FIRST = 500  # nodes that are searched first where no weaker mission is known to be met
 MANY = 50_000  # nodes to search where nothing is known to fit: worth a closer look at the last mission that was met
 WORTH_BOUNDING = 1000  # nodes that had to be searched: few of them are left once they are bounded at this mission
-MOST_FAMILIES = 6  # whose bounds are kept: up to 10 MB each
+MOST_FAMILIES = 12  # whose bounds are kept: up to 10 MB each
 MOST_BOUNDS = 12  # of one family
 MOST_SHOWN = 64  # values of a family that what is proven is held against
 MOST_SCENES = 8  # problems that are remembered for the light of their scenes
@@ -66,13 +67,13 @@ class WarmStage:
 
     mission: Mission
     asks: Asking
-    generic: Generic
+    generic: ToBeMade
     capped: bool
     selection: Selection
 
     def answer(self, sought: Sought | None, *, kept: bool) -> WarmAnswer:
         """What a search in this stage has found."""
-        by = self.generic == "allow", self.capped, kept
+        by = self.generic != "never", self.capped, kept
         if sought is None:
             return WarmAnswer(None, None, True, math.inf, *by)
         outcome = sought.outcome
@@ -134,7 +135,7 @@ class Warm:
 
     def __init__(self, deadline: Deadline = NEVER):
         self.deadline = deadline
-        self.families: dict[tuple[str, Generic], Family] = {}
+        self.families: dict[tuple[str, ToBeMade], Family] = {}
         self.asked: dict[str, list[tuple[Asking, Mission]]] = {}
         self.selections: dict[Any, Selection] = {}
         self.winners: list[PartIds] = []
@@ -161,18 +162,30 @@ class Warm:
 
     def _first_stage(self, mission: Mission, search: Callable[[WarmStage], WarmAnswer]) -> WarmAnswer:
         """The answer of the first stage in which something fits, or in which that is not known."""
-        policy, answer = mission.catalog.generic, None
-        stages: list[Generic] = ["never", "allow"] if policy == "fallback" else [policy]
         lifted = mission.without_gain_cap
-        for wanted in (mission,) if lifted is mission else (mission, lifted):
-            asks = Asking.of(wanted)
-            for generic in stages:
-                stage = WarmStage(wanted, asks, generic, wanted is mission, self._selected(wanted, asks, generic))
-                answer = search(stage)
-                if answer.found is not None or not answer.complete:
-                    return answer
-        assert answer is not None
+        answer = self._with_fewest_made(mission, search, capped=True)
+        if answer.found is None and answer.complete and lifted is not mission:
+            return self._with_fewest_made(lifted, search, capped=False)
         return answer
+
+    def _with_fewest_made(
+        self, mission: Mission, search: Callable[[WarmStage], WarmAnswer], *, capped: bool
+    ) -> WarmAnswer:
+        """The answer with the parts to be made that the mission lets in at first, else with those of fewest kinds."""
+        asks, choice = Asking.of(mission), mission.catalog
+        answers: dict[ToBeMade, WarmAnswer] = {}
+
+        def is_met(generic: ToBeMade) -> bool:
+            """Whether something is known to fit with these."""
+            selection = self._selected(mission, asks, generic)
+            answers[generic] = search(WarmStage(mission, asks, generic, capped, selection))
+            return answers[generic].found is not None
+
+        first, last = choice.generic_at_first, choice.generic_at_last
+        if is_met(first) or first == last or not answers[first].complete:
+            return answers[first]
+        kinds = fewest_made(is_met) if is_met(last) else last
+        return answers.get(kinds, answers[last])  # of all kinds, that is the last
 
     def _in_stage(self, stage: WarmStage, *, ahead: bool) -> WarmAnswer:
         """The optimum with parts to be made or without, with the cap of gain or without."""
@@ -210,8 +223,8 @@ class Warm:
         asks, search = Asking.of(mission), sought.search
         if not outcome.complete or search.every_imager is None or search.only:
             return
-        policies: tuple[Generic, ...] = ("never", "allow")
-        for generic in policies:
+        policies: tuple[ToBeMade, ...] = (sought.selection.generic, "allow")
+        for generic in dict.fromkeys(policies):
             selection = self._selected(mission, asks, generic)
             if selection.indices == sought.selection.indices:
                 family = self._family(WarmStage(mission, asks, generic, True, selection))
@@ -394,7 +407,7 @@ class Warm:
             del self.families[next(iter(self.families))]
         return made
 
-    def _selected(self, mission: Mission, asks: Asking, generic: Generic) -> Selection:
+    def _selected(self, mission: Mission, asks: Asking, generic: ToBeMade) -> Selection:
         """The parts that a mission allows, chosen once for missions that ask for the same of parts alone."""
         key = asks.family, generic, mission.required_depth_m, mission.vehicle.duration_h
         if key not in self.selections:

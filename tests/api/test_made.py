@@ -1,0 +1,79 @@
+"""Parts to be made where nothing that is sold does: of as few kinds as let something fit."""
+
+from __future__ import annotations
+
+from itertools import chain, combinations
+from typing import Any
+
+import pytest
+
+import uwopt
+from uwopt.errors import MissionError
+from uwopt.forward.assembly import load_catalog
+from uwopt.mission.mission import load_mission
+from uwopt.objectives.goal import goal_of
+from uwopt.solvers.recommend import seek
+from uwopt.solvers.warm.searches import Warm
+
+KINDS = ("housing", "port", "light")
+DOME = "blue-robotics-4-in-dome-aluminium-ring-2026"  # rated to 1000 m
+
+
+def survey(**catalog: Any) -> dict[str, Any]:
+    """A survey at 1000 m: no lamp that is sold gives light enough, and a port is sold for that depth."""
+    return {
+        "practice": "bare", "physics": "paper", "scene": {"water": "IB", "seafloor": 0.2, "depth_m": 1000},
+        "vehicle": {"altitude_m": 3.0, "speed_m_s": 0.7, "light_count": [1, 4], "light_baseline_m": 1.0},
+        "requirements": {
+            "overlap": 0.43, "max_blur_px": 1.0, "min_dof_m": 1.0, "min_snr_db": 25, "max_gsd_mm": 1.2,
+            "min_swath_m": 1.6, "mean_level": 0.3,
+        },
+        "catalog": {
+            "cameras": ["avt-alvium-1800-c-234m"], "lenses": ["thorlabs-mvl16m1", "raspberry-pi-16*"],
+            "ports": [DOME, "generic-dome-*"], **catalog,
+        },
+    }  # fmt: skip
+
+
+def best_with(kinds: tuple[str, ...]) -> float | None:
+    """The optimum with parts to be made of some kinds; None where nothing fits."""
+    mission = load_mission(survey())
+    best = seek(mission, load_catalog(mission), goal_of(mission), generic=kinds, top=1).outcome.best  # type: ignore[arg-type]
+    return best[0].minimised if best else None
+
+
+def test_a_port_that_is_sold_stays_where_only_lamps_have_to_be_made() -> None:
+    every = {kinds: best_with(kinds) for size in range(4) for kinds in combinations(KINDS, size)}
+    fits = {kinds for kinds, best in every.items() if best is not None}
+    assert () not in fits and ("port",) not in fits and ("light",) in fits
+    whole, some = every[KINDS], every["light",]
+    assert whole is not None and some is not None and whole < some  # a dome to be made would be a little better
+    result = uwopt.solve(survey(), confidence="central", quick=True, top=1)
+    assert result.best is not None
+    made = {kind for kind, part in result.best.hardware.parts.items() if part.generic}
+    assert made == {"light"}
+    assert result.best.objective_value == pytest.approx(some, rel=1e-9)
+    assert result.certificate.adds_up()
+    assert Warm().best(load_mission(survey())).lower_bound == pytest.approx(some, rel=1e-9)
+    front = uwopt.pareto(survey(), objectives=["power", "cost"], solver="exact")
+    assert {part.generic for point in front.points for kind, part in point.design.hardware.parts.items()
+            if kind == "port"} == {False}  # fmt: skip
+
+
+def test_kinds_that_may_be_made_can_be_listed() -> None:
+    for kinds in chain.from_iterable(combinations(KINDS, size) for size in (1, 2)):
+        asked = uwopt.solve(survey(generic=list(kinds)), confidence="central", quick=True, top=1, explain=False)
+        expected = best_with(kinds)
+        assert (asked.best is None) == (expected is None)
+        if asked.best is not None:
+            assert asked.best.objective_value == pytest.approx(expected, rel=1e-9)
+    assert load_mission(survey(generic="Light")).catalog.generic == ("light",)
+    assert load_mission(survey(generic=[])).catalog.generic == "never"
+    again = load_mission(load_mission(survey(generic=["port", "housing"])).to_dict()).catalog.generic
+    assert again == ("housing", "port")
+
+
+@pytest.mark.parametrize(("given", "said"), [("lamp", "fallback, allow, never"), (["camera"], "housing, port, light")])
+def test_a_kind_that_nobody_makes_is_refused(given: Any, said: str) -> None:
+    with pytest.raises(MissionError, match=said):
+        load_mission(survey(generic=given))
