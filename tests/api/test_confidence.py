@@ -12,6 +12,7 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
+import yaml
 from thorough import THOROUGH
 
 import uwopt
@@ -25,6 +26,7 @@ from uwopt.objectives.goal import goal_of
 from uwopt.report.text.certainty import facts, held_text, percent
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.short import short_text_blocks
+from uwopt.report.write import system_yaml
 from uwopt.results.certainty import Surest
 from uwopt.results.result import Result
 from uwopt.solvers import beside
@@ -217,6 +219,20 @@ def test_a_given_focus_counts(monkeypatch: pytest.MonkeyPatch) -> None:
         known[focus_m] = result.confidence
     assert known[2.0].held == pytest.approx(known[None].held, abs=0.01)
     assert known[0.5].held == 0.0 and known[0.5].lost_to[0].requirement == "min_dof_m"
+
+
+def test_what_is_best_by_central_numbers_alone_is_counted_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where nothing that was counted fits by central numbers, what does is told with its share, as by `evaluate`."""
+    monkeypatch.setattr(certainty, "chosen", lambda *_: None)
+    monkeypatch.setattr(certainty, "OF_A_SYSTEM", 512)
+    tank = load_mission(TANK)
+    wanted = tank.with_changes(catalog=tank.to_dict()["catalog"] | FEW, doubt={"scenarios": 32})
+    result = uwopt.solve(wanted, confidence=0.9, quick=True)
+    assert result.confidence is not None and result.best is not None
+    assert certainty.AS_CENTRAL in [warning.code for warning in result.best.warnings]
+    alone = uwopt.evaluate(wanted, yaml.safe_load(system_yaml(result)), confidence=0.9).confidence
+    assert alone is not None and result.confidence.held == pytest.approx(alone.held, abs=1e-12)
+    assert result_status(result) == (0 if result.confidence.enough else 3)
 
 
 STROBED: dict[str, Any] = {

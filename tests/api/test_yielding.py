@@ -162,6 +162,14 @@ def test_an_explanation_tells_of_good_practice_in_full() -> None:
     assert result.status == "infeasible"
 
 
+def test_a_white_balance_of_its_own_keeps_a_mission_from_yielding_that_of_practice() -> None:
+    mission = survey(20.0)
+    del mission["requirements"]["refuse"]
+    for own, may in (({}, True), ({"max_white_balance": 3.0}, False)):
+        asked = load_mission(mission | {"requirements": mission["requirements"] | own})
+        assert ("refuse" in {one.key for one in yields_of(asked)}) == may
+
+
 def test_bare_missions_have_nothing_that_gives_way() -> None:
     assert yields_of(load_mission(survey(20.0) | {"practice": "bare"})) == ()
 
@@ -203,9 +211,13 @@ def test_who_waits_is_told_what_for() -> None:
 
 
 def over_frame(min_snr_db: float, **asked: Any) -> dict[str, Any]:
-    """A survey in all physics of which an SNR is asked over the frame, and nothing is kept in hand."""
+    """A survey in all physics of which an SNR is asked over the frame, and nothing is kept in hand.
+
+    Practice asks it, unless `asked` says more of it: then the mission itself does.
+    """
     mission = survey(min_snr_db, snr_db=0.0, blur=0.0, swath=0.0, dof=0.0) | {"physics": "full"}
-    return mission | {"requirements": mission["requirements"] | {"snr_at": "worst"} | asked}
+    del mission["requirements"]["snr_at"]
+    return mission | {"requirements": mission["requirements"] | ({"snr_at": "worst"} | asked if asked else {})}
 
 
 @cache
@@ -245,6 +257,20 @@ def test_the_frame_gives_way_though_one_scene_asks_of_its_mean() -> None:
     scene = mission.pop("scene")
     mission["scenes"] = [scene | {"name": "mosaic"}, scene | {"name": "look", "snr_at": "mean"}]
     assert given_way(uwopt.solve(mission, top=1, quick=True)) == ["requirements.snr_at_less_db"]
+
+
+@pytest.mark.usefixtures("unexplained")
+@pytest.mark.parametrize("key", ["snr_db", "blur"])
+def test_what_a_mission_says_itself_never_gives_way(key: str) -> None:
+    """A reserve that is written down holds, though practice has the same; another one yields as ever."""
+    kept = {"snr_db": 3.0, "blur": 0.2}[key]
+    asked = survey(brightest_db() - 1.0, **{key: kept})
+    result = uwopt.solve(asked, top=1, quick=True)
+    assert given_way(result) == ([] if key == "snr_db" else ["reserve.snr_db"])
+    assert (result.status == "infeasible") == (key == "snr_db")
+    assert load_mission(asked).with_changes(seed=1).stated >= {f"reserve.{key}", "requirements.min_snr_db"}
+    (point, *_) = uwopt.whatif(asked, {"speed_m_s": [0.3, 0.2]}).points
+    assert (point.status == "infeasible") == (key == "snr_db")
 
 
 @pytest.mark.usefixtures("unexplained")
@@ -331,8 +357,9 @@ def test_what_is_varied_gives_way_at_no_point_and_full_practice_is_told_where_no
 
 
 def test_a_sweep_says_which_practice_it_holds_where_nothing_fits(tmp_path: Path) -> None:
-    mission = survey(round(brightest_db() - 1.0, 2))
-    made = uwopt.sweep(mission, {"reserve.snr_db": [3.0, 0.0]}, out=tmp_path, kits=0, workers=1)
+    asked_db = brightest_db() - 1.0  # 1 dB is there, 3 dB are to be kept
+    varied = {"min_snr_db": [round(asked_db, 2), round(asked_db - 3.0, 2)]}
+    made = uwopt.sweep(survey(asked_db), varied, out=tmp_path, kits=0, workers=1)
     assert made.counts == {"infeasible": 1, "optimal": 1}
     (note,) = (note for note in made.warnings if note.code == "practice_held")
     assert "in 1 of 2 missions nothing fits with it" in note.message and "reserve.snr_db" in note.message

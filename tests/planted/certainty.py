@@ -13,6 +13,20 @@ BANDS = "tests/solvers/test_own_bands.py::test_each_camera_sees_what_it_sees_ove
 
 DEFECTS = (
     Defect(
+        name="practice that a mission writes down gives way",
+        file="uwopt/mission/yielding.py",
+        old=" and not _of_whom(one) & mission.stated",
+        new="",
+        test="tests/api/test_yielding.py::test_what_a_mission_says_itself_never_gives_way[snr_db]",
+    ),
+    Defect(
+        name="what is best by central numbers is not counted where the choice fails",
+        file="uwopt/api/certainty.py",
+        old="lambda: confidence_of(problem, hardware_of(found), goal, asked, given, design, deadline), None,",
+        new="lambda: None, None,",
+        test="tests/api/test_confidence.py::test_what_is_best_by_central_numbers_alone_is_counted_all_the_same",
+    ),
+    Defect(
         name="practice gives way for what cannot be set",
         file="uwopt/solvers/confidence/deciding.py",
         old="        if at_its_stop(alone, objective, replace(one, stop=int(stop))) is not None:\n",

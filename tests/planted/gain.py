@@ -74,9 +74,9 @@ DEFECTS = (
     Defect(
         name="good practice gives way though a mission says otherwise",
         file="uwopt/mission/yielding.py",
-        old="if is_wanted(mission.practice) and _is_kept(mission, one))",
-        new="if is_wanted(mission.practice))",
-        test=f"{YIELDING}::test_what_a_mission_says_itself_does_not_give_way",
+        old="_is_kept(mission, one) and ",
+        new="",
+        test=f"{YIELDING}::test_a_white_balance_of_its_own_keeps_a_mission_from_yielding_that_of_practice",
     ),
     Defect(
         name="all of good practice gives way where one key is enough",

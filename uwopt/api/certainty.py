@@ -11,8 +11,9 @@ import numpy as np
 
 from uwopt.api.common import Progress
 from uwopt.api.counting import CERTAINTY_S, Counts, counts_of
-from uwopt.api.timing import timed
+from uwopt.api.timing import STAGES, timed
 from uwopt.deadline import NEVER, Deadline, effort_s
+from uwopt.evaluation.leaning import settings_of
 from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
 from uwopt.forward.problem import Problem
@@ -36,7 +37,7 @@ from uwopt.solvers.confidence.summary import told
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.recommend import Sought, best_settable, design_of
+from uwopt.solvers.recommend import Sought, best_settable, design_of, hardware_of
 
 MADE_IS_SURER = "made_is_surer"  # code of the warning that parts to be made hold as often as asked, sold ones not
 NOT_CERTAIN = "not_certain"  # code of the warning that nothing holds as often as asked
@@ -83,7 +84,7 @@ def with_confidence(
         with timed(timing, "certainty", progress):
             certain = chosen(sought.problem, goal, counts.seen, patience, report)
     if counts is None or certain is None:
-        return as_central(sold, winner, goal, deadline, patience)
+        return as_central(sold, winner, goal, deadline, patience, counts)
     with timed(timing, "certainty", progress):
         certain, design = as_settable(sought, certain, goal, deadline)
         if not design.is_settable:
@@ -114,15 +115,27 @@ def with_note(design: Design, note: Note) -> Design:
 
 
 def as_central(
-    sought: Sought, winner: Design | None, goal: Objective, deadline: Deadline, patience: Deadline
-) -> Recommended:
-    """The best by central numbers, where none was counted that fits by them."""
+    sought: Sought, winner: Design | None, goal: Objective, deadline: Deadline, patience: Deadline,
+    counts: Counts | None,
+) -> Recommended:  # fmt: skip
+    """The best by central numbers, where none was counted that fits by them, and in how many scenarios it holds."""
     why = "no time was left to count scenarios" if patience.left_out else "no stop that was counted fits by them"
     text = f"this is the best by central numbers, which alone are held: {why}"
     proven = sought.outcome
     if winner is None:
         sought, winner = best_settable(sought, goal, deadline)
-    return Recommended(sought, proven, with_note(winner, Note(AS_CENTRAL, "confidence", text)), None, False)
+    design, found = winner, sought.outcome.best[0]
+    problem, first = sought.problem.with_mount(found.lighting.mount), winner.scenes[0]
+    asked, given = problem.mission.confidence, settings_of(first.settings_to_set or first.settings)
+    counted = deadline.within(
+        STAGES["certainty"],
+        lambda: confidence_of(problem, hardware_of(found), goal, asked, given, design, deadline), None,
+    )  # fmt: skip
+    if counted is None:
+        counts = None  # no more is asked of them
+    else:
+        text += f"; it holds in {100.0 * counted.held:.0f} % of the scenarios"
+    return Recommended(sought, proven, with_note(winner, Note(AS_CENTRAL, "confidence", text)), counted, False, counts)
 
 
 def as_settable(sought: Sought, certain: Certain, goal: Objective, deadline: Deadline) -> tuple[Certain, Design]:

@@ -4,7 +4,7 @@
 every fault. Units are those of the keys; converting to SI is the caller's step into the model.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -108,6 +108,7 @@ class Mission(WholeFile):
     )
 
     _source_name: str = PrivateAttr(default="mission")
+    _stated: frozenset[str] = PrivateAttr(default=frozenset())
 
     @model_validator(mode="before")
     @classmethod
@@ -192,10 +193,20 @@ class Mission(WholeFile):
         document = Document(
             self._source_name, {**given, **changes}, base_dir=self._base_dir, text=self._source_text
         )
-        made = placed(_checked(document), document)
+        made = placed(_checked(document), document).stating(self.stated)
         if not {"vehicle", "practice"} & changes.keys():  # what its file states binds a system, defaults do not
             made.__dict__["vehicle"] = self.vehicle
         return made
+
+    @property
+    def stated(self) -> frozenset[str]:
+        """What is asked of images and kept in hand by the mission's own words, not by practice: section.key."""
+        return self._stated
+
+    def stating(self, stated: Iterable[str]) -> "Mission":
+        """This mission, as one whose own words are these."""
+        self._stated = frozenset(stated)
+        return self
 
     @property
     def without_gain_cap(self) -> "Mission":
@@ -239,7 +250,12 @@ def load_mission(
     if isinstance(source, Mission):
         return source
     document = read_document(source, "mission")
-    return placed(_checked(document), document, base_dir)
+    made = placed(_checked(document), document, base_dir)
+    own = {name: document.data.get(name) for name in ("requirements", "reserve")}
+    return made.stating(
+        f"{name}.{key}" for name, keys in own.items() if isinstance(keys, Mapping)
+        for key, value in keys.items() if value is not None
+    )  # fmt: skip
 
 
 def sections() -> dict[str, type[Section]]:

@@ -79,14 +79,15 @@ class VariedMission:
         for varied, value in values.items():
             for place in self._places(data, varied):
                 set_key(place, varied.name, value)
-        return self._made(data)
+        own = {f"{varied.section}.{varied.name}" for varied in values}
+        return self._made(data).stating(self.base.stated | own)
 
     def scaled(self, varied: Varied, factor: float) -> Mission:
         """The mission with a key times a factor wherever it stands."""
         data = deepcopy(self.data)
         for place in self._stated(data, varied):
             place[varied.name] = rounded(float(place[varied.name]) * factor)
-        return self._made(data)
+        return self._made(data).stating(self.base.stated)
 
     def stated_numbers(self) -> Iterator[Varied]:
         """Keys that the mission itself states as one number other than 0, those that count pieces left out."""

@@ -69,8 +69,16 @@ YIELDS: tuple[Yield, ...] = (
 
 
 def yields_of(mission: Mission) -> tuple[Yield, ...]:
-    """What may give way in a mission, the first to do so first: where good practice is wanted, what is as it has it."""
-    return tuple(one for one in YIELDS if is_wanted(mission.practice) and _is_kept(mission, one))
+    """What may give way in a mission, first what does so first: what good practice has filled in, if it is wanted."""
+    return tuple(
+        one for one in YIELDS
+        if is_wanted(mission.practice) and _is_kept(mission, one) and not _of_whom(one) & mission.stated
+    )  # fmt: skip
+
+
+def _of_whom(one: Yield) -> set[str]:
+    """The keys by which a mission says itself what else good practice does."""
+    return {one.path, f"requirements.{SNR_AT}"} if one.key == SNR_LESS else {one.path}
 
 
 def _is_kept(mission: Mission, one: Yield) -> bool:
