@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
@@ -14,8 +14,8 @@ import yaml
 from thorough import drawn
 
 import uwopt
+from uwopt.api import solving, yielding
 from uwopt.api import whatif as api_whatif
-from uwopt.api import yielding
 from uwopt.api.choosing import surer
 from uwopt.api.risks import risks_of
 from uwopt.api.whatif import Work, full_practice_notes
@@ -409,6 +409,20 @@ def test_explain_says_that_solve_has_a_system_with_less_of_good_practice(unexpla
     assert isinstance(first, Block) and "uwopt solve lets some of it give way" in " ".join(map(str, first.lines))
     never = uwopt.solve(survey(asked_db + 10.0), top=1, quick=True, every_price=True)
     assert PRACTICE_WOULD_YIELD not in [note.code for note in never.warnings]
+
+
+def test_explain_says_where_it_does_not_know_whether_less_of_practice_would_do(monkeypatch, unexplained):
+    honest = solving.with_least_practice
+
+    def in_no_time(*given: Any) -> Any:
+        made = honest(*given)
+        return replace(made, outcome=replace(made.outcome, best=[], complete=False))
+
+    monkeypatch.setattr(solving, "with_least_practice", in_no_time)
+    explained = uwopt.solve(survey(round(brightest_db() - 1.0, 2)), top=1, quick=True, every_price=True)
+    first = next(explanation_blocks(explained))
+    assert isinstance(first, Block) and "is not known in this time" in " ".join(map(str, first.lines))
+    assert explained.mission["reserve"]["snr_db"] == 3.0  # all of practice is explained
 
 
 @pytest.mark.parametrize("every_price", [False, True], ids=["solve", "explain"])

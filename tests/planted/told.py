@@ -6,6 +6,17 @@ from planted.defect import Defect
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="exact numbers are given as settings to type in", file="uwopt/report/text/short.py",
+        old="if design.rounded is None or not design.is_settable:", new="if not design.is_settable:",
+        test="tests/report/test_short.py::test_settings_that_were_not_rounded_are_no_settings_to_type_in",
+    ),
+    Defect(
+        name="an explanation keeps to itself that practice was not asked to yield", file="uwopt/report/text/explanation.py",
+        old="OF_PRACTICE = (PRACTICE_WOULD_YIELD, PRACTICE_IN_VAIN, PRACTICE_UNTRIED)",
+        new="OF_PRACTICE = (PRACTICE_WOULD_YIELD, PRACTICE_IN_VAIN)",
+        test="tests/api/test_yielding.py::test_explain_says_where_it_does_not_know_whether_less_of_practice_would_do",
+    ),
+    Defect(
         name="what was left out for want of time is not on the page", file="uwopt/report/text/short.py",
         old='CUT_SHORT = ("time", "interrupted")', new='CUT_SHORT = ("interrupted",)',
         test="tests/report/test_short.py::test_what_was_left_out_for_want_of_time_stands_on_the_page",

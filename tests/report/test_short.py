@@ -56,6 +56,13 @@ def doubtful(make_result: Make) -> Result:
     return with_risks(replace(made, robustness=doubt))
 
 
+def test_settings_that_were_not_rounded_are_no_settings_to_type_in(doubtful: Result) -> None:
+    assert doubtful.best is not None and "not settings to type in" not in text_of(doubtful)
+    exact = replace(doubtful, recommendation=replace(doubtful.best, rounded=None))
+    assert "These are exact values, not settings to type in: for these no time was left" in text_of(exact)
+    assert "not settings to type in" not in text_of(replace(exact, command="evaluate"))  # as the user has set them
+
+
 def test_page_has_its_five_sections_in_their_order(doubtful: Result) -> None:
     text = text_of(doubtful)
     heads = ["Buy", "Set", "What it costs", "The three greatest risks", "Measure or quote first", "--full"]

@@ -336,9 +336,9 @@ def infeasible_result(
                 weakest = with_least_practice(mission, catalog, used.problem, turn)
         except KeyboardInterrupt:
             explain, notes = False, cut_warnings(NOT_TRIED)
-    if explain and weakest is not None and (weakest.outcome.best or weakest.outcome.complete):
+    if explain and weakest is not None:
         notes = [*notes, less_practice_note(weakest)]
-        if not weakest.outcome.best:
+        if weakest.outcome.complete and not weakest.outcome.best:
             used, mission = weakest, with_yields(mission, yields_of(mission))
             result = replace(result, mission=mission.to_dict())
     proof = certificate(used.selection, used.problem, used.outcome, goal)

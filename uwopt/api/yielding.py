@@ -16,7 +16,14 @@ from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import SNR_AT, SNR_LESS, YIELDS, Yield, with_yields, yields_of
 from uwopt.objectives.objective import Objective
-from uwopt.results.design import PRACTICE_IN_VAIN, PRACTICE_WOULD_YIELD, PRACTICE_YIELDS, Design, Note
+from uwopt.results.design import (
+    PRACTICE_IN_VAIN,
+    PRACTICE_UNTRIED,
+    PRACTICE_WOULD_YIELD,
+    PRACTICE_YIELDS,
+    Design,
+    Note,
+)
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.infeasible.relaxer import ANY
 from uwopt.solvers.one_hardware import best_of, problem_of
@@ -211,10 +218,16 @@ def _in_order(given_way: Collection[Yield], more: Collection[Yield]) -> tuple[Yi
 
 
 def less_practice_note(weakest: Sought) -> Note:
-    """That something fits where all of good practice gives way that may, or that even so nothing does."""
+    """That something fits where all of good practice gives way that may, that even so nothing does, or neither."""
     if weakest.outcome.best:
         text = "with less than all of good practice something fits: uwopt solve lets some of it give way, and says what"
         return Note(PRACTICE_WOULD_YIELD, "practice", text)
+    if not weakest.outcome.complete:
+        text = (
+            "whether something fits with less of good practice is not known in this time: what would help is told of "
+            "the mission with all of it, and uwopt solve may answer with less of it"
+        )
+        return Note(PRACTICE_UNTRIED, "practice", text)
     text = (
         "nothing fits even with as little of good practice as may be; what would help is told of the mission with so "
         "little of it, and of what then fits uwopt solve keeps as much of it as it can"

@@ -22,6 +22,7 @@ from uwopt.report.card.blocks import (
     end_text,
     settings_card,
     short_text,
+    work_rows,
 )
 from uwopt.report.card.page import card_html
 from uwopt.report.card.water import change_text
@@ -119,6 +120,9 @@ def test_the_day_s_work_is_that_of_an_hour(card: SettingsCard, result: Result) -
     assert told["data in an hour"] == [f"{3.6 * rate:.1f} GB"]
     power = result.best.totals.power_w
     assert told["hours from 100 Wh"] == [f"{100 / power:.1f} h"]
+    of_water = replace(result, mission=result.mission | {"scenes": [{"name": "here", "target": "mid_water"}]})
+    names = {name for name, _ in work_rows(of_water, result.best)}
+    assert "data in an hour" in names and not {"area in an hour", "distance between lines"} & names
 
 
 def test_worse_water_says_what_breaks_and_what_to_change(card: SettingsCard) -> None:

@@ -237,13 +237,15 @@ def work_rows(result: Result, design: Design) -> Iterator[tuple[str, list[str]]]
         values = [scene.figures.get(figure) for scene in design.scenes]
         return ["" if value is None else formats.quantity(scale * float(value), unit) for value in values]
 
-    yield "distance between lines", row("line_spacing_m", "m")
+    has_lines = any(scene.get("target") != "mid_water" for scene in result.mission.get("scenes") or [{}])
+    if has_lines:
+        yield "distance between lines", row("line_spacing_m", "m")
     yield "swath", row("swath_m", "m")
     if any("common_swath_m" in scene.figures for scene in design.scenes):
         yield "swath of both cameras", row("common_swath_m", "m")
         yield "error of a distance by stereo", row("depth_error_mm", "mm")
     yield "pixel on the floor", row("gsd_mm", "mm")
-    if any(scene.figures.get("area_m2_h") for scene in design.scenes):  # none without a speed
+    if has_lines and any(scene.figures.get("area_m2_h") for scene in design.scenes):  # none without a speed
         yield "area in an hour", row("area_m2_h", "m2/h")
     yield "data in an hour", row("data_rate_mb_s", "GB", 3.6)
     yield "energy in an hour", row("power_w", "Wh")

@@ -9,10 +9,10 @@ from uwopt.report.text.layout import Block, Text, block, sentence
 from uwopt.report.text.nothing_fits import infeasible_block, miss_sentence
 from uwopt.report.text.prices import price_blocks
 from uwopt.report.text.tables import nearest_miss
-from uwopt.results.design import PRACTICE_IN_VAIN, PRACTICE_WOULD_YIELD
+from uwopt.results.design import PRACTICE_IN_VAIN, PRACTICE_UNTRIED, PRACTICE_WOULD_YIELD
 from uwopt.results.result import Result
 
-OF_PRACTICE = (PRACTICE_WOULD_YIELD, PRACTICE_IN_VAIN)
+OF_PRACTICE = (PRACTICE_WOULD_YIELD, PRACTICE_IN_VAIN, PRACTICE_UNTRIED)
 
 
 def explanation_blocks(result: Result) -> Iterator[Block | Text]:

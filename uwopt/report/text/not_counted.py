@@ -60,8 +60,10 @@ def _not_counted(result: Result, best: Design) -> Iterator[NotCounted]:
         yield NotCounted(what, place_needed(inside, depth))
     if fed := supply_voltages(best.bom):
         yield NotCounted("supply voltages", fed, bought=False)
-    counted = "O-rings and fuses are a line above; spare cameras and lamps are not"
-    yield NotCounted("spares", counted if "rest-spares" in ids else "none is counted")
+    if "rest-spares" in ids:
+        yield NotCounted("spare cameras and lamps", "O-rings and fuses are a line above")
+    else:
+        yield NotCounted("spares", "none is counted")
     yield NotCounted("shipping and insurance", "not known")
 
 

@@ -38,6 +38,7 @@ from uwopt.results.design import (
     COLOUR_LEFT_OPEN,
     PRACTICE_IN_VAIN,
     PRACTICE_MISSED,
+    PRACTICE_UNTRIED,
     PRACTICE_YIELDS,
     SNR_INSTEAD,
     BillRow,
@@ -254,7 +255,7 @@ def set_block(result: Result, design: Design) -> Block:
     if focused_before_the_sharp(design):
         stands.insert(0, ("focus", SHARED_FOCUS))
     lines: list[Line] = [settings_table(scenes_to_set(design), exact=False), fact_lines(stands)]
-    if not design.is_settable:
+    if design.rounded is None or not design.is_settable:
         lines += rounding_lines(result, design)
     return block("Set", lines)
 
@@ -392,7 +393,8 @@ def nothing_blocks(result: Result) -> Iterator[Block]:
         lines = [sentence(f"{no_change_helps(result)}."), *([most] if most else [])]
     lines += [] if (fit := fit_sentence(result)) is None else [fit]
     lines += [*contradiction_lines(result), *not_known_lines(result)]
-    in_vain = [words.as_sentence(note.message) for note in result.warnings if note.code == PRACTICE_IN_VAIN]
+    of_practice = (PRACTICE_IN_VAIN, PRACTICE_UNTRIED)
+    in_vain = [words.as_sentence(note.message) for note in result.warnings if note.code in of_practice]
     if not in_vain and result.status == "infeasible" and result.mission.get("practice") == "recommended":
         lines.append(sentence(ASKED_BY_PRACTICE))
     lines = [*map(sentence, in_vain), *lines]

@@ -181,6 +181,9 @@ def settings_by_row(scenes: Sequence[SceneResult]) -> Grid:
 def rounding_lines(result: Result | FrontResult, design: Design) -> list[Line]:
     """What rounding to settable values costs, and whether it still fits."""
     rounded = design.rounded
+    if rounded is None and isinstance(result, Result) and result.command == "solve":
+        text = "These are exact values, not settings to type in: for these no time was left; --seconds gives more."
+        return [sentence(text, "red")]
     if not rounded:
         return []
     if not design.is_settable:
