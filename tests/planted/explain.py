@@ -51,8 +51,8 @@ DEFECTS = (
     Defect(
         name="explain tells what would help with all of good practice kept",
         file="uwopt/api/solving.py",
-        old="if not weakest.outcome.best:",
-        new="if not (weakest.outcome.best or would_yield):",
+        old="if weakest.outcome.complete and not weakest.outcome.best:",
+        new="if weakest.outcome.complete and not (weakest.outcome.best or would_yield):",
         test=f"{YIELDING}::test_what_would_help_is_what_solve_answers",
     ),
     Defect(

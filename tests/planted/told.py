@@ -11,7 +11,7 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/report/test_short.py::test_settings_that_were_not_rounded_are_no_settings_to_type_in",
     ),
     Defect(
-        name="an explanation keeps to itself that practice was not asked to yield", file="uwopt/report/text/explanation.py",
+        name="explain is silent of practice that may yield", file="uwopt/report/text/explanation.py",
         old="OF_PRACTICE = (PRACTICE_WOULD_YIELD, PRACTICE_IN_VAIN, PRACTICE_UNTRIED)",
         new="OF_PRACTICE = (PRACTICE_WOULD_YIELD, PRACTICE_IN_VAIN)",
         test="tests/api/test_yielding.py::test_explain_says_where_it_does_not_know_whether_less_of_practice_would_do",
