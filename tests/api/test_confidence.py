@@ -35,7 +35,7 @@ from uwopt.solvers.confidence import search
 from uwopt.solvers.confidence.counted import Counted, names
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.search import Looked
-from uwopt.solvers.recommend import seek
+from uwopt.solvers.recommend import Sought, seek
 
 ROOT = Path(__file__).parents[2]
 TANK = ROOT / "problems" / "paper-tank.yaml"
@@ -287,6 +287,17 @@ def test_parts_to_be_made_are_asked_only_where_they_may_be_surer() -> None:
     assert not asked("never", "fallback", 0.9)
     assert not asked("never", "never", 0.3)
     assert not asked("allow", "fallback", 0.3)
+
+
+@pytest.mark.parametrize(
+    ("generic", "held", "least"),
+    [("never", 0.3, 0.6), ("never", 0.9, 0.9), (("light",), 0.3, 0.35), (("light",), 0.88, 0.9)],
+)
+def test_more_parts_to_be_made_must_be_surer_by_enough(generic: Any, held: float, least: float) -> None:
+    """Halfway to 90 % where all is sold; by a twentieth where some kinds have to be made anyway."""
+    sought = cast(Sought, SimpleNamespace(selection=SimpleNamespace(generic=generic)))
+    seen = Looked(0.9, cast(Scenarios, None), [cast(Counted, SimpleNamespace(held=held))], True)
+    assert counting.worth_making(sought, seen) == pytest.approx(least)
 
 
 def test_the_surest_of_what_is_sold_is_the_same_whoever_looks_for_it(monkeypatch: pytest.MonkeyPatch) -> None:

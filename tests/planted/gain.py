@@ -165,7 +165,7 @@ DEFECTS = (
     Defect(
         name="practice gives way for hardly anything",
         file="uwopt/api/choosing.py",
-        old="or other.counted.held >= halfway(one.counted)",
+        old="or other.counted.held >= halfway(one.counted.held, one.counted.asked)",
         new="or other.counted.held > one.counted.held",
         test=f"{YIELDING}::test_practice_does_not_give_way_for_less_than_half_of_what_is_short",
     ),

@@ -100,7 +100,7 @@ def with_confidence(
     if counts.of_all_parts:
         share = "at every end" if asked == ENDS else f"in {100.0 * certain.asked:g} % of the scenarios"
         text = (
-            f"nothing sold that was counted holds {share}; with parts to be made this does in "
+            f"nothing with fewer parts to be made that was counted holds {share}; this does in "
             f"{100.0 * counted.held:.0f} %"
         )
         design = with_note(design, Note(MADE_IS_SURER, "catalog.generic", text))

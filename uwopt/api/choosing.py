@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from uwopt.api.accuracy import Searched
-from uwopt.api.common import Progress
+from uwopt.api.common import Progress, halfway
 from uwopt.api.so_far import SoFar, held_line
 from uwopt.api.timing import timed
 from uwopt.api.yielding import all_to_hold, fewest_to_hold, most_held, share_to_hold
@@ -129,7 +129,7 @@ def held_by_yielding(
     so_far(held_line(first, goal))
     try:
         counts, reached = counted_with(with_yields(asked, every), first, search, goal, deadline, progress, timing)
-        if first.counted is None or reached < halfway(first.counted):
+        if first.counted is None or reached < halfway(first.counted.held, first.counted.asked):
             return first
         given_way = every
         for _ in range(MOST_ROUNDS):  # hardware that is found on the way may need less
@@ -164,19 +164,13 @@ def counted_with(
     assert counts is not None and counted is not None
     with timed(timing, "practice", progress):
         reached = most_held(counts, goal, weaker)
-    if halfway(counted) <= reached < share_to_hold(counts):  # other hardware may do better
+    if halfway(counted.held, counted.asked) <= reached < share_to_hold(counts):  # other hardware may do better
         sought, _ = search(weaker)
         if sought.outcome.best and sought.outcome.complete:
             patience = deadline.or_after(CERTAINTY_S, effort_s)
             counts = counts_of(sought, goal, patience, progress, timing, counts) or counts
             reached = max(reached, counts.seen.held)
     return counts, reached
-
-
-def halfway(counted: Confidence) -> float:
-    """Share that is half as far from what is asked as what was counted: for less, practice does not give way."""
-    assert not isinstance(counted.asked, str)
-    return 0.5 * (counted.held + counted.asked)
 
 
 def as_sure(one: Recommendation, other: Recommendation) -> bool:
@@ -190,4 +184,4 @@ def surer(one: Recommendation, other: Recommendation) -> Recommendation:
     """Of two, the other where it holds as often as asked, or at least half as far from that."""
     if one.counted is None or other.counted is None:
         return one
-    return other if other.counted.enough or other.counted.held >= halfway(one.counted) else one
+    return other if other.counted.enough or other.counted.held >= halfway(one.counted.held, one.counted.asked) else one

@@ -48,6 +48,12 @@ def prepared(mission: Source | Mission, physics: str | None, objective: Any, con
     return made
 
 
+def halfway(held: float, asked: float | str) -> float:
+    """Share of scenarios half as far from what is asked as what was counted: less is not worth what it takes."""
+    assert not isinstance(asked, str)
+    return 0.5 * (held + asked)
+
+
 def beyond_cap(gain_db: float, cap_db: float) -> str:
     """A gain that is higher than good practice has it, in words."""
     return f"gain {gain_db:.3g} dB, beyond {cap_db:g} dB"

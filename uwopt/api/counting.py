@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
-from uwopt.api.common import Progress
+from uwopt.api.common import Progress, halfway
 from uwopt.api.searching import leaves_out_generic, of_all_parts
 from uwopt.api.timing import STAGES, timed
 from uwopt.deadline import Deadline, OutOfTimeError
@@ -24,6 +24,7 @@ ALL_PARTS = "parts to be made that may hold more often"  # where there is no tim
 CERTAINTY_S = 15.0  # of work, where no time is given
 SOLD_SHARE = 0.4  # of it, until parts to be made are looked at where those that are sold do not hold
 MADE_SHARE = 0.6  # of what is left then, for these: the rest is for the most certain of what is sold
+MORE_OFTEN = 0.05  # of the scenarios, in which more parts to be made must hold where some have to be made anyway
 KNOWN = 4  # hardware of a mission like this that is counted first
 
 
@@ -61,6 +62,13 @@ def counts_of(
         if surer is not None:
             return surer
     return Counts(sought, seen)
+
+
+def worth_making(sought: Sought, seen: Looked) -> float:
+    """Share of the scenarios in which more parts to be made must hold to be taken for what was counted."""
+    if sought.selection.generic == "never":
+        return halfway(seen.held, seen.share)
+    return min(seen.held + MORE_OFTEN, seen.share)
 
 
 def waters_of(before: Counts, problem: Problem) -> Scenarios | None:
@@ -117,7 +125,9 @@ def surer_of_all_parts(
 ) -> Counts | None:  # fmt: skip
     """The same search with parts to be made, and what was counted of them: where only they hold as often as asked.
 
-    None where what is sold holds as often, no other parts do, none were left out, or time is out.
+    Or where they come at least halfway to that from what is sold; where some kinds have to be made anyway, where they
+    hold more often at all. None where what is sold holds as often, no other parts do so much better, none were left
+    out, or time is out.
     """
     if sold.held >= sold.share or not leaves_out_generic(sought):
         return None
@@ -133,6 +143,6 @@ def surer_of_all_parts(
             seen = look(
                 every, goal, sold.asked, deadline, progress or unheard, with_room=True, like=like, known=known
             )
-        return Counts(every, seen, of_all_parts=True) if seen.held >= seen.share else None
+        return Counts(every, seen, of_all_parts=True) if seen.held >= worth_making(sought, sold) else None
 
     return deadline.within(ALL_PARTS, found, None)
