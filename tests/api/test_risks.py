@@ -164,7 +164,7 @@ def test_estimates_at_their_bad_ends_are_counted_without_prices(calm: Result) ->
 def test_other_waters_in_which_it_fails_are_counted(calm: Result) -> None:
     assert only(replace(calm, robustness={"waters": WATERS})).figure == "in 3 of 4 other waters"
     assert risks_of(replace(calm, robustness={"waters": WATERS[:1]})) == []
-    for water, because in (("II", "tables of one type"), (None, "as clear as that")):
+    for water, because in (("II", "tables of one type"), (None, "water as clear may")):
         mission = calm.mission | {"scenes": [{"name": "here", "water": water}]}
         assert because in only(replace(calm, mission=mission, robustness={"waters": WATERS})).because
 

@@ -64,7 +64,7 @@ DEFECTS = (
     Defect(
         name="generic parts stand beside real ones",
         file="uwopt/catalog/choose.py",
-        old='if rule == "allow" or kind in rule or (rule == "fallback" and not real):',
+        old='if wanted or (rule == "fallback" and not real):',
         new='if rule != "never":',
         test="tests/catalog/test_choose.py::test_part_serves_down_to_its_rating_and_no_deeper",
     ),

@@ -11,8 +11,8 @@ DEFECTS = (
     Defect(
         name="what fits above the cap of gain alone is taken for nothing",
         file="uwopt/api/searching.py",
-        old="alternative = look(capless,",
-        new="alternative = look(mission,",
+        old="any_of_all = look(capless,",
+        new="any_of_all = look(mission,",
         test=f"{CAP}::test_parts_to_be_made_are_searched_once_where_nothing_fits[True]",
     ),
     Defect(

@@ -39,7 +39,7 @@ from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.recommend import Sought, best_settable, design_of, hardware_of
 
-MADE_IS_SURER = "made_is_surer"  # code of the warning that parts to be made hold as often as asked, sold ones not
+MADE_IS_SURER = "made_is_surer"  # code of the warning that more parts to be made were taken, for they hold more often
 NOT_CERTAIN = "not_certain"  # code of the warning that nothing holds as often as asked
 EASED_S = 2.0  # of work, likewise, for what asked less would make certain enough
 MOST_SET = 6  # stops of a ring, of one hardware or the next, that are tried to be set
@@ -120,7 +120,6 @@ def as_central(
 ) -> Recommended:  # fmt: skip
     """The best by central numbers, where none was counted that fits by them, and in how many scenarios it holds."""
     why = "no time was left to count scenarios" if patience.left_out else "no stop that was counted fits by them"
-    text = f"this is the best by central numbers, which alone are held: {why}"
     proven = sought.outcome
     if winner is None:
         sought, winner = best_settable(sought, goal, deadline)
@@ -131,10 +130,8 @@ def as_central(
         STAGES["certainty"],
         lambda: confidence_of(problem, hardware_of(found), goal, asked, given, design, deadline), None,
     )  # fmt: skip
-    if counted is None:
-        counts = None  # no more is asked of them
-    else:
-        text += f"; it holds in {100.0 * counted.held:.0f} % of the scenarios"
+    held = "which alone are held" if counted is None else f"and holds in {100.0 * counted.held:.0f} % of the scenarios"
+    text, counts = f"this is the best by central numbers, {held}: {why}", None if counted is None else counts
     return Recommended(sought, proven, with_note(winner, Note(AS_CENTRAL, "confidence", text)), counted, False, counts)
 
 

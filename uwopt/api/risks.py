@@ -179,7 +179,7 @@ def in_other_water(result: Result, design: Design) -> Weighed:
     if failed:
         because = "measured tables of one type of water differ, and so does what is lost on the lamps' way"
         if not any(scene.get("water") for scene in result.mission.get("scenes") or []):
-            because = "water as clear as that scatters and absorbs in other shares, of which the lamps' way loses more"
+            because = "water as clear may scatter and absorb in other shares, and then more is lost on the lamps' way"
         yield 60.0 + 15.0 * failed / len(waters), Risk(
             "it fails in water a little different", because, f"in {failed} of {len(waters)} other waters"
         )  # fmt: skip

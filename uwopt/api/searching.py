@@ -19,7 +19,7 @@ from uwopt.mission.mission import Mission
 from uwopt.model.fineness import Fineness
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.explain.robustness import SLOW_S
-from uwopt.solvers.made import fewest_made
+from uwopt.solvers.made import TO_BE_MADE, fewest_made
 from uwopt.solvers.recommend import GENERIC_GAIN, Sought, seek
 from uwopt.solvers.settings.best import scenes_need_cells
 
@@ -54,18 +54,16 @@ def searched(
     alternative: Sought | None = None
     if policy == "fallback" and sought.outcome.complete:
         with timed(timing, "search_generic"):
-            if not sought.outcome.best:
-                alternative = look(capless, generic="allow", like=sought.problem, enough=True)
-                if alternative.outcome.complete and not alternative.outcome.best:
-                    if capless is not mission:
-                        sought = look(capless, generic=first, **known_from(sought))
-                    return sought, alternative
-                if capless is not mission:
-                    alternative = look(mission, generic="allow", like=alternative.problem, enough=True)
-                if alternative.outcome.best:
-                    sought, alternative = of_fewest_kinds(alternative, look), None
-            if sought.outcome.best and not sought.outcome.interrupted and leaves_out_generic(sought):
+            if sought.outcome.best:
                 alternative = generic_search(mission, catalog, goal, sought, deadline, progress)
+            else:
+                if capless is not mission:
+                    any_of_all = look(capless, generic="allow", like=sought.problem, enough=True)
+                    if any_of_all.outcome.complete and not any_of_all.outcome.best:
+                        return look(capless, generic=first, **known_from(sought)), any_of_all
+                alternative = look(mission, generic="allow", like=sought.problem)
+                if alternative.outcome.best:
+                    sought, alternative = of_fewest_kinds(alternative, goal, look), None
     if not sought.outcome.best and sought.outcome.complete and capless is not mission:  # light is out of reach
         return searched(capless, catalog, goal, top, deadline, progress, timing, fineness, sought)
     return sought, alternative
@@ -78,25 +76,31 @@ def known_from(like: Sought | None) -> dict[str, Any]:
     return {"like": like.problem, "imagers": like.search.every_imager}
 
 
-def of_fewest_kinds(some: Sought, look: Callable[..., Sought]) -> Sought:
-    """The search with parts to be made of as few kinds as let something fit; what fits of all, where it is cut short.
+def of_fewest_kinds(every: Sought, goal: Objective, look: Callable[..., Sought]) -> Sought:
+    """The search with parts to be made of as few kinds as come within 10 % of the best of all kinds; that if it is cut.
 
-    some : what fits of all parts
+    every : the search with parts to be made of all kinds
     """
-    mission, like = some.problem.mission, some.problem
-    fitting = [kinds_made(some)]
+    mission, like, best = every.problem.mission, every.problem, every.outcome.best[0].minimised
+    if not every.outcome.complete or every.outcome.interrupted:
+        return every
+    ceiling = best + goal.step(GENERIC_GAIN, best)
+    serve = [kinds_made(every)]
 
-    def fits(kinds: tuple[Kind, ...]) -> bool:
-        if not any(made <= set(kinds) for made in fitting):
-            found = look(mission, generic=kinds, like=like, enough=True, whole=True)
-            fitting.extend([kinds_made(found)] if found.outcome.best else [])
-        return any(made <= set(kinds) for made in fitting)
+    def serves(kinds: tuple[Kind, ...]) -> bool:
+        if not any(made <= set(kinds) for made in serve):
+            found = look(mission, generic=kinds, like=like, ceiling=ceiling, enough=True, whole=True)
+            serve.extend([kinds_made(found)] if found.outcome.best else [])
+        return any(made <= set(kinds) for made in serve)
 
     try:
-        found = look(mission, generic=fewest_made(fits), like=like)
+        kinds = fewest_made(serves)
     except KeyboardInterrupt:
-        return replace(some, outcome=replace(some.outcome, interrupted=True))
-    return found if found.outcome.best else some
+        return replace(every, outcome=replace(every.outcome, interrupted=True))
+    if set(kinds) == set(TO_BE_MADE):
+        return every
+    found = look(mission, generic=kinds, like=like)
+    return found if found.outcome.best else every
 
 
 def kinds_made(sought: Sought) -> set[Kind]:

@@ -28,10 +28,9 @@ from uwopt.api.front_found import (
 )
 from uwopt.api.solving import proven_in_full
 from uwopt.api.timing import timed
-from uwopt.api.yielding import anything, gives_way, yield_notes
+from uwopt.api.yielding import gives_way, yield_notes
 from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import ToBeMade
-from uwopt.catalog.records import Kind
 from uwopt.deadline import Deadline
 from uwopt.evaluation.design import evaluate_designs
 from uwopt.evaluation.influences import influences_of
@@ -53,7 +52,6 @@ from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain.assumptions import assumptions
 from uwopt.solvers.front.designs import few, found_of, objectives_of, picks_of, values_of
 from uwopt.solvers.front.search import FrontSearch
-from uwopt.solvers.made import TO_BE_MADE, fewest_made
 from uwopt.solvers.recommend import hardware_of, part_warnings, with_rounded
 from uwopt.solvers.settable.rounding import given_of
 
@@ -109,7 +107,7 @@ def pareto(
         )
         sought = run.sought(asked.catalog.generic_at_first, timing)
         if asked.catalog.generic == "fallback" and is_empty(sought):
-            sought = run.sought(run.made(sought.problem), timing)
+            sought = run.sought(asked.catalog.generic_at_last, timing)
         return run, sought
 
     run, sought = searched(wanted)
@@ -174,14 +172,6 @@ class ParetoCall:
         """The built-in axes with weight 1; power where there is none."""
         names = [item for item in self.objectives if isinstance(item, str)]
         return Objective(dict.fromkeys(names or ["power"], 1.0))
-
-    def made(self, like: Problem) -> ToBeMade:
-        """The parts to be made that let something fit: of as few kinds as do."""
-
-        def fits(kinds: tuple[Kind, ...]) -> bool:
-            return bool(anything(self.mission, self.catalog, like, self.deadline, kinds).outcome.best)
-
-        return fewest_made(fits) if fits(TO_BE_MADE) else "allow"
 
     def sought(self, generic: ToBeMade, timing: dict[str, float]) -> FrontSearched:
         """Select, tabulate, search with every solver."""

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from uwopt.catalog.catalogue import Catalog
-from uwopt.catalog.choose import ToBeMade
 from uwopt.deadline import Deadline, effort_s
 from uwopt.errors import MissionError
 from uwopt.forward.assembly import build_problem, load_catalog, selected
@@ -93,16 +92,14 @@ def with_least_practice(mission: Mission, catalog: Catalog, like: Problem, deadl
     """Anything that fits where all gives way that may, or that nothing does; None where nothing may give way."""
     lifted = mission.without_gain_cap
     every = yields_of(lifted)
-    return anything(with_yields(lifted, every), catalog, like, deadline) if every else None
+    return _anything(with_yields(lifted, every), catalog, like, deadline) if every else None
 
 
-def anything(
-    mission: Mission, catalog: Catalog, like: Problem, deadline: Deadline, generic: ToBeMade | None = None
-) -> Sought:
-    """A search for anything that fits, of all parts that the mission allows, unless told which are to be made."""
+def _anything(mission: Mission, catalog: Catalog, like: Problem, deadline: Deadline) -> Sought:
+    """A search for anything that fits, of all parts that the mission allows."""
     return seek(
-        mission, catalog, ANY, generic=generic or mission.catalog.generic_at_last, top=1, deadline=deadline,
-        enough=True, like=like, whole=True,
+        mission, catalog, ANY, generic=mission.catalog.generic_at_last, top=1, deadline=deadline, enough=True,
+        like=like, whole=True,
     )  # fmt: skip
 
 
@@ -117,7 +114,7 @@ def _least(lifted: Mission, catalog: Catalog, like: Problem, patience: Deadline)
         weaker = with_yields(lifted, given_way)
         if any(_fits_alone(problem, found, weaker) for problem, found in fitted[:WITNESSES]):
             return True
-        sought = anything(weaker, catalog, like, patience)
+        sought = _anything(weaker, catalog, like, patience)
         fitted[:0] = [(sought.problem, found) for found in sought.outcome.best]
         return bool(sought.outcome.best)
 

@@ -57,7 +57,7 @@ GLOB_SIGNS = "*?["
 SUPPLIES = {"external": "takes its power from outside", "battery": "has its own battery", "unknown": "supply unknown"}
 
 
-#: Which parts to be made may be used: of no kind, of all, of these kinds, or of a kind of which nothing sold is left.
+#: Parts to be made that may be used: of all kinds, of none, of these, or of those of which nothing sold is left.
 ToBeMade: TypeAlias = Literal["fallback", "allow", "never"] | tuple[Kind, ...]
 
 PartT = TypeVar("PartT", bound=Part)
@@ -351,11 +351,10 @@ def _without_needless_generic(
 ) -> tuple[list[int], list[Exclusion]]:
     """Drop generic parts of kinds in which the mission wants none, or has real ones left (`fallback`)."""
     real = [index for index in kept if not parts[index].generic]
-    if rule == "allow" or kind in rule or (rule == "fallback" and not real):
+    wanted = kind in rule if isinstance(rule, tuple) else rule == "allow"
+    if wanted or (rule == "fallback" and not real):
         return kept, []
-    reason = {
-        "never": "generic parts are not wanted", "fallback": f"{len(real)} real parts are left"
-    }.get(rule if isinstance(rule, str) else "", "what is sold of this kind does")  # fmt: skip
+    reason = f"{len(real)} real parts are left" if rule == "fallback" else "generic parts are not wanted"
     fallen = [Exclusion(parts[i].id, kind, "generic", reason) for i in kept if parts[i].generic]
     return real, fallen
 

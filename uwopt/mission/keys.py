@@ -19,7 +19,7 @@ Refusal = Literal["airy", "skew", "swath", "depth", "lamp", "white_balance"]
 REFUSALS: tuple[str, ...] = get_args(Refusal)
 INTERFACES = ("USB3", "GigE", "2.5GigE", "5GigE", "10GigE", "CSI-2", "Camera Link", "coax", "Ethernet RTSP")
 Target = Literal["floor", "wall", "mid_water"]
-MadeKind = Literal["housing", "port", "light"]  # of which there are classes of parts to be made
+MadeKind = Literal["light", "port", "housing"]  # of which there are classes of parts to be made, the worst first
 Made = Literal["allow", "never"] | tuple[MadeKind, ...]
 GENERIC = ("fallback", "allow", "never")
 #: Other names of keys of `vehicle`, for what is not a floor.

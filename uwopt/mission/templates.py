@@ -167,8 +167,8 @@ catalog:
   # files: [my_parts.csv]      # own parts, or a log of changes, relative to this file
   # prices: my_quotes.csv      # own quotes that override prices
   # owned: [{id: some_part_id, quantity: 1}]   # cost nothing
-  # generic: fallback          # parts that no shop sells as such: fallback takes them of as few kinds as let something
-                               # fit; allow | never, or the kinds that may be made, such as [housing, port]
+  # generic: fallback          # parts that no shop sells as such: fallback takes them where nothing sold fits, of as
+                               # few kinds as serve; allow | never, or kinds that may be made, as [housing, port]
   # verified: [price]          # fields that must come from a source
   # accept_unrated: []         # ids whose unknown depth rating you accept
   # port_mounts: [nauticam-n120]  # mounts of photo housings that you have an adapter for

@@ -20,7 +20,7 @@ PRACTICE_MISSED = "practice_missed"  # what is missed is good practice alone, no
 PRACTICE_WOULD_YIELD = "practice_would_yield"  # the same, where all of it is asked nevertheless
 PRACTICE_IN_VAIN = "practice_in_vain"  # nothing fits even with as little of it as may be
 PRACTICE_UNTRIED = "practice_untried"  # whether something fits with less of it was not known in time
-AS_CENTRAL = "certainty_left_out"  # in how many scenarios it holds was not counted, though that is asked
+AS_CENTRAL = "certainty_left_out"  # it was not chosen by how many scenarios it holds in, though that is asked
 #: Settings that a system file states; its light level as a share, for flashes too.
 STATED = ("f_number", "exposure_ms", "pulse_ms", "gain", "dim_frac", "frame_rate_hz", "focus_distance_m")
 FARTHEST_M = 10_000.0  # focus that a system file may state; in place of one at infinity

@@ -58,8 +58,8 @@ class CatalogChoice(Section):
     generic: Annotated[Literal["fallback"] | words.Made, BeforeValidator(words.to_generic)] = Field(
         default="fallback",
         description="use of generic parts, which no shop sells as such and which have to be made: fallback takes those "
-        "of as few kinds as let something fit, lamps last; allow, never, or a list of the kinds that may be made: "
-        "housing, port, light",
+        "of as few kinds as come within 10 % of all, lamps last, where nothing sold fits; allow, never, or a list of "
+        "the kinds that may be made: housing, port, light",
     )
     verified: Annotated[tuple[str, ...], BeforeValidator(words.to_part_fields)] = Field(
         default=(), description="list of part fields that must come from a source, such as price"

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 from numpy.typing import NDArray
 
 from uwopt.catalog.choose import Selection, ToBeMade
+from uwopt.catalog.records import Kind
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.errors import SolverError
 from uwopt.forward.assembly import build_problem, load_catalog, selected
@@ -30,7 +31,7 @@ from uwopt.solvers.exact.imagers import Imagers, enumerate_imagers, fitting_pair
 from uwopt.solvers.exact.ranking import Found, comes_before
 from uwopt.solvers.exact.search import Search, are_too_many
 from uwopt.solvers.made import fewest_made
-from uwopt.solvers.recommend import Sought
+from uwopt.solvers.recommend import GENERIC_GAIN, Sought
 from uwopt.solvers.settings.best import scenes_need_cells
 from uwopt.solvers.warm.kept import KeptBounds, least_of_designs, least_of_nodes, some_nodes
 from uwopt.solvers.warm.parts import PartIds, ids_of, joined_ids, only
@@ -171,21 +172,29 @@ class Warm:
     def _with_fewest_made(
         self, mission: Mission, search: Callable[[WarmStage], WarmAnswer], *, capped: bool
     ) -> WarmAnswer:
-        """The answer with the parts to be made that the mission lets in at first, else with those of fewest kinds."""
-        asks, choice = Asking.of(mission), mission.catalog
+        """The answer with the parts to be made that the mission lets in at first, else of fewest kinds, as `solve`."""
+        asks, choice, goal = Asking.of(mission), mission.catalog, goal_of(mission)
         answers: dict[ToBeMade, WarmAnswer] = {}
 
-        def is_met(generic: ToBeMade) -> bool:
-            """Whether something is known to fit with these."""
+        def answer(generic: ToBeMade) -> WarmAnswer:
             selection = self._selected(mission, asks, generic)
             answers[generic] = search(WarmStage(mission, asks, generic, capped, selection))
-            return answers[generic].found is not None
+            return answers[generic]
 
         first, last = choice.generic_at_first, choice.generic_at_last
-        if is_met(first) or first == last or not answers[first].complete:
-            return answers[first]
-        kinds = fewest_made(is_met) if is_met(last) else last
-        return answers.get(kinds, answers[last])  # of all kinds, that is the last
+        made = answer(first)
+        if made.found is not None or first == last or not made.complete:
+            return made
+        every = answer(last)
+        if every.found is None or not every.complete:
+            return every
+        ceiling = every.found.minimised + goal.step(GENERIC_GAIN, every.found.minimised)
+
+        def serves(kinds: tuple[Kind, ...]) -> bool:
+            found = answer(kinds).found
+            return found is not None and found.minimised <= ceiling
+
+        return answers.get(fewest_made(serves), every)  # of all kinds, that is `every`
 
     def _in_stage(self, stage: WarmStage, *, ahead: bool) -> WarmAnswer:
         """The optimum with parts to be made or without, with the cap of gain or without."""
