@@ -154,16 +154,13 @@ def to_interfaces(value: Any) -> Any:
 
 def to_generic(value: Any) -> Any:
     """Whether parts to be made may be used, or a list of the kinds of which they may."""
-    if not isinstance(value, (list, tuple)):
-        plain = to_choice(value)
-        if plain in GENERIC:
-            return plain
-        value = [value]
-    kinds = get_args(MadeKind)
-    for item in value:
-        if to_choice(item) not in kinds:
-            raise one_of(str(item), GENERIC, f"or list some of {', '.join(kinds)}, of which parts may be made")
-    asked = [to_choice(item) for item in value]
+    kinds, is_list = get_args(MadeKind), isinstance(value, (list, tuple))
+    asked = [to_choice(item) for item in (value if is_list else [value])]
+    if not is_list and asked[0] in GENERIC:
+        return asked[0]
+    if unknown := [str(item) for item in asked if item not in kinds]:
+        many = f"or list some of {', '.join(kinds)}, of which parts may be made"
+        raise one_of(unknown[0], kinds, f"take {unknown[0]!r} out") if is_list else one_of(unknown[0], GENERIC, many)
     return tuple(kind for kind in kinds if kind in asked) or "never"
 
 

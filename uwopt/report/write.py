@@ -54,7 +54,6 @@ def write_results(result: Result, folder: str | Path, *, deadline: Deadline = NE
     Without a design the bill of materials holds its header only, and system.yaml a remark, so that none of an earlier
     run stays. Where good practice gave way a mission that says so is written too. The page does without pictures for
     which the deadline leaves no time.
-
     """
     target = check_folder(folder)
     rows = result.best.bom if result.best is not None else []
