@@ -22,7 +22,7 @@ from uwopt.solvers.recommend import Sought
 
 ALL_PARTS = "parts to be made that may hold more often"  # where there is no time for them
 CERTAINTY_S = 15.0  # of work, where no time is given
-SOLD_SHARE = 0.4  # of it, until parts to be made are looked at where those that are sold do not hold
+SOLD_SHARE = 0.7  # of it, until parts to be made are looked at where those that are sold do not hold
 MADE_SHARE = 0.6  # of what is left then, for these: the rest is for the most certain of what is sold
 MORE_OFTEN = 0.05  # of the scenarios, in which more parts to be made must hold where some have to be made anyway
 KNOWN = 4  # hardware of a mission like this that is counted first
