@@ -157,6 +157,25 @@ def test_disks_hold_the_images_of_the_rate_that_is_set() -> None:
     assert row.model == "disks for 2 990 GB beyond the 250 GB of the computer"
 
 
+@pytest.mark.parametrize(
+    ("interface", "computers", "beyond_gb", "words"),
+    [  # two cameras fill 3240 GB together
+        ("GigE", 1, 2990.0, "disks for 2 990 GB beyond the 250 GB of the computer"),
+        ("CSI-2", 2, 2740.0, "disks for 1 370 GB beyond the 250 GB of each computer"),
+    ],
+)
+def test_each_computer_brings_its_own_disk(interface: str, computers: int, beyond_gb: float, words: str) -> None:
+    vehicle = {"duration_h": 15_000.0, "camera_count": 2}
+    mission = {**LONG, "vehicle": LONG["vehicle"] | vehicle}
+    system = {**PRICED, "camera": PRICED["camera"] | {"interface": interface}, "camera_count": 2}
+    made = uwopt.evaluate(mission, system).design
+    brief = uwopt.evaluate({**mission, "vehicle": mission["vehicle"] | {"duration_h": 1.0}}, system).design
+    (row,) = (row for row in made.bom if row.id == "rest-storage")
+    assert (row.count, row.model, row.count * row.unit_price) == (computers, words, pytest.approx(beyond_gb * 0.15))
+    for cost in (lambda design: design.totals.cost.value, lambda design: design.scenes[0].figures["cost"]):
+        assert cost(made) - cost(brief) == pytest.approx(beyond_gb * 0.15)  # of the bill, and of the search's columns
+
+
 def test_without_lamps_nothing_is_wired_to_them() -> None:
     assert [item.id for item in rest_items(RestNeeds(10.0, lit=False))] == [
         "rest-camera-connection", "rest-spares", "rest-pressure-test"

@@ -19,15 +19,15 @@ DEFECTS = (
     Defect(
         name="one computer takes the images of cameras that do not reach it",
         file="uwopt/forward/problem.py",
-        old="return 1.0 if self.beside_camera(camera) else 1.0 / self",
-        new="return 1.0 / self",
+        old="return self.mission.vehicle.camera_count if self.beside_camera(camera) else 1",
+        new="return 1",
         test=f"{HOST}::test_where_the_cable_does_not_reach_each_camera_has_its_computer[USB3-20.0-2-2000.0-20.0]",
     ),
     Defect(
         name="the bill has one computer for cameras that do not reach it",
         file="uwopt/evaluation/bill.py",
-        old="count=problem.mission.vehicle.camera_count if beside else 1",
-        new="count=1",
+        old="count=problem.computers(camera),",
+        new="count=1,",
         test=f"{HOST}::test_where_the_cable_does_not_reach_each_camera_has_its_computer[USB3-20.0-2-2000.0-20.0]",
     ),
     Defect(
@@ -93,6 +93,20 @@ DEFECTS = (
         old="set_ = self.rates_hz or (0.0,) * len(asked)",
         new="set_ = (0.0,) * len(asked)",
         test=f"{REST}::test_disks_hold_the_images_of_the_rate_that_is_set",
+    ),
+    Defect(
+        name="cameras with a computer each share one disk",
+        file="uwopt/forward/part_columns.py",
+        old="np.inf, computers * DISK_GB)",
+        new="np.inf, DISK_GB)",
+        test=f"{REST}::test_each_computer_brings_its_own_disk",
+    ),
+    Defect(
+        name="the bill has the disks of one computer of two",
+        file="uwopt/evaluation/bill.py",
+        old="(disk_item(disks_gb / computers, computers), computers)",
+        new="(disk_item(disks_gb / computers, computers), 1)",
+        test=f"{REST}::test_each_computer_brings_its_own_disk",
     ),
     Defect(
         name="disks are for nothing in the search",
@@ -168,8 +182,8 @@ DEFECTS = (
     Defect(
         name="the computer's disk is bought again",
         file="uwopt/forward/problem.py",
-        old="np.maximum(filled - DISK_GB, 0.0)",
-        new="filled",
+        old="np.maximum(filled - cameras.disk_gb, 0.0)",
+        new="np.where(np.isfinite(cameras.disk_gb), filled, 0.0)",
         test=f"{REST}::test_disks_beyond_those_of_the_computer_are_bought",
     ),
     Defect(

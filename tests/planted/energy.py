@@ -183,8 +183,8 @@ DEFECTS = (
     Defect(
         name="each camera has a computer of its own",
         file="uwopt/forward/problem.py",
-        old="return 1.0 if self.beside_camera(camera) else 1.0 / self.mission.vehicle.camera_count",
-        new="return 1.0",
+        old="return self.mission.vehicle.camera_count if self.beside_camera(camera) else 1",
+        new="return self.mission.vehicle.camera_count",
         test=f"{HOST}test_two_cameras_share_one_computer",
     ),
     Defect(

@@ -71,7 +71,7 @@ def outlines_hold(problem: Problem) -> None:
         group, own = level.problem.cameras.take(rows.camera), problem.cameras.take(imagers.camera)
         for name in ("read_noise_e", "prnu_frac", "min_exposure_s"):  # less makes a bound of the light lower
             assert (getattr(group, name) <= getattr(own, name)).all(), name
-        for name in ("saturation_e", "max_gain", "gain_dn_per_e", "max_exposure_s", "exposure_offset_s"):
+        for name in ("saturation_e", "max_gain", "gain_dn_per_e", "max_exposure_s", "exposure_offset_s", "disk_gb"):
             assert (getattr(group, name) >= getattr(own, name)).all(), name
         for name in ("pixel_pitch_m", "bits", "black_level_dn", "qe_index"):
             assert (getattr(group, name) == getattr(own, name)).all(), name

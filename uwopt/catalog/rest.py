@@ -48,9 +48,10 @@ def depth_class(depth_m: float | None) -> str:
     return next((name for limit_m, name in DEPTH_CLASSES if depth_m is not None and depth_m <= limit_m), DEEPEST)
 
 
-def disk_item(beyond_gb: float) -> RestItem:
-    """Disks for what a design's images fill beyond the disk of the computer."""
-    name = f"disks for {format_number(beyond_gb)} GB beyond the {DISK_GB:g} GB of the computer"
+def disk_item(beyond_gb: float, computers: int) -> RestItem:
+    """Disks of one computer, of so many, for what a design's images fill there beyond its own disk."""
+    of = "the computer" if computers == 1 else "each computer"
+    name = f"disks for {format_number(beyond_gb)} GB beyond the {DISK_GB:g} GB of {of}"
     return RestItem("rest-storage", name, "system", disk_price_per_gb().quantity(beyond_gb))
 
 

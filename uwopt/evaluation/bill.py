@@ -150,7 +150,7 @@ def host_row(problem: Problem, camera: Camera) -> BillRow:
     return BillRow(
         kind="extra", id="host-computer", manufacturer="",
         model=f"computer {'beside each camera' if beside else 'that takes the images'}",
-        count=problem.mission.vehicle.camera_count if beside else 1, owned=0, purpose="computer",
+        count=problem.computers(camera), owned=0, purpose="computer",
         note=place_of_computer(camera.interface, problem.mission.vehicle.cable_m),
         unit_price=rate * price.value, unit_price_low=rate * price.low, unit_price_high=rate * price.high,
         currency=problem.mission.limits.currency,
@@ -186,7 +186,8 @@ def beside_parts(problem: Problem, hw: Hardware, spacer_m: float, disks_gb: floa
     cables = cameras if problem.parts.cameras[hw.camera].tethered else 0
     numbers = {"system": 1, "camera": cables, "lamp": lamps, "lighting": int(not problem.unlit(hw.light))}
     if disks_gb > 0.0:
-        made.append((disk_item(disks_gb), 1))
+        computers = problem.computers(problem.parts.cameras[hw.camera])
+        made.append((disk_item(disks_gb / computers, computers), computers))
     return made + [(item, numbers[item.per]) for item in problem.rest if numbers[item.per]]
 
 

@@ -20,6 +20,7 @@ from uwopt.catalog.compatibility import rated_pitch_um
 from uwopt.catalog.parts.cell import Field, kept_fields
 from uwopt.catalog.parts.kinds import FAVOURED as FAVOURED
 from uwopt.catalog.records import Camera, Curve, Housing, Lens, Light, Part, Port, Quantity
+from uwopt.catalog.rest import DISK_GB
 from uwopt.forward.adapters import NO_ADAPTER, adapter_of
 from uwopt.forward.columns import Columns, PartColumns, each_once
 from uwopt.forward.flash_times import FlashTimes
@@ -77,6 +78,7 @@ class Cameras(PartColumns):
     most_body_m: Array  # (n, 4), high ends of these sizes, for which a housing that is to be made is ordered
     storage_gb: Array  # of its own card; inf where a computer takes the images
     fires_lamps: Array  # with the image
+    disk_gb: Array  # of all computers that take the images, in their price; inf: it keeps them on its own card
 
 
 @dataclass(frozen=True)
@@ -275,11 +277,12 @@ def camera_rows(
     paper: bool = False,
     high_basis: bool = False,
     host_share: Array | float = 0.0,
+    computers: Array | float = 1.0,
 ) -> tuple[Cameras, list[dict[str, Curve]]]:
     """Cameras as columns, and the distinct efficiency curves they point to.
 
     Physics `paper` counts 16-bit numbers and knows no exposure offset, dark current or PRNU. Each camera draws and
-    costs its share of the one computer that takes the images.
+    costs its share of the computers that take the images, which are so many.
     """
     curves: list[dict[str, Curve]] = []
     index_of: dict[tuple[tuple[str, Curve], ...], int] = {}
@@ -316,6 +319,7 @@ def camera_rows(
             "qe_index": np.array(each_once([part.qe_curves for part in parts], index), int),
             "most_body_m": high_ends(Camera, parts, ("body_width_mm", "body_height_mm", "body_length_mm", "plug_mm")),
             "fires_lamps": np.array([part.fires_lamps for part in parts], bool),
+            "disk_gb": np.where(np.isfinite(known["storage_gb"]), np.inf, computers * DISK_GB),
         }
     )
     return rows, curves

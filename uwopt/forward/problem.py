@@ -20,7 +20,7 @@ from uwopt.catalog import money
 from uwopt.catalog.interfaces import shares_computer
 from uwopt.catalog.parts.light import NO_LAMP
 from uwopt.catalog.records import Camera, Part
-from uwopt.catalog.rest import DISK_GB, Per, RestItem, RestNeeds, disk_price_per_gb, rest_items
+from uwopt.catalog.rest import Per, RestItem, RestNeeds, disk_price_per_gb, rest_items
 from uwopt.catalog.spacers import spacer_mass_g, spacer_price
 from uwopt.forward import switching
 from uwopt.forward.fixed_settings import at_exposure, at_level
@@ -120,6 +120,7 @@ class Problem:
         self.cameras, self.efficiencies = camera_rows(
             parts.cameras, money=self.money, end=end, paper=paper, high_basis=high,
             host_share=np.array([self.host_share(part) for part in parts.cameras]),
+            computers=np.array([self.computers(part) for part in parts.cameras], float),
         )  # fmt: skip
         self.lenses: Lenses = lens_rows(parts.lenses, money=self.money, end=end, high_basis=high)
         currency = mission.limits.currency, tuple(sorted(mission.limits.rates.items()))
@@ -304,7 +305,7 @@ class Problem:
             self.lights = replace(self.lights, **{name: getattr(self.lights, name) + lamp})
 
     def disks_gb(self, cameras: Cameras, rates_hz: Sequence[Array]) -> Array:
-        """Room for images that is bought for a system, (n,) [GB]: what they fill beyond the disk of its computer.
+        """Room for images that is bought for a system, (n,) [GB]: what they fill beyond the disks of its computers.
 
         rates_hz : of the images, by scene; a camera that keeps them on a card of its own buys none
         """
@@ -312,7 +313,7 @@ class Problem:
         filled = duration.storage_of(duration.mean([count * cameras.frame_mb * rate for rate in rates_hz]))
         if filled is None or self.mission.catalog.rest == "none":
             return np.zeros(len(cameras.price))
-        return np.where(np.isfinite(cameras.storage_gb), 0.0, np.maximum(filled - DISK_GB, 0.0))
+        return np.maximum(filled - cameras.disk_gb, 0.0)
 
     @cached_property
     def disk_prices(self) -> dict[str, float]:
@@ -366,11 +367,13 @@ class Problem:
         vehicle = self.mission.vehicle
         return not shares_computer(camera.interface, vehicle.cable_m, vehicle.camera_count)
 
+    def computers(self, camera: Camera) -> int:
+        """How many computers take the images: one for all cameras, or one beside each of this kind."""
+        return self.mission.vehicle.camera_count if self.beside_camera(camera) else 1
+
     def host_share(self, camera: Camera) -> float:
         """How much of a computer each camera of this kind pays and feeds."""
-        if not self.counts_host:
-            return 0.0
-        return 1.0 if self.beside_camera(camera) else 1.0 / self.mission.vehicle.camera_count
+        return self.computers(camera) / self.mission.vehicle.camera_count if self.counts_host else 0.0
 
     def gains(self, scene_index: int, most: Array) -> tuple[float, Array]:
         """Lowest and highest gain, ratios: those of cameras, what a scene allows, or the one that is fixed."""

@@ -31,7 +31,7 @@ LEAST_OF_CAMERAS = (
 )  # fmt: skip
 MOST_OF_CAMERAS = (
     "saturation_e", "gain_dn_per_e", "max_gain", "max_exposure_s", "exposure_offset_s", "dark_current_e_s",
-    "max_rate_hz", "qe_scale", "storage_gb",
+    "max_rate_hz", "qe_scale", "storage_gb", "disk_gb",
 )  # fmt: skip
 LEAST_OF_LENSES = (
     "f_number_min", "min_object_distance_m", "rated_pitch_m", "length_m", "diameter_m", "most_body_m", "price",
