@@ -48,6 +48,12 @@ def test_faults_name_the_key_as_it_was_written() -> None:
     assert "vehicle.distance_m and altitude_m are both given" in fault_of("wall", vehicle={"altitude_m": 2.0})
 
 
+def test_an_unknown_key_is_held_against_these_names_too() -> None:
+    for key in ("distance_mm", "distance_metres"):
+        with pytest.raises(MissionError, match=r"is unknown; .*\bdistance_m\b"):
+            load_mission({"scene": {}, "vehicle": {key: 1200}})
+
+
 @pytest.mark.parametrize(("asked", "told"), [
     ({"overlap": 0.3, "frame_interval_s": 1.0}, "requirements.overlap is asked of ground"),
     ({"min_area_m2_h": 10.0, "frame_interval_s": 1.0}, "requirements.min_area_m2_h is asked of ground"),

@@ -24,6 +24,20 @@ DEFECTS = (
         test="tests/report/test_looked_at.py::test_columns_of_a_table_stay_in_line",
     ),
     Defect(
+        name="a wall's distance is told by the key of an altitude",
+        file="uwopt/report/text/looked_at.py",
+        old="(s?|_m|_tolerance_m)",
+        new="(s?)",
+        test="tests/report/test_looked_at.py::test_keys_are_told_by_the_name_that_a_wall_has_for_them",
+    ),
+    Defect(
+        name="a slip in distance_m is held against altitudes alone",
+        file="uwopt/documents/validation.py",
+        old="known = spelled_keys(here) if here else ()",
+        new="known = tuple(keys_of(here)) if here else ()",
+        test=f"{KEYS}::test_an_unknown_key_is_held_against_these_names_too",
+    ),
+    Defect(
         name="of two names of a distance one is dropped in silence",
         file=CHECKS,
         old="if made.get(usual) is not None and value is not None:",

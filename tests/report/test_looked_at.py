@@ -10,9 +10,14 @@ WATER = wording({"scenes": [{"target": "mid_water"}]})
 
 def test_a_wall_has_a_distance() -> None:
     assert WALL("pixel on the floor at the nominal altitude") == "pixel on the wall at the nominal distance"
-    assert WALL("Floor and altitudes; altitude_m") == "Wall and distances; altitude_m"
+    assert WALL("Floor and altitudes; at_altitude_m") == "Wall and distances; at_altitude_m"
     assert WALL("aimed straight down") == "aimed straight ahead"
     assert WATER("Test chart on textured sea floor") == "Test chart on textured target"
+
+
+def test_keys_are_told_by_the_name_that_a_wall_has_for_them() -> None:
+    assert WALL("altitude (altitude_m) 5.00 m -> 3.15 m") == "distance (distance_m) 5.00 m -> 3.15 m"
+    assert WATER("vary altitude_tolerance_m or altitude_m") == "vary distance_tolerance_m or distance_m"
 
 
 def test_columns_of_a_table_stay_in_line() -> None:

@@ -8,7 +8,7 @@ import math
 import re
 from collections.abc import Mapping
 from functools import partial
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, ClassVar, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -165,6 +165,7 @@ class Section(BaseModel):
     """A mapping of a file: frozen, unknown keys are faults, an empty key takes its default."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+    other_names: ClassVar[tuple[str, ...]] = ()  # by which a file may call some of its keys
 
     @model_validator(mode="before")
     @classmethod
@@ -180,6 +181,11 @@ class Section(BaseModel):
 def keys_of(model: type[BaseModel]) -> dict[str, FieldInfo]:
     """Fields of a model by the key that a file uses."""
     return {info.alias or name: info for name, info in model.model_fields.items()}
+
+
+def spelled_keys(model: type[BaseModel]) -> tuple[str, ...]:
+    """Every name by which a file may give a key of a section."""
+    return (*keys_of(model), *(model.other_names if issubclass(model, Section) else ()))
 
 
 def given_values(section: BaseModel | None) -> dict[str, Any]:
@@ -205,4 +211,5 @@ def all_optional(model: type[M], name: str) -> type[M]:
     made: Any = create_model(
         name, __base__=Section, __doc__=f"Keys of {model.__name__}, all optional.", **fields
     )
+    made.other_names = model.other_names if issubclass(model, Section) else ()
     return made

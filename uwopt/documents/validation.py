@@ -9,7 +9,7 @@ from typing import Any, TypeVar, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 
 from uwopt.documents.faults import KeyPath, nearest, path_text, show
-from uwopt.documents.key_types import keys_of
+from uwopt.documents.key_types import keys_of, spelled_keys
 from uwopt.documents.reading import Document
 from uwopt.errors import MissionError
 from uwopt.units import convert, split_unit
@@ -92,11 +92,11 @@ class Reporter:
     def _unknown(self, path: KeyPath, value: Any) -> str:
         key = str(path[-1])
         here = model_at(self.model, path[:-1])
-        known = keys_of(here) if here else {}
+        known = spelled_keys(here) if here else ()
         section = next((name for name, model in self.sections.items() if model is here), "")
         overrides = ("vehicle", "requirements") if section == "scene" else ()
-        places = {section: (*known, *(k for name in overrides for k in keys_of(self.sections[name])))}
-        places |= {n: tuple(keys_of(m)) for n, m in self.sections.items() if n not in places}
+        places = {section: (*known, *(k for name in overrides for k in spelled_keys(self.sections[name])))}
+        places |= {n: spelled_keys(m) for n, m in self.sections.items() if n not in places}
         return unknown_key(key, value, section, places)
 
 

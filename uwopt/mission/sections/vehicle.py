@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
@@ -48,13 +48,15 @@ class LightMount(Section):
 class Vehicle(Section):
     """How the camera is carried, and which hardware it may carry."""
 
+    other_names: ClassVar[tuple[str, ...]] = tuple(words.OTHER_NAMES)
+
     altitude_m: Annotated[float, Field(gt=0, le=1000), at_least(1e-3), NUMBER] = Field(
-        description="distance from the port to the floor, wall or target in metres; also as distance_m"
+        description="distance from the port to the floor (altitude_m), wall or target (distance_m) in metres"
     )
     altitude_tolerance_m: Annotated[float, Field(ge=0, le=1000), NUMBER] = Field(
         default=0.0,
-        description="half-width of the altitudes over which every requirement holds, in metres; also as "
-        "distance_tolerance_m",
+        description="half-width of the altitudes (altitude_tolerance_m) or distances (distance_tolerance_m) over which "
+        "every requirement holds, in metres",
     )
     pitch_deg: Annotated[float, Field(ge=0, le=80), NUMBER] = Field(
         default=0.0,

@@ -9,7 +9,7 @@ from typing import Any
 from uwopt.mission.keys import TARGET_WORDS
 
 MARKUP = re.compile(r"(<(?:script|style|pre)\b.*?</(?:script|style|pre)>|<[^>]*>)", re.DOTALL)
-SPOKEN = re.compile(r"\b(?:sea ?floor|floor|altitude)(s?)\b( {2,})?", re.IGNORECASE)
+SPOKEN = re.compile(r"\b(?:sea ?floor|floor|altitude)(s?|_m|_tolerance_m)\b( {2,})?", re.IGNORECASE)
 
 
 def wording(mission: Mapping[str, Any]) -> Callable[[str], str]:
