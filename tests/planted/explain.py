@@ -21,6 +21,20 @@ BY_EITHER = f"{EVERY}::test_signal_to_noise_of_mean_and_frame_has_its_price_by_e
 
 DEFECTS = (
     Defect(
+        name="a battery that is too small is no key to move",
+        file="uwopt/solvers/infeasible/move_keys.py",
+        old="    if is_limited and of_all.energy_wh == of_all.battery_wh",
+        new="    if False and of_all.energy_wh == of_all.battery_wh",
+        test=f"{TESTS}::test_what_holds_and_takes_energy_moves_as_far_as_it_must",
+    ),
+    Defect(
+        name="a battery of which only the endurance is told is moved",
+        file="uwopt/solvers/infeasible/move_keys.py",
+        old="is_limited = math.isfinite(of_all.energy_wh) and of_all",
+        new="is_limited = of_all.battery_wh is not None and of_all",
+        test=f"{TESTS}::test_a_battery_that_only_times_endurance_is_no_key_to_move",
+    ),
+    Defect(
         name="explain says that practice would give way though nothing fits even so",
         file="uwopt/api/yielding.py",
         old="    if weakest.outcome.best:\n        text",

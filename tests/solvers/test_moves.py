@@ -19,6 +19,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Moved
 from uwopt.solvers.infeasible.contradiction import Contradiction, contradiction
 from uwopt.solvers.infeasible.least_change import CLOSER, in_rounds
+from uwopt.solvers.infeasible.move_keys import tries_of
 from uwopt.solvers.infeasible.moves import Mover, NearestType
 from uwopt.solvers.infeasible.trials import Trials
 from uwopt.solvers.recommend import seek
@@ -86,6 +87,33 @@ def test_a_type_of_water_that_takes_too_long_is_asked_once_and_clearer_ones_inst
     in_rounds([change], NEVER)
     assert asked == ["1C", "IB", "II"]  # in the middle between the clearest, which does, and 7C; then nearer to it
     assert change.needed == "IB" and not change.is_least
+
+
+def lander(parts: Any, **carried: Any) -> Mission:
+    """What hovers with a battery of its own and takes an image every ten minutes, its lamp off between them."""
+    wanted = mission(parts, min_snr_db=10.0, overlap=None, frame_interval_s=600.0)
+    given = {"speed_m_s": 0.0, "lamps_between_images": "off", "supply": "battery", **carried}
+    return wanted.with_changes(vehicle=wanted.to_dict()["vehicle"] | given)
+
+
+def test_what_holds_and_takes_energy_moves_as_far_as_it_must(parts):
+    wanted = lander(parts, duration_h=50.0, battery_wh=75.0)  # a camera of 3 W takes 150 Wh
+    catalog, told = load_catalog(wanted), moves(wanted)
+    assert list(told)[:3] == ["camera_between_images", "battery_wh", "duration_h"]  # what lacks comes first
+    at = wanted.to_dict()["vehicle"]
+    assert told["camera_between_images"].needed == "off"
+    assert fits(wanted.with_changes(vehicle=at | {"camera_between_images": "off"}), catalog)
+    for name, needed in (("battery_wh", 150.0), ("duration_h", 25.0)):
+        assert told[name].needed == pytest.approx(needed, rel=0.02)  # what the lamp takes is little beside it
+        assert told[name].nearest
+        assert fits(wanted.with_changes(vehicle=at | {name: told[name].needed}), catalog)
+        nearer = told[name].needed + 2.0 * CLOSER * (told[name].asked - told[name].needed)
+        assert not fits(wanted.with_changes(vehicle=at | {name: nearer}), catalog)
+
+
+def test_a_battery_that_only_times_endurance_is_no_key_to_move(parts):
+    names = {one.key.name for one in tries_of(lander(parts, duration_h=50.0, battery_wh=75.0, supply="vehicle"))}
+    assert names.isdisjoint({"battery_wh", "duration_h", "camera_between_images"})
 
 
 def test_what_does_not_help_is_not_told(parts):

@@ -191,7 +191,7 @@ class Price(Record):
 class Moved(Record):
     """A key of the mission, no requirement, whose move alone would let a system through."""
 
-    name: str = Field(description="the key: speed_m_s, altitude_m, water or a reading of its clarity")
+    name: str = Field(description="the key, such as speed_m_s, water, duration_h or camera_between_images")
     asked: Number | str = Field(description="where it stands")
     needed: Number | str = Field(description="where something fits, which has been solved")
     unit: str = Field(description="of both; empty for words")

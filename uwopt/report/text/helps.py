@@ -18,7 +18,9 @@ if TYPE_CHECKING:
 FAR_TIMES = 10.0
 MORE_S = (60, 300, 1800)  # that are told to be given
 KEYS = {"altitude_m": "altitude", "speed_m_s": "speed", "frame_interval_s": "time between images",
-        "duration_h": "duration", "visibility_m": "visibility", "secchi_m": "Secchi depth"}  # fmt: skip
+        "duration_h": "duration", "battery_wh": "battery", "camera_between_images": "cameras between images",
+        "lamps_between_images": "lamps between images", "visibility_m": "visibility",
+        "secchi_m": "Secchi depth"}  # fmt: skip
 OF_DEPTH = ": depth rating"  # how what excludes a kind of part by its rating ends
 
 

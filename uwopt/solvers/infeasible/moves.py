@@ -6,40 +6,26 @@ drawn back as near as something still fits (`least_change`). Whatever is told ha
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 
 from uwopt.deadline import Deadline, OutOfTimeError
 from uwopt.errors import UwoptError
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Value, Varied, VariedMission, rounded
 from uwopt.results.basis import Moved
-from uwopt.solvers.infeasible.freed_rules import OTHER_WATER
-from uwopt.solvers.infeasible.least_change import Change, Narrowing, rounded_away
+from uwopt.solvers.infeasible.freed_rules import OTHER_WATER, in_the_way
+from uwopt.solvers.infeasible.least_change import Change, Narrowing
+from uwopt.solvers.infeasible.move_keys import CLEAREST_FIRST, SWITCHES, Try, tries_of
 from uwopt.solvers.infeasible.trials import Trials
 from uwopt.solvers.recommend import Sought
 from uwopt.units import split_unit
 
-FARTHEST_SPEED = 0.1  # of the speed that is asked
-ALTITUDES = (0.4, 0.65, 1.5, 0.15)  # of the altitude that is asked; what is near and fits at all fits soonest
-FARTHEST_CLARITY = (40.0, 8.0)  # times as clear: the first that is no more than water can be
-FARTHEST_TIME = 10.0  # times as long between images, or as short a duty
 SHARE = 0.6  # of the time, for trying all keys far from where they stand
 FEW_SHARE, FEW_TURN = 0.3, 0.4  # of the time left, for all among a few imagers, and of that for each
 LEAST_S = 0.5  # in less than that no search of all imagers finds anything, and the time is lost to what else helps
 TURN = 0.7  # of the time left: what one key may take of it
-#: Jerlov types from the clearest on, by their attenuation at 530 nm.
-CLEAREST_FIRST = ("I", "IA", "IB", "II", "1C", "III", "3C", "5C", "7C", "9C")
-
-
-@dataclass(frozen=True)
-class Try:
-    """A key and the values far from what is asked at which it is tried, in turn, until something fits."""
-
-    key: Varied
-    asked: Value
-    values: tuple[Value, ...]
 
 
 @dataclass(frozen=True)
@@ -113,16 +99,39 @@ class NearestType:
 
 
 @dataclass(frozen=True)
+class Switched:
+    """A key of two words, at the other one of which something fits: there is nothing between them."""
+
+    asked: str
+    needed: str
+    is_least: bool = True
+    is_done: bool = True
+
+    @property
+    def gap(self) -> float:
+        """There is none."""
+        return 0.0
+
+    @property
+    def size(self) -> float:
+        """As large as a change can be: all of what is asked."""
+        return 1.0
+
+    def step(self, turn: Deadline) -> None:
+        """None is left."""
+
+
+@dataclass(frozen=True)
 class Move:
     """A key that helps, and how far it has to move."""
 
     far: Far
-    drawn: Narrowing | NearestType
+    drawn: Narrowing | NearestType | Switched
 
     def told(self) -> Moved:
         """As far as it is drawn in."""
         name, drawn = self.far.tried.key.name, self.drawn
-        if isinstance(drawn, NearestType):
+        if not isinstance(drawn, Narrowing):
             return Moved(name, drawn.asked, drawn.needed, "", drawn.is_least)
         return Moved(name, drawn.asked, rounded(drawn.change.limit), unit_of(name), drawn.is_least)
 
@@ -148,7 +157,7 @@ class Mover:
     def try_few(self) -> None:
         """Move each key far and look among a few imagers, as `Singles.try_few`."""
         phase = self.trials.deadline.at_most(FEW_SHARE * self.trials.deadline.left_s)
-        for one in self.tries():
+        for one in self.tries:
             for value in one.values:
                 if phase.passed() or self.trials.interrupted:
                     return
@@ -159,7 +168,7 @@ class Mover:
 
     def take_for_far(self, name: str, value: Value | None, found: Sought) -> None:
         """Something is known to fit with a key at this value, all else as asked."""
-        self.far += [Far(one, value, found) for one in self.tries() if one.key.name == name and value is not None]
+        self.far += [Far(one, value, found) for one in self.tries if one.key.name == name and value is not None]
 
     def _among_few(self, key: Varied, value: Value, turn: Deadline) -> Sought | None:
         """A design among a few imagers with a key at another value; None where there is none, or no such mission."""
@@ -174,7 +183,7 @@ class Mover:
         """Move each key far, as long as there is time: a share of what is left."""
         phase = self.trials.deadline.at_most(share * self.trials.deadline.left_s)
         found = {far.tried.key.name for far in self.far}
-        for one in self.tries():
+        for one in self.tries:
             if one.key.name in found:
                 continue
             try:
@@ -191,48 +200,12 @@ class Mover:
         """Keys that help, to be drawn in."""
         return [Move(one, self._drawn(one)) for one in self.far]
 
-    # ------------------------------------------------------------ which keys
-
-    def tries(self) -> Iterator[Try]:
-        """Water, heights, speed, times; a key on which the scenes differ is left alone."""
-        altitude, speed, duration_h = (self._common(key) for key in ("altitude_m", "speed_m_s", "duration_h"))
-        yield from self._waters()  # takes least to try: the imagers stay
-        if altitude:
-            values = tuple(rounded_away(factor * altitude, altitude) for factor in ALTITUDES)
-            yield self._try("vehicle", "altitude_m", altitude, values)
-        if speed:
-            yield self._try("vehicle", "speed_m_s", speed, (rounded_away(FARTHEST_SPEED * speed, speed),))
-        intervals = {view.asked.frame_interval_s for view in self.mission.views}
-        if len(intervals) == 1 and (interval := intervals.pop()):
-            yield self._try(
-                "requirements", "frame_interval_s", interval, (rounded(FARTHEST_TIME * interval),)
-            )
-        limits = self.mission.limits
-        if duration_h and not (limits.energy_wh is None and limits.storage_gb is None):
-            yield self._try("vehicle", "duration_h", duration_h, (rounded(duration_h / FARTHEST_TIME),))
-
-    def _common(self, key: str) -> float | None:
-        """A key of the vehicle, where all scenes have the same."""
-        values = {getattr(view.vehicle, key) for view in self.mission.views}
-        return float(one) if len(values) == 1 and (one := values.pop()) else None
-
-    def _waters(self) -> Iterator[Try]:
-        """Clearer water, by the reading or by the type that the mission names."""
-        waters = {(scene.clarity, scene.water) for scene in self.mission.scenes}
-        if len(waters) > 1:
-            return
-        reading, water = waters.pop()
-        if reading is not None:
-            name, value = reading
-            clearer = name in ("visibility_m", "secchi_m")
-            far = tuple(value * times if clearer else value / times for times in FARTHEST_CLARITY)
-            yield self._try("scene", name, value, tuple(rounded_away(one, value) for one in far))
-        elif water in CLEAREST_FIRST and water != CLEAREST_FIRST[0]:
-            yield self._try("scene", "water", water, (CLEAREST_FIRST[0],))
-
-    @staticmethod
-    def _try(section: str, name: str, asked: Value, values: tuple[Value, ...]) -> Try:
-        return Try(Varied(name, section, name, values), asked, values)
+    @cached_property
+    def tries(self) -> tuple[Try, ...]:
+        """The keys that may be moved, in turn."""
+        like = self.trials.relaxer.like
+        lacks_energy = like is not None and "energy_wh" in in_the_way(like)
+        return tuple(tries_of(self.mission, for_want_of_energy=lacks_energy))
 
     # ------------------------------------------------------------ far, and back
 
@@ -250,9 +223,11 @@ class Mover:
             self.useless[one.key.name] = rules
         return known
 
-    def _drawn(self, far: Far) -> Narrowing | NearestType:
+    def _drawn(self, far: Far) -> Narrowing | NearestType | Switched:
         """What draws a key back towards what is asked."""
         key, asked = far.tried.key, far.tried.asked
+        if key.name in SWITCHES:
+            return Switched(str(asked), str(far.value))
         if isinstance(far.value, str) or isinstance(asked, str):
             return NearestType(str(asked), lambda water, turn: self._search(key, water, turn))
         return Narrowing(

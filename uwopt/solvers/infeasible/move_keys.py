@@ -1,0 +1,102 @@
+"""Which keys of a mission are moved where nothing fits, and how far: water, height, speed, times, what feeds it.
+
+A key is tried only where it can matter: what takes or holds energy where energy is counted against a limit.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from uwopt.mission.duration import Duration
+from uwopt.mission.mission import Mission
+from uwopt.mission.varying import Value, Varied, rounded
+from uwopt.solvers.infeasible.least_change import rounded_away
+
+FARTHEST_SPEED = 0.1  # of the speed that is asked
+ALTITUDES = (0.4, 0.65, 1.5, 0.15)  # of the altitude that is asked; what is near and fits at all fits soonest
+FARTHEST_CLARITY = (40.0, 8.0)  # times as clear: the first that is no more than water can be
+FARTHEST_TIME = 10.0  # times as long between images
+FARTHEST_ENERGY = (10.0, 100.0)  # times as short a mission, or as much in its battery
+#: Jerlov types from the clearest on, by their attenuation at 530 nm.
+CLEAREST_FIRST = ("I", "IA", "IB", "II", "1C", "III", "3C", "5C", "7C", "9C")
+SWITCHES = ("camera_between_images", "lamps_between_images")  # that may be off, and draw less
+
+
+@dataclass(frozen=True)
+class Try:
+    """A key and the values far from what is asked at which it is tried, in turn, until something fits."""
+
+    key: Varied
+    asked: Value
+    values: tuple[Value, ...]
+
+
+def tries_of(mission: Mission, *, for_want_of_energy: bool = False) -> Iterator[Try]:
+    """Each key that may be moved; one on which the scenes differ is left alone.
+
+    for_want_of_energy : whether it is energy that nothing has enough of: then what takes or holds it comes first
+    """
+    others = [*_waters(mission), *_vehicle(mission)]  # water takes least to try: the imagers stay
+    energy = [*_energy(mission)]
+    yield from [*energy, *others] if for_want_of_energy else [*others, *energy]
+
+
+def _vehicle(mission: Mission) -> Iterator[Try]:
+    """Height, speed, and the time between images."""
+    altitude, speed = _common(mission, "altitude_m"), _common(mission, "speed_m_s")
+    if altitude:
+        values = tuple(rounded_away(factor * altitude, altitude) for factor in ALTITUDES)
+        yield _try("vehicle", "altitude_m", altitude, values)
+    if speed:
+        yield _try("vehicle", "speed_m_s", speed, (rounded_away(FARTHEST_SPEED * speed, speed),))
+    if interval := _interval(mission):
+        yield _try("requirements", "frame_interval_s", interval, (rounded(FARTHEST_TIME * interval),))
+
+
+def _energy(mission: Mission) -> Iterator[Try]:
+    """What stays on between images, the battery that the system brings along, and how long that must last."""
+    limits, of_all = mission.limits, Duration.of(mission)
+    is_limited = math.isfinite(of_all.energy_wh) and of_all.duration_h is not None
+    if _interval(mission) and (is_limited or limits.power_w is not None):
+        for name in SWITCHES:
+            if {getattr(view.vehicle, name) for view in mission.views} == {"on"}:
+                yield _try("vehicle", name, "on", ("off",))
+    if is_limited and of_all.energy_wh == of_all.battery_wh and limits.energy_wh is None:
+        values = tuple(rounded(times * of_all.energy_wh) for times in FARTHEST_ENERGY)
+        yield _try("vehicle", "battery_wh", of_all.energy_wh, values)
+    if of_all.duration_h and (is_limited or limits.storage_gb is not None):
+        values = tuple(rounded(of_all.duration_h / times) for times in FARTHEST_ENERGY)
+        yield _try("vehicle", "duration_h", of_all.duration_h, values)
+
+
+def _common(mission: Mission, key: str) -> float | None:
+    """A key of the vehicle, where all scenes have the same."""
+    values = {getattr(view.vehicle, key) for view in mission.views}
+    return float(one) if len(values) == 1 and (one := values.pop()) else None
+
+
+def _interval(mission: Mission) -> float | None:
+    """The time between images that is asked for, where all scenes have the same."""
+    intervals = {view.asked.frame_interval_s for view in mission.views}
+    return intervals.pop() if len(intervals) == 1 else None
+
+
+def _waters(mission: Mission) -> Iterator[Try]:
+    """Clearer water, by the reading or by the type that the mission names."""
+    waters = {(scene.clarity, scene.water) for scene in mission.scenes}
+    if len(waters) > 1:
+        return
+    reading, water = waters.pop()
+    if reading is not None:
+        name, value = reading
+        clearer = name in ("visibility_m", "secchi_m")
+        far = tuple(value * times if clearer else value / times for times in FARTHEST_CLARITY)
+        yield _try("scene", name, value, tuple(rounded_away(one, value) for one in far))
+    elif water in CLEAREST_FIRST and water != CLEAREST_FIRST[0]:
+        yield _try("scene", "water", water, (CLEAREST_FIRST[0],))
+
+
+def _try(section: str, name: str, asked: Value, values: tuple[Value, ...]) -> Try:
+    return Try(Varied(name, section, name, values), asked, values)
