@@ -200,7 +200,7 @@ def test_daylight_from_an_oblique_floor_loses_what_its_way_takes() -> None:
     ({"physics": "paper"}, "vehicle.pitch_deg = 40: physics paper looks square at its floor"),
     (
         {"scene": {**MISSION["scene"], "target": "mid_water"}, "requirements": {"frame_interval_s": 1.0}},
-        "vehicle.pitch_deg = 40 is of a floor or wall, and target: mid_water has none",
+        "vehicle.pitch_deg = 40 is of floor, wall or ceiling, and target: mid_water has none",
     ),
     ({"vehicle": {**MISSION["vehicle"], "pitch_deg": 85}}, "vehicle.pitch_deg = 85 is"),
     (

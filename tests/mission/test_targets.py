@@ -66,7 +66,7 @@ def test_what_has_no_meaning_in_mid_water_is_told(asked: dict[str, float], told:
         mission("wall", **asked)
 
 
-@pytest.mark.parametrize("target", ["wall", "mid_water"])
+@pytest.mark.parametrize("target", ["wall", "ceiling", "mid_water"])
 def test_daylight_is_reckoned_on_floors_alone(target: str) -> None:
     told = fault_of(target, sun_lux=1000.0, frame_interval_s=1.0)
     assert "scene.sun_lux = 1000 is daylight, which is reckoned on a floor alone" in told
@@ -83,3 +83,20 @@ def test_a_lamp_behind_the_target_is_refused_in_its_words() -> None:
     told = fault_of("wall", vehicle={"light_mounts": [{"y_m": 0.3, "z_m": 1.2}]}, overlap=0.3)
     assert "puts the lamp on or behind the wall, which is 1 m before the port at the nearest" in told
     assert "raise the distance" in told
+
+
+@pytest.mark.parametrize(("pitch_deg", "told"), [
+    (180, "is of a camera that looks up; set scene.target: ceiling, with pitch_deg: 0 from straight up"),
+    (150, "is of a camera that looks up; set scene.target: ceiling, with pitch_deg: 30 from straight up"),
+    (90, "is above 80, of a camera that looks level; set scene.target: wall or mid_water, with pitch_deg: 0"),
+])  # fmt: skip
+def test_a_pitch_told_from_straight_down_is_told_what_it_looks_at(pitch_deg: float, told: str) -> None:
+    assert f"vehicle.pitch_deg = {pitch_deg} {told}" in fault_of("floor", vehicle={"pitch_deg": pitch_deg}, overlap=0.3)
+
+
+def test_a_ceiling_is_no_higher_than_the_water() -> None:
+    told = fault_of("ceiling", vehicle={"distance_m": 31.0}, overlap=0.3)
+    assert "vehicle.distance_m = 31 puts the ceiling above the surface: depth_m = 30 is the camera's depth" in told
+    assert mission("ceiling", vehicle={"distance_m": 30.0}, overlap=0.3).asked_depth_m == 30.0
+    told = fault_of("ceiling", sun_lux=1000.0, overlap=0.3)
+    assert "on a ceiling it comes from behind, through it or past it; set sun_lux: 0" in told

@@ -80,6 +80,27 @@ DEFECTS = (
         test=f"{KEYS}::test_a_camera_that_looks_level_works_at_the_depth_of_its_target",
     ),
     Defect(
+        name="ice floats above the water",
+        file=CHECKS,
+        old="if distance_m > depth_m:",
+        new="if False:",
+        test=f"{KEYS}::test_a_ceiling_is_no_higher_than_the_water",
+    ),
+    Defect(
+        name="a camera that looks up is told of an angle that is too large",
+        file="uwopt/mission/keys.py",
+        old="if pitch_deg > UP_DEG:",
+        new="if False:",
+        test=f"{KEYS}::test_a_pitch_told_from_straight_down_is_told_what_it_looks_at",
+    ),
+    Defect(
+        name="lamps of a camera that looks up are aimed ahead",
+        file="uwopt/report/text/looked_at.py",
+        old='"straight up" if target == "ceiling" else "straight ahead"',
+        new='"straight ahead"',
+        test="tests/report/test_looked_at.py::test_a_wall_has_a_distance",
+    ),
+    Defect(
         name="open water ends soon behind its targets",
         file="uwopt/forward/spectra.py",
         old="ENDLESS = 16.0",

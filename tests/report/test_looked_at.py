@@ -5,6 +5,7 @@ from __future__ import annotations
 from uwopt.report.text.looked_at import in_figure, in_page, wording
 
 WALL = wording({"scenes": [{"target": "wall"}]})
+CEILING = wording({"scenes": [{"target": "ceiling"}]})
 WATER = wording({"scenes": [{"target": "mid_water"}]})
 
 
@@ -12,6 +13,7 @@ def test_a_wall_has_a_distance() -> None:
     assert WALL("pixel on the floor at the nominal altitude") == "pixel on the wall at the nominal distance"
     assert WALL("Floor and altitudes; at_altitude_m") == "Wall and distances; at_altitude_m"
     assert WALL("aimed straight down") == "aimed straight ahead"
+    assert CEILING("over the floor, aimed straight down") == "over the ceiling, aimed straight up"
     assert WATER("Test chart on textured sea floor") == "Test chart on textured target"
 
 

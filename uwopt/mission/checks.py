@@ -199,6 +199,7 @@ def cross_faults(parts: Values) -> list[Fault]:
         for section, key, text in (
             *_vehicle_faults(vehicle, scene.get("target") or "floor"),
             *_target_faults(vehicle, wanted, scene.get("target") or "floor"),
+            *_ceiling_faults(vehicle, scene),
             *_snr_faults(wanted),
             *_area_faults(vehicle, wanted),
             *_pair_faults(vehicle, wanted),
@@ -243,7 +244,7 @@ def _target_faults(vehicle: Values, wanted: Values, target: str) -> Iterator[tup
     if target != "mid_water":
         return
     if vehicle.get("pitch_deg"):
-        text = f"= {vehicle['pitch_deg']:g} is of a floor or wall, and target: mid_water has none; leave it out"
+        text = f"= {vehicle['pitch_deg']:g} is of floor, wall or ceiling, and target: mid_water has none; leave it out"
         yield "vehicle", "pitch_deg", text
     for key in ("overlap", "min_area_m2_h"):
         if wanted.get(key) is not None:
@@ -255,14 +256,26 @@ def _target_faults(vehicle: Values, wanted: Values, target: str) -> Iterator[tup
 
 
 def _sun_faults(scene: Values, index: int) -> Iterator[Fault]:
-    """How much daylight a wall or a fish gets depends on which way it faces, which no key says."""
+    """How much daylight a wall or a fish gets depends on which way it faces, which no key says; ice and what floats are
+    lit from behind, and the water before them against the light."""
     target = scene.get("target") or "floor"
     if target != "floor" and scene.get("sun_lux"):
+        why = "it depends on where that faces" if target != "ceiling" else "it comes from behind, through it or past it"
         text = (
             f"= {scene['sun_lux']:g} is daylight, which is reckoned on a floor alone: on a {TARGET_WORDS[target][0]} "
-            "it depends on where that faces; set sun_lux: 0 (by night, or by lamps that outshine the day)"
+            f"{why}; set sun_lux: 0 (by night, or by lamps that outshine the day)"
         )
         yield ("scenes", index, "sun_lux"), text
+
+
+def _ceiling_faults(vehicle: Values, scene: Values) -> Iterator[tuple[str, str, str]]:
+    """Nothing under water is farther above the camera than its surface."""
+    depth_m, distance_m = scene.get("depth_m"), vehicle.get("altitude_m")
+    if scene.get("target") != "ceiling" or depth_m is None or distance_m is None:
+        return
+    if distance_m > depth_m:
+        text = f"= {distance_m:g} puts the ceiling above the surface: depth_m = {depth_m:g} is the camera's depth; "
+        yield "vehicle", "altitude_m", text + "correct one of them"
 
 
 def _dark_faults(scene: Values, index: int, vehicle: Values) -> Iterator[tuple[KeyPath, str]]:

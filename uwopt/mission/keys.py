@@ -18,7 +18,7 @@ OBJECTIVES = tuple(TERMS)
 Refusal = Literal["airy", "skew", "swath", "depth", "lamp", "white_balance"]
 REFUSALS: tuple[str, ...] = get_args(Refusal)
 INTERFACES = ("USB3", "GigE", "2.5GigE", "5GigE", "10GigE", "CSI-2", "Camera Link", "coax", "Ethernet RTSP")
-Target = Literal["floor", "wall", "mid_water"]
+Target = Literal["floor", "wall", "ceiling", "mid_water"]
 MadeKind = Literal["light", "port", "housing"]  # of which there are classes of parts to be made, the worst first
 Made = Literal["allow", "never"] | tuple[MadeKind, ...]
 GENERIC = ("fallback", "allow", "never")
@@ -26,7 +26,8 @@ GENERIC = ("fallback", "allow", "never")
 OTHER_NAMES = {"distance_m": "altitude_m", "distance_tolerance_m": "altitude_tolerance_m"}
 #: What is looked at, and how far it is, in words.
 TARGET_WORDS: Mapping[str, tuple[str, str]] = {
-    "floor": ("floor", "altitude"), "wall": ("wall", "distance"), "mid_water": ("target", "distance"),
+    "floor": ("floor", "altitude"), "wall": ("wall", "distance"), "ceiling": ("ceiling", "distance"),
+    "mid_water": ("target", "distance"),
 }  # fmt: skip
 
 
@@ -34,6 +35,26 @@ def to_target(value: Any) -> Any:
     """What is looked at, with underscores."""
     plain = to_choice(value)
     return plain.replace("-", "_").replace(" ", "_") if isinstance(plain, str) else plain
+
+
+MOST_PITCH_DEG, UP_DEG = 80.0, 100.0
+
+
+def to_pitch(value: Any) -> float:
+    """Degrees from square on what is looked at; told from straight down, what to say of a camera that looks level or
+    up instead."""
+    pitch_deg = to_number(value)
+    if pitch_deg > UP_DEG:
+        raise refusal(
+            "is of a camera that looks up", f"set scene.target: ceiling, with pitch_deg: {abs(180.0 - pitch_deg):g} "
+            "from straight up (daylight is not reckoned there)",
+        )  # fmt: skip
+    if pitch_deg > MOST_PITCH_DEG:
+        raise refusal(
+            f"is above {MOST_PITCH_DEG:g}, of a camera that looks level", "set scene.target: wall or mid_water, with "
+            "pitch_deg: 0 for square on it",
+        )  # fmt: skip
+    return pitch_deg
 
 
 def to_water(value: Any) -> str:

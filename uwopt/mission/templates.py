@@ -32,7 +32,8 @@ scene:
                                # published tables differ so much that few systems serve both
   # water_table: measured      # measured | solonenko-mobley
   seafloor: coral              # sand | hard | coral | organic | benthic-average | 0..1 | a CSV spectrum
-  # target: floor              # wall | mid_water: looked at level; mid_water has open water behind its targets
+  # target: floor              # wall | mid_water: looked at level; mid_water has open water behind its targets;
+                               # ceiling: ice, a hull or a roof above; depth_m is the camera's then
   depth_m: 30
   # temperature_c: 10
   # salinity_psu: 35           # 0 for fresh water
@@ -46,7 +47,7 @@ scene:
 
 # How the camera is carried, and which hardware may be tried.
 vehicle:
-  altitude_m: 2.0              # from the port to the floor; or distance_m, of a wall or a target
+  altitude_m: 2.0              # from the port to the floor; or distance_m, of a wall, ceiling or target
   altitude_tolerance_m: 0.25   # every requirement holds over altitude +/- tolerance
   speed_m_s: 0.5               # 0 when it hovers; then give requirements.frame_interval_s
   # pitch_deg: 0               # how far the camera looks ahead of straight down, and the lamps with it

@@ -55,15 +55,16 @@ class Scene(Section):
     )
     seafloor: Annotated[float | str, BeforeValidator(words.to_seafloor)] = Field(
         description=f"seafloor: {', '.join(words.SEAFLOORS)}, a reflectance 0..1, or the name of a "
-        "CSV spectrum; of a wall or a target in mid-water, its reflectance"
+        "CSV spectrum; of a wall, a ceiling or a target in mid-water, its reflectance"
     )
     target: Annotated[words.Target, BeforeValidator(words.to_target), CHOICE] = Field(
         default="floor",
         description="thing that is looked at: floor (the camera looks straight down), wall (it looks level and faces "
-        "it), or mid_water (things that stand or swim at the distance, looked at level with open water behind them)",
+        "it), ceiling (it looks straight up at it: ice, a hull, a roof; not at the water's surface, which mirrors), or "
+        "mid_water (things that stand or swim at the distance, looked at level with open water behind them)",
     )
     depth_m: Annotated[float, Field(ge=0, le=11_000), NUMBER] = Field(
-        description="depth of the scene in metres: of the floor; of the camera where it looks level"
+        description="depth of the scene in metres: of the floor; of the camera where it looks level or up"
     )
     temperature_c: Annotated[float, Field(ge=-3, le=45), NUMBER] = Field(
         default=10.0, description="temperature of the water in degrees Celsius"

@@ -51,17 +51,17 @@ class Vehicle(Section):
     other_names: ClassVar[tuple[str, ...]] = tuple(words.OTHER_NAMES)
 
     altitude_m: Annotated[float, Field(gt=0, le=1000), at_least(1e-3), NUMBER] = Field(
-        description="distance from the port to the floor (altitude_m), wall or target (distance_m) in metres"
+        description="distance from the port to the floor (altitude_m), wall, ceiling or target (distance_m) in metres"
     )
     altitude_tolerance_m: Annotated[float, Field(ge=0, le=1000), NUMBER] = Field(
         default=0.0,
         description="half-width of the altitudes (altitude_tolerance_m) or distances (distance_tolerance_m) over which "
         "every requirement holds, in metres",
     )
-    pitch_deg: Annotated[float, Field(ge=0, le=80), NUMBER] = Field(
+    pitch_deg: Annotated[float, Field(ge=0, le=words.MOST_PITCH_DEG), BeforeValidator(words.to_pitch)] = Field(
         default=0.0,
-        description="angle by which the camera looks ahead of the normal of the floor or wall in degrees, 0 for square "
-        "on it; the lamps turn with it",
+        description="angle by which the camera looks ahead of the normal of floor, wall or ceiling in degrees, 0 for "
+        "square on it; the lamps turn with it",
     )
     speed_m_s: Annotated[float, Field(ge=0, le=50), NUMBER] = Field(
         description="speed over the floor in metres per second, 0 when it hovers"

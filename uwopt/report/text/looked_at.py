@@ -35,7 +35,8 @@ def of_target(mission: Mapping[str, Any]) -> Callable[[str], str]:
         said = said.capitalize() if found[0][0].isupper() else said
         return said + " " * max(len(found[0]) - len(said), 1) if found[2] else said  # columns stay in line
 
-    return lambda text: SPOKEN.sub(word, text).replace("straight down", "straight ahead")
+    way_to_it = "straight up" if target == "ceiling" else "straight ahead"
+    return lambda text: SPOKEN.sub(word, text).replace("straight down", way_to_it)
 
 
 def unchanged(text: str) -> str:
