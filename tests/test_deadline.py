@@ -16,7 +16,7 @@ from uwopt.api import solving as api
 from uwopt.api import trading as api_pareto
 from uwopt.api.common import prepared
 from uwopt.api.evaluating import evaluate
-from uwopt.api.timing import STAGES
+from uwopt.api.watch import STAGES, Watch
 from uwopt.cli.app import app
 from uwopt.cli.status import result_status
 from uwopt.deadline import COSTS_S, Deadline, OutOfTimeError, UntilFound, effort_s, spend
@@ -152,7 +152,7 @@ def test_what_requirements_cost_has_the_time_that_the_search_leaves(
     ends_with_search: Clock, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     given: list[float | None] = []
-    monkeypatch.setattr(pricing, "every_price", lambda *told: (given.append(told[3].left_s) or [], True))
+    monkeypatch.setattr(pricing, "every_price", lambda *told: (given.append(told[2].left_s) or [], True))
     assert CliRunner().invoke(app, ["explain", str(TANK), "--seconds", "5", "--quiet"]).exit_code == 0
     assert given == [0.0]
 
@@ -259,12 +259,12 @@ def test_recommendation_is_told_before_its_doubts() -> None:
 def test_solvers_of_a_front_share_the_time(limited: Callable[[float], Clock]) -> None:
     # of 60 s 8 are kept for the figures of the points, of 10 s three in ten
     for given_s, turn_s in ((60.0, 52.0 / 3), (10.0, 7.0 / 3)):
-        run = api_pareto.ParetoCall(mission(), None, (), None, [], Deadline.after(given_s, Clock()), 0, None)  # type: ignore[arg-type]
+        run = api_pareto.ParetoCall(mission(), None, (), None, [], 0, Watch(Deadline.after(given_s, Clock())))  # type: ignore[arg-type]
         assert run.turn(3, usual_s=10.0).left_s == pytest.approx(turn_s)
 
 
 def test_solvers_of_a_front_have_the_usual_time_without_a_limit() -> None:
-    run = api_pareto.ParetoCall(mission(), None, (), None, [], Deadline.after(None, Clock()), 0, None)  # type: ignore[arg-type]
+    run = api_pareto.ParetoCall(mission(), None, (), None, [], 0, Watch(Deadline.after(None, Clock())))  # type: ignore[arg-type]
     assert run.turn(3, usual_s=10.0).left_s == 10.0
 
 

@@ -17,7 +17,7 @@ from pathlib import Path
 import import_plan as plan
 import pytest
 
-from uwopt.api.timing import STAGES
+from uwopt.api.watch import STAGES
 from uwopt.units import UNIT_SUFFIXES
 
 ROOT, PACKAGE, MODULES = plan.ROOT, plan.PACKAGE, plan.MODULES
@@ -29,11 +29,12 @@ DATA = "uwopt/catalog/data/"
 
 
 def test_each_stage_that_tells_its_progress_has_words():
-    """`timed(times, name, progress)` looks the name up, where a person waits."""
+    """`watch.stage(name)` and `watch.within(name, …)` look the name up, where a person waits."""
     calls = [node for path in MODULES for node in ast.walk(tree_of(path)) if isinstance(node, ast.Call)]
     named = [
-        ast.literal_eval(call.args[1]) for call in calls
-        if isinstance(call.func, ast.Name) and call.func.id == "timed" and len(call.args) == 3
+        call.args[0].value for call in calls
+        if isinstance(call.func, ast.Attribute) and call.func.attr in ("stage", "within")
+        and isinstance(call.args[0], ast.Constant) and " " not in call.args[0].value
     ]  # fmt: skip
     assert len(named) > 8 and set(named) <= set(STAGES)
 

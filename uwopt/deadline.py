@@ -18,6 +18,7 @@ from dataclasses import dataclass, field, replace
 from typing import Literal, TypeVar
 
 Made = TypeVar("Made")
+Progress = Callable[[float, str], None]  # takes how much is done, and of what
 Work = Literal["loss tables", "pixels", "views", "bounds", "cells"]
 
 #: Seconds apiece of a fast core, from `solve --confidence 0.9` of eight missions in `problems/`, told by them within a
@@ -66,6 +67,10 @@ def processor_s() -> float:
 def go_on_from(seconds: float) -> None:
     """Let the processor's clock go on, in a copy, from where it was."""
     _PROCESSOR.before_s = seconds - time.process_time()
+
+
+def unheard(share: float, what: str) -> None:
+    """Where nobody waits to be told how far it is."""
 
 
 class OutOfTimeError(Exception):

@@ -17,8 +17,9 @@ from thorough import THOROUGH
 
 import uwopt
 from uwopt.api import certainty, counting
+from uwopt.api.watch import Watch
 from uwopt.cli.status import result_status
-from uwopt.deadline import NEVER, Deadline, OutOfTimeError, effort_s
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError, effort_s, unheard
 from uwopt.errors import MissionError
 from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import load_mission
@@ -280,7 +281,7 @@ def test_parts_to_be_made_are_asked_only_where_they_may_be_surer() -> None:
 
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(counting, "of_all_parts", of_all_parts)
-            assert counting.surer_of_all_parts(sought, goal, sold, NEVER, None, {}) is None
+            assert counting.surer_of_all_parts(sought, sold, Watch()) is None
         return bool(tried)
 
     assert asked("never", "fallback", 0.3)
@@ -310,15 +311,16 @@ def test_the_surest_of_what_is_sold_is_the_same_whoever_looks_for_it(monkeypatch
     sought = seek(wanted, load_catalog(wanted), goal, generic="never", top=1)
     for count in (1, 2):
         with cores(count):
-            seen = search.look(sought, goal, 0.9, NEVER, search.unheard, with_room=True)
+            seen = search.look(sought, 0.9, NEVER, unheard, with_room=True)
             seen.scenarios.responses.clear()
             before_s = effort_s()
             surer, made = counting.surer_or_surest(
-                sought, goal, seen, Deadline.after(100.0, effort_s), None, timing := dict[str, float]()
+                sought, seen, watch := Watch(Deadline.after(100.0, effort_s))
             )
         spent_s.append(effort_s() - before_s)
         assert seen.fits == {0.75: False} and len(made.tried) > len(seen.tried)
-        assert surer is None and made.complete and made.scenarios is seen.scenarios and timing["certainty"] > 0.0
+        assert surer is None and made.complete and made.scenarios is seen.scenarios
+        assert watch.timing_s["certainty"] > 0.0
         found.append(made)
     (one, other), known = found, set(seen.scenarios.responses)
     assert spent_s[0] == pytest.approx(spent_s[1]) and spent_s[0] > 0.0

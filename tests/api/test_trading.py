@@ -18,7 +18,7 @@ import pytest
 import uwopt
 from uwopt.api.front_found import check_claim, history, reference
 from uwopt.api.trading import ParetoCall, here_alone
-from uwopt.deadline import NEVER
+from uwopt.api.watch import Watch
 from uwopt.errors import MissionError, SolverError
 from uwopt.objectives.axes import Axes, Frame
 from uwopt.objectives.own import OwnObjective
@@ -392,9 +392,8 @@ def test_run_reads_names_as_axes_do():
         [" Power", "SNR-dB"],
         Axes.of([" Power", "SNR-dB"]),
         ["exact"],
-        NEVER,
         0,
-        None,
+        Watch(),
     )
     assert run.objectives == ["power", "snr_db"]
     assert dict(run.builtin.weights) == {"power": 1.0, "snr_db": 1.0}

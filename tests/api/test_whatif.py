@@ -16,14 +16,12 @@ import uwopt
 from uwopt.api import certain_points
 from uwopt.api import varied as api_varied
 from uwopt.api import whatif as api_whatif
-from uwopt.api.solving import searched
+from uwopt.api.searching import Searches
 from uwopt.cli.app import app
-from uwopt.deadline import NEVER
 from uwopt.errors import MissionError
 from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.mission.varying import VariedMission
-from uwopt.model.fineness import DEFAULT
 from uwopt.objectives.goal import goal_of
 from uwopt.report.page.whatif import whatif_html
 from uwopt.report.text.whatif_tables import opening
@@ -54,7 +52,7 @@ def reef(**changes: Any) -> Mission:
 def alone(mission: Mission) -> float | None:
     """The optimum of a mission by a search that knows nothing of others."""
     goal = goal_of(mission)
-    sought, _ = searched(mission, load_catalog(mission), goal, 1, NEVER, None, {}, DEFAULT)
+    sought = Searches(load_catalog(mission), goal, 1).of(mission).sought
     best = sought.outcome.best
     return goal.reported(best[0].minimised) if best else None
 
@@ -93,7 +91,7 @@ def test_systems_change_where_the_table_says(over_speed):
         names = []
         for value in (switch.low, switch.high):
             mission = base.with_values({speed: value, water: switch.others[1]})
-            sought, _ = searched(mission, load_catalog(mission), goal, 1, NEVER, None, {}, DEFAULT)
+            sought = Searches(load_catalog(mission), goal, 1).of(mission).sought
             found, parts = sought.outcome.best[0], sought.problem.parts
             names.append((parts.cameras[found.camera].id, parts.lights[found.light].id, found.count))
         told = [over_speed.systems[one] for one in (switch.first, switch.second)]
@@ -231,7 +229,8 @@ def test_a_key_without_values_is_refused_by_the_command():
 def found(*, interrupted: bool = False) -> Any:
     """What the searches of a point find, as far as it is looked at."""
     outcome = SimpleNamespace(best=[None], complete=True, interrupted=interrupted)
-    return SimpleNamespace(outcome=outcome, problem=None, selection=None), None
+    sought = SimpleNamespace(outcome=outcome, problem=None, selection=None)
+    return SimpleNamespace(sought=sought, widest=sought)
 
 
 def chosen(held: float, *, enough: bool) -> Any:
@@ -241,7 +240,7 @@ def chosen(held: float, *, enough: bool) -> Any:
     totals = SimpleNamespace(power_w=3.0, cost=SimpleNamespace(value=900.0), mass_kg=None)
     hardware = SimpleNamespace(named=named, light_count=2)
     return SimpleNamespace(
-        sought=found()[0], proven=None, is_best=enough, counts=held,
+        sought=found().sought, proven=None, is_best=enough, counts=held,
         counted=SimpleNamespace(enough=enough, held=held, objective_p50=4.5),
         design=SimpleNamespace(hardware=hardware, totals=totals, is_settable=True),
     )  # fmt: skip
@@ -251,7 +250,7 @@ def stub_points(monkeypatch: pytest.MonkeyPatch, searches: list[Any], choices: l
     """Points that find these, one after another; what each is asked: confidence, speed, and what was counted."""
     asked, told = [], iter(choices)
 
-    def searched_(mission: Mission, *_: Any, **more: Any) -> Any:
+    def searched(self: Searches, mission: Mission, **more: Any) -> Any:
         asked.append((mission.confidence, mission.vehicle.speed_m_s))
         return searches.pop(0)
 
@@ -259,7 +258,7 @@ def stub_points(monkeypatch: pytest.MonkeyPatch, searches: list[Any], choices: l
         asked[-1] = (*asked[-1], given[-1])
         return next(told)
 
-    monkeypatch.setattr(certain_points, "searched", searched_)
+    monkeypatch.setattr(Searches, "of", searched)
     monkeypatch.setattr(certain_points, "with_confidence", with_confidence)
     monkeypatch.setattr(certain_points, "certificate", lambda *_: SimpleNamespace(gap_rel=0.0))
     return asked

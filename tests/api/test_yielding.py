@@ -14,7 +14,7 @@ import yaml
 from thorough import drawn
 
 import uwopt
-from uwopt.api import solving, yielding
+from uwopt.api import explaining, yielding
 from uwopt.api import whatif as api_whatif
 from uwopt.api.choosing import surer
 from uwopt.api.risks import risks_of
@@ -412,13 +412,13 @@ def test_explain_says_that_solve_has_a_system_with_less_of_good_practice(unexpla
 
 
 def test_explain_says_where_it_does_not_know_whether_less_of_practice_would_do(monkeypatch, unexplained):
-    honest = solving.with_least_practice
+    honest = explaining.with_least_practice
 
     def in_no_time(*given: Any) -> Any:
         made = honest(*given)
         return replace(made, outcome=replace(made.outcome, best=[], complete=False))
 
-    monkeypatch.setattr(solving, "with_least_practice", in_no_time)
+    monkeypatch.setattr(explaining, "with_least_practice", in_no_time)
     explained = uwopt.solve(survey(round(brightest_db() - 1.0, 2)), top=1, quick=True, every_price=True)
     first = next(explanation_blocks(explained))
     assert isinstance(first, Block) and "is not known in this time" in " ".join(map(str, first.lines))

@@ -158,9 +158,9 @@ DEFECTS = (
     ),
     Defect(
         name="estimates of the central optimum are told of what is recommended",
-        file="uwopt/api/solving.py",
-        old="    best = sought.outcome.best[0]\n    generic",
-        new="    best = chosen.proven.best[0]\n    generic",
+        file="uwopt/api/recommending.py",
+        old="sought.goal, sought.outcome.best[0]",
+        new="sought.goal, chosen.proven.best[0]",
         test="tests/api/test_confidence.py::test_estimates_are_those_of_what_is_recommended",
     ),
     Defect(

@@ -43,7 +43,7 @@ DEFECTS = (
     ),
     Defect(
         name="explain says that nothing fits where solve has a system",
-        file="uwopt/api/solving.py",
+        file="uwopt/api/explaining.py",
         old="        notes = [*notes, less_practice_note(weakest)]\n",
         new="",
         test=f"{YIELDING}::test_explain_says_that_solve_has_a_system_with_less_of_good_practice",
@@ -51,8 +51,8 @@ DEFECTS = (
     Defect(
         name="what would help is told of a mission that keeps all of good practice",
         file="uwopt/api/solving.py",
-        old="given_way.in_vain, timing,",
-        new="None, timing,",
+        old="replace(nothing, in_vain=given_way.in_vain)",
+        new="nothing",
         test=f"{YIELDING}::test_what_would_help_is_what_solve_answers",
     ),
     Defect(
@@ -64,7 +64,7 @@ DEFECTS = (
     ),
     Defect(
         name="explain tells what would help with all of good practice kept",
-        file="uwopt/api/solving.py",
+        file="uwopt/api/explaining.py",
         old="if weakest.outcome.complete and not weakest.outcome.best:",
         new="if weakest.outcome.complete and not (weakest.outcome.best or would_yield):",
         test=f"{YIELDING}::test_what_would_help_is_what_solve_answers",

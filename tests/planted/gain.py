@@ -11,14 +11,14 @@ DEFECTS = (
     Defect(
         name="what fits above the cap of gain alone is taken for nothing",
         file="uwopt/api/searching.py",
-        old="any_of_all = look(capless,",
-        new="any_of_all = look(mission,",
+        old="any_of_all = self.seek(capless,",
+        new="any_of_all = self.seek(mission,",
         test=f"{CAP}::test_parts_to_be_made_are_searched_once_where_nothing_fits[True]",
     ),
     Defect(
         name="a search that is left in vain is taken for a proof",
         file="uwopt/api/searching.py",
-        old="            sought = look(mission, generic=first, **known_from(sought))\n",
+        old="                sought = self.seek(mission, generic=first, **known_from(sought))\n",
         new="",
         test=f"{CAP}::test_what_is_left_in_vain_is_answered_all_the_same[True-10.0]",
     ),
@@ -130,7 +130,7 @@ DEFECTS = (
     Defect(
         name="practice that nobody asked for is told to give way",
         file="uwopt/api/solving.py",
-        old=" and bool(yields_of(wanted))\n",
+        old=" and bool(yields_of(asked))\n",
         new="\n",
         test=f"{YIELDING}::test_nobody_is_told_of_practice_that_was_not_asked_for",
     ),
@@ -228,7 +228,7 @@ DEFECTS = (
     ),
     Defect(
         name="good practice that gave way is not told",
-        file="uwopt/api/solving.py",
+        file="uwopt/api/recommending.py",
         old="            *yield_notes(chosen.given_way, winner, to_hold=chosen.to_hold),\n",
         new="",
         test=f"{YIELDING}::test_a_reserve_that_nothing_keeps_gives_way_and_is_told_first",

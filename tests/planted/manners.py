@@ -74,15 +74,15 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="evaluation has no end of time",
         file="uwopt/api/evaluating.py",
-        old="start, deadline = time.perf_counter(), Deadline.after(seconds)",
-        new="start, deadline = time.perf_counter(), Deadline()",
+        old="watch = Watch.begun(seconds)",
+        new="watch = Watch()",
         test=f"{DEADLINE}::test_evaluation_leaves_out_what_time_does_not_reach",
     ),
     Defect(
         name="what requirements cost is given the whole time once more",
         file="uwopt/api/solving.py",
-        old="result = priced(result, central, goal, timing, deadline, progress, since_s)",
-        new="result = priced(result, central, goal, timing, Deadline(), progress, since_s)",
+        old="result = priced(result, found.sought, watch)",
+        new="result = priced(result, found.sought, Watch())",
         test=f"{DEADLINE}::test_what_requirements_cost_has_the_time_that_the_search_leaves",
     ),
     Defect(
@@ -157,9 +157,9 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="explanations know no time limit",
-        file="uwopt/api/solving.py",
-        old="        trials = Trials(mission.without_gain_cap, catalog, goal, generic, patience, progress, used)",
-        new="        trials = Trials(mission.without_gain_cap, catalog, goal, generic, progress=progress, like=used)",
+        file="uwopt/api/explaining.py",
+        old="        trials = Trials(mission.without_gain_cap, catalog, goal, generic, patience, watch.progress, used)",
+        new="        trials = Trials(mission.without_gain_cap, catalog, goal, generic, say=watch.progress, like=used)",
         test=f"{DEADLINE}::test_time_that_ends_with_the_search_leaves_infeasibility_unexplained",
     ),
     Defect(

@@ -520,8 +520,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="what solvers beside an exact front take is not told",
         file="uwopt/api/trading.py",
-        old="for name, spent_s in one.spent_s.items()}",
-        new="for name, spent_s in one.spent_s.items() if not name}",
+        old="for name, spent_s in one.spent_s.items():",
+        new="for name, spent_s in {}.items():",
         test="tests/api/test_trading.py::test_a_front_does_not_tell_how_many_cores_worked_on_it",
     ),
 )

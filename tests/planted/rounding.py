@@ -47,8 +47,8 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{SHOWN}test_as_set_is_what_evaluate_says_of_the_settings_typed_in",
     ),
     Defect(
-        name="a result whose optimum cannot be set is headed optimal", file="uwopt/api/solving.py",
-        old="exact=winner.is_settable and not wide and", new="exact=not wide and",
+        name="a result whose optimum cannot be set is headed optimal", file="uwopt/api/recommending.py",
+        old="exact = winner.is_settable and not wide and", new="exact = not wide and",
         test=f"{TESTS}test_result_is_not_headed_optimal_where_nothing_can_be_set",
     ),
     Defect(
@@ -115,8 +115,8 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="doubts take as long as they like", file="uwopt/api/doubting.py",
-        old="doubts_of(sought, winner, goal, patience, choice)",
-        new="doubts_of(sought, winner, goal, deadline, choice)",
+        old="doubts_of(sought, chosen.design, patience, choice)",
+        new="doubts_of(sought, chosen.design, deadline, choice)",
         test="tests/api/test_patience.py::test_doubts_beyond_patience_are_left_out_and_told[0.0-True]",
     ),
 )  # fmt: skip

@@ -1131,8 +1131,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="who is in a hurry waits for doubts",
         file="uwopt/api/solving.py",
-        old="chosen.sought, doubts=not quick,",
-        new="chosen.sought, doubts=True,",
+        old="ToTell(solver, doubts=not quick,",
+        new="ToTell(solver, doubts=True,",
         test="tests/test_deadline.py::test_quick_leaves_doubts_out_and_nothing_else",
     ),
     Defect(
@@ -1187,14 +1187,13 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a recommendation waits for its doubts",
         file="uwopt/api/solving.py",
-        old="""    if first is not None:
-        first(with_risks(made))
-    return doubted(made, sought, goal, timing, deadline, progress, solver, choice, wanted), sought
+        old="""            first(with_risks(made))
+        made = doubted(made, chosen, wanted, watch)
 """,
-        new="""    made = doubted(made, sought, goal, timing, deadline, progress, solver, choice, wanted)
-    if first is not None:
-        first(with_risks(made))
-    return made, sought
+        new="""            pass
+        made = doubted(made, chosen, wanted, watch)
+        if first is not None:
+            first(with_risks(made))
 """,
         test="tests/test_deadline.py::test_recommendation_is_told_before_its_doubts",
     ),

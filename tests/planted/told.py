@@ -57,8 +57,8 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/mission/test_as_solved.py::test_the_users_text_is_kept_and_states_what_gave_way",
     ),
     Defect(
-        name="what gave way is not written down", file="uwopt/api/solving.py",
-        old="as_solved(chosen.mission, chosen.given_way) if chosen", new="None if chosen",
+        name="what gave way is not written down", file="uwopt/api/recommending.py",
+        old="as_solved(mission, chosen.given_way) if chosen", new="None if chosen",
         test="tests/api/test_yielding.py::"
         "test_the_mission_as_solved_answers_the_same_without_a_search_for_what_gives_way",
     ),

@@ -98,7 +98,7 @@ DEFECTS = (
     Defect(
         name="an interrupted point is told as known",
         file="uwopt/api/certain_points.py",
-        old="        if any(one is not None and one.outcome.interrupted for one in (sought, other)):",
+        old="        if sought.outcome.interrupted or found.widest.outcome.interrupted:",
         new="        if False:",
         test="tests/api/test_whatif.py::test_with_certainty_an_interruption_keeps_what_is_known",
     ),

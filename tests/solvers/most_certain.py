@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from uwopt.deadline import NEVER, Deadline
+from uwopt.deadline import NEVER, Deadline, Progress, unheard
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence import search
 from uwopt.solvers.confidence.search import Certain
@@ -12,8 +10,8 @@ from uwopt.solvers.recommend import Sought
 
 
 def most_certain(
-    sought: Sought, objective: Objective, asked: float | str, deadline: Deadline = NEVER, report: Any = search.unheard
+    sought: Sought, objective: Objective, asked: float | str, deadline: Deadline = NEVER, report: Progress = unheard
 ) -> Certain | None:
     """The best that holds in the share of scenarios asked for; else that which holds most often."""
-    looked = search.look(sought, objective, asked, deadline, report)
+    looked = search.look(sought, asked, deadline, report)
     return search.chosen(sought.problem, objective, looked, deadline, report)

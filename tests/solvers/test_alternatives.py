@@ -7,11 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from uwopt.api.searching import searched
-from uwopt.deadline import NEVER
+from uwopt.api.searching import Searches
 from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import load_mission
-from uwopt.model.fineness import DEFAULT
 from uwopt.objectives.goal import goal_of
 from uwopt.solvers.explain.other_makers import beside_best
 from uwopt.solvers.recommend import Sought, design_of
@@ -31,7 +29,7 @@ def sought() -> Sought:
     vehicle = base["vehicle"] | {"altitude_tolerance_m": 0.0}
     few = base["catalog"] | FEW
     mission = load_mission(base | {"catalog": few, "vehicle": vehicle})
-    return searched(mission, load_catalog(mission), goal_of(mission), 1, NEVER, None, {}, DEFAULT)[0]
+    return Searches(load_catalog(mission), goal_of(mission), 1).of(mission).sought
 
 
 def test_listed_imagers_change_no_makers_best_system(sought: Sought, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,7 +18,7 @@ from uwopt.api import counting
 from uwopt.api.certainty import as_settable, focus_to_set_m, of_known
 from uwopt.api.counting import Counts
 from uwopt.catalog.parts.quantity import Quantity
-from uwopt.deadline import NEVER, Deadline
+from uwopt.deadline import NEVER, Deadline, unheard
 from uwopt.forward.views import focus_map
 from uwopt.mission.doubt import Doubt
 from uwopt.model.port import lens_dioptre_per_m, water_distance_m
@@ -36,7 +36,6 @@ from uwopt.solvers.confidence.search import (
     judged_anew,
     look,
     rank,
-    unheard,
 )
 from uwopt.solvers.confidence.states import Together
 from uwopt.solvers.confidence.summary import ids, missed_centrally, surest, told
@@ -228,7 +227,7 @@ def test_the_scenarios_to_come_are_counted_at_the_focus_that_is_told(monkeypatch
     assert focus_m is not None and certain.fresh is not None and certain.fresh.held >= 0.9
     wrong = judged_anew(sought.problem, objective, certain, 0.5 * focus_m, NEVER)
     assert wrong.fresh is not None and wrong.fresh.held == 0.0
-    _, design = as_settable(sought, certain, objective, NEVER)
+    _, design = as_settable(sought, certain, NEVER)
     assert focus_to_set_m(design) == pytest.approx(focus_m, abs=0.02)
 
 
@@ -404,11 +403,11 @@ def test_where_known_hardware_holds_the_proof_alone_brings_up_what_is_better(mon
         return worse(*given)
 
     monkeypatch.setattr(search_module, "worse_problem", counted_search)
-    seen = look(sought, objective, 0.5, NEVER, unheard, known=[found["camera-0"]])
+    seen = look(sought, 0.5, NEVER, unheard, known=[found["camera-0"]])
     assert [cameras[one.found.camera] for one in seen.tried] == ["camera-0"] and searched == []
     best = chosen(problem, objective, seen, NEVER, unheard)
     assert best is not None and best.proven and cameras[best.best.found.camera] == "camera"
-    look(sought, objective, 0.97, NEVER, unheard, known=[found["camera"]])
+    look(sought, 0.97, NEVER, unheard, known=[found["camera"]])
     assert searched
 
 
@@ -416,8 +415,8 @@ def test_of_known_hardware_the_best_that_holds_comes_first(monkeypatch: pytest.M
     """The first camera takes a watt less and holds in 91 %, the dearer in all scenarios."""
     monkeypatch.setattr(counting, "KNOWN", 1)
     sought = sought_of(rivals())
-    problem, objective = sought.problem, sought.search.objective
-    seen = look(sought, objective, 0.5, NEVER, unheard)
+    problem = sought.problem
+    seen = look(sought, 0.5, NEVER, unheard)
     for asked, camera in ((0.5, "camera"), (0.97, "camera-0")):
         (found,) = counting.known_hardware(Counts(sought, replace(seen, asked=asked)), problem)
         assert problem.parts.cameras[found.camera].id == camera
@@ -547,7 +546,7 @@ def test_what_was_chosen_is_kept_when_time_is_over() -> None:
     certain = most_certain(sought, objective, 0.9)
     assert certain is not None
     over = Deadline.after(-1.0)
-    kept, design = as_settable(sought, replace(certain, fresh=None), objective, over)
+    kept, design = as_settable(sought, replace(certain, fresh=None), over)
     assert kept.central == certain.central and design.feasible
     record = told(sought.problem, objective, kept, sought.outcome.best[0], ends=False)
     assert not record.fresh and record.scenarios == certain.scenarios.count
@@ -564,8 +563,8 @@ def test_what_is_known_and_can_be_set_stands_in_for_what_cannot(dearest: float) 
     first = next(one for one in certain.tried if one.found.camera == 0)
     alone = replace(certain, best=first, central=at_its_stop(sought.problem, objective, first) or first.found,
                     tried=[first], ranked=[first])  # fmt: skip
-    _, design = as_settable(sought, alone, objective, NEVER)
-    kept, taken = of_known(sought, alone, design, objective, NEVER)
+    _, design = as_settable(sought, alone, NEVER)
+    kept, taken = of_known(sought, alone, design, NEVER)
     assert [taken is design, kept.best.found.camera] == ([False, 1] if dearest == 500.0 else [True, 0])
     assert taken.is_settable and kept.best.held >= 0.9
 

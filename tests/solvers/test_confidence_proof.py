@@ -16,7 +16,7 @@ from random_cases import Case, case
 from thorough import drawn
 
 from uwopt.catalog.parts.quantity import Quantity
-from uwopt.deadline import NEVER, Deadline
+from uwopt.deadline import NEVER, Deadline, unheard
 from uwopt.forward.part_columns import FAVOURED
 from uwopt.forward.parts import Parts
 from uwopt.forward.problem import Problem
@@ -30,7 +30,7 @@ from uwopt.solvers.confidence.panels import anchors_of, best_scene, least_covere
 from uwopt.solvers.confidence.proof import Prover
 from uwopt.solvers.confidence.scenario_bounds import bounds_of
 from uwopt.solvers.confidence.scenarios import Scenarios, SomeScenarios, loss
-from uwopt.solvers.confidence.search import Certain, can_be_proven, unheard
+from uwopt.solvers.confidence.search import Certain, can_be_proven
 from uwopt.solvers.confidence.states import Together
 from uwopt.solvers.confidence.summary import counted, proof_told, wilson
 from uwopt.solvers.exact.imagers import fitting_pairs
@@ -232,11 +232,11 @@ def test_no_time_is_lost_on_a_panel_that_leaves_nearly_all(monkeypatch: pytest.M
     sought, certain = known()
     given = sought.problem, sought.search.objective, certain.scenarios, SHARE, list(certain.tried)
     patient = Deadline.after(1e6)
-    proof = Prover(*given, patient, search_module.unheard).run()
+    proof = Prover(*given, patient, unheard).run()
     assert proof is not None and not proof.left
     monkeypatch.setattr(proof_module, "FEW", 0)
-    assert Prover(*given, patient, search_module.unheard).run() is None
-    assert Prover(*given, NEVER, search_module.unheard).run() is not None
+    assert Prover(*given, patient, unheard).run() is None
+    assert Prover(*given, NEVER, unheard).run() is not None
 
 
 def test_a_glance_tells_what_is_better() -> None:
@@ -332,7 +332,7 @@ def test_what_goes_on_from_what_has_room_finds_and_counts_what_one_look_does(
 
     def look(**how: Any) -> tuple[search_module.Looked, int]:
         before = len(runs)
-        return search_module.look(sought, sought.search.objective, 1.01, NEVER, unheard, **how), len(runs) - before
+        return search_module.look(sought, 1.01, NEVER, unheard, **how), len(runs) - before
 
     (whole, searches), (first, of_first) = look(), look(with_room=True)
     further, of_further = look(before=first)

@@ -9,11 +9,10 @@ from reef_of_few import reef_of_few_parts
 
 import uwopt
 from uwopt.api.pricing import every_price
-from uwopt.api.searching import searched
+from uwopt.api.searching import Searches
 from uwopt.deadline import NEVER
 from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import Mission
-from uwopt.model.fineness import DEFAULT
 from uwopt.objectives.goal import goal_of
 from uwopt.report.text.prices import price_text
 from uwopt.results.basis import Price
@@ -34,8 +33,8 @@ def reef() -> Mission:
 def solved(reef: Mission) -> Result:
     """The reef with the prices of all that is asked, however long that takes."""
     result, goal = uwopt.solve(reef, confidence="central", quick=True), goal_of(reef)
-    sought, _ = searched(reef, load_catalog(reef), goal, 5, NEVER, None, {}, DEFAULT)
-    prices, complete = every_price(result, sought, goal, NEVER)
+    sought = Searches(load_catalog(reef), goal, 5).of(reef).sought
+    prices, complete = every_price(result, sought, NEVER)
     assert complete
     return replace(result, prices=prices)
 
@@ -100,7 +99,7 @@ def test_signal_to_noise_of_mean_and_frame_has_its_price_by_either(reef, less_db
     asked = {**reef.to_dict()["requirements"], "snr_at": "worst", "snr_at_less_db": less_db}
     wanted = reef.with_changes(requirements=asked)
     goal = goal_of(wanted)
-    sought, _ = searched(wanted, load_catalog(wanted), goal, 5, NEVER, None, {}, DEFAULT)
+    sought = Searches(load_catalog(wanted), goal, 5).of(wanted).sought
     winner = design_of(sought, sought.outcome.best[0], goal)
     told = {price.name: price for price in prices(sought, goal, winner, (), NEVER)}
     before, snr_db = sought.outcome.best[0].power_w, 1.0 + told["min_snr_db"].asked

@@ -10,13 +10,11 @@ from reef_of_few import reef_of_few_parts
 
 import uwopt
 from uwopt.api.pricing import range_price, range_prices
-from uwopt.api.searching import searched
+from uwopt.api.searching import Searches
 from uwopt.api.varied import Systems
-from uwopt.deadline import NEVER
 from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import VariedMission
-from uwopt.model.fineness import DEFAULT
 from uwopt.objectives.goal import goal_of
 from uwopt.report.text.prices import price_text, short_price_sentence
 from uwopt.results.basis import Price
@@ -81,7 +79,7 @@ def test_prices_over_a_range_are_those_of_searches_of_their_own(reef, solved):
 
 def test_a_search_that_is_known_changes_no_price_and_spares_its_own(reef, solved):
     goal = goal_of(reef)
-    sought, _ = searched(reef, load_catalog(reef), goal, 5, NEVER, None, {}, DEFAULT)
+    sought = Searches(load_catalog(reef), goal, 5).of(reef).sought
     anew, known = Warm(), Warm()
     known.take(sought)
     (family,) = known.families.values()

@@ -11,14 +11,12 @@ import numpy as np
 import pytest
 from thorough import drawn
 
-from uwopt.api.solving import searched
-from uwopt.deadline import NEVER
+from uwopt.api.searching import Searches
 from uwopt.errors import SolverError
 from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.mission.strictness import Asking, sign_of
 from uwopt.mission.varying import VariedMission
-from uwopt.model.fineness import DEFAULT
 from uwopt.objectives.goal import goal_of
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.warm import searches
@@ -63,7 +61,7 @@ def told(answer: WarmAnswer, mission: Mission) -> tuple[Any, ...]:
 
 def alone(mission: Mission) -> tuple[Any, ...]:
     """The same by a search that knows nothing of others."""
-    sought, _ = searched(mission, load_catalog(mission), goal_of(mission), 1, NEVER, None, {}, DEFAULT)
+    sought = Searches(load_catalog(mission), goal_of(mission), 1).of(mission).sought
     found = sought.outcome.best[0] if sought.outcome.best else None
     return told(WarmAnswer(sought, found, True, 0.0, False, True, False), mission)
 

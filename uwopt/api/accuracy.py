@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from numbers import Real
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import MissionError
@@ -15,20 +15,19 @@ from uwopt.evaluation.accuracy import Accuracy, Estimator, coarsest, parts_that_
 from uwopt.evaluation.design import evaluate_design
 from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
+from uwopt.mission.mission import Mission
 from uwopt.model.fineness import DEFAULT, Fineness
-from uwopt.objectives.objective import Objective
 from uwopt.results.design import Design, Note
 from uwopt.results.record import plain as plain_values
 from uwopt.results.result import Certificate
 
 if TYPE_CHECKING:  # what a given system is evaluated for has no use for a search
+    from uwopt.api.searching import Searched
     from uwopt.solvers.recommend import Sought
 
 MOST_SEARCHES = 4  # at rising fineness, until the errors of what is found are within the tolerance
 LARGEST_TOLERANCE = 0.5
 OF_INTEGRALS = 0.5  # of the tolerance, where physics `auto` may leave out effects for the rest
-
-Searched: TypeAlias = "tuple[Sought, Sought | None]"  # over parts that are sold, and with parts to be made
 
 
 def of_integrals(tolerance: float, *, may_leave_out: bool) -> float:
@@ -49,14 +48,14 @@ def checked_tolerance(tolerance: Any) -> float | None:
     return float(tolerance)
 
 
-def estimator_of_search(sought: Sought, goal: Objective, deadline: Deadline = NEVER) -> Estimator:
+def estimator_of_search(sought: Sought, deadline: Deadline = NEVER) -> Estimator:
     """Errors of the best design of a search: of figures with its settings, of the objective with the best ones."""
     from uwopt.solvers.one_hardware import best_of, problem_of
     from uwopt.solvers.recommend import hardware_of
     from uwopt.solvers.settable.rounding import given_of
     from uwopt.solvers.settings.best import scenes_need_cells
 
-    found, problem = sought.outcome.best[0], sought.problem
+    found, problem, goal = sought.outcome.best[0], sought.problem, sought.goal
     slow = scenes_need_cells(problem.scenes, goal)
     small = problem_of(problem, found)
     hardware = Hardware(0, 0, 0, found.landscape, 0, found.count, found.lighting.mount)
@@ -86,22 +85,22 @@ def estimator_of(problem: Problem, evaluate: Callable[[Problem], Design]) -> Est
 
 
 def search_within(
-    tolerance: float, search: Callable[[Fineness], Searched], goal: Objective, *, paper: bool, sunlit: bool,
-    deadline: Deadline = NEVER,
-) -> tuple[Searched, Accuracy | None]:  # fmt: skip
+    tolerance: float, mission: Mission, search: Callable[[Fineness], Searched], deadline: Deadline = NEVER
+) -> tuple[Searched, Accuracy | None]:
     """Search with integrals as coarse as the tolerance allows at the design that is found.
 
     Begins with coarse ones; where the errors at the winner are too large, the parts that make them are taken
     more finely and all is searched again. Without a winner there is nothing to measure: then at the default.
     """
-    fineness = coarsest(parts_that_count(paper=paper, sunlit=sunlit))
+    sunlit = any(view.scene.sun_lux > 0 for view in mission.views)
+    fineness = coarsest(parts_that_count(paper=mission.physics == "paper", sunlit=sunlit))
     measured = None
     for _ in range(MOST_SEARCHES):
         found = search(fineness)
-        sought = found[0]
-        if not sought.outcome.best:
+        sought = found.sought
+        if not found.fits:
             return (found if fineness == DEFAULT or not sought.outcome.complete else search(DEFAULT)), None
-        estimator = estimator_of_search(sought, goal, deadline)
+        estimator = estimator_of_search(sought, deadline)
         measured = deadline.within(
             "errors of figures", partial(estimator.cheapest, tolerance, fineness), None
         )

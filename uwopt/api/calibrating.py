@@ -14,11 +14,12 @@ from typing import Any
 import numpy as np
 import yaml
 
-from uwopt.api.common import Progress, Source, prepared
+from uwopt.api.common import Source, prepared
 from uwopt.api.evaluating import scene_settings
 from uwopt.api.solving import solve
 from uwopt.catalog.changes import log_text
 from uwopt.catalog.update import planned
+from uwopt.deadline import Progress
 from uwopt.errors import MissionError, SolverError, UwoptError
 from uwopt.forward.assembly import system_problem
 from uwopt.forward.designs import Hardware, SceneSettings

@@ -10,15 +10,15 @@ from dataclasses import dataclass
 
 from uwopt.api.certainty import with_confidence
 from uwopt.api.counting import Counts
-from uwopt.api.searching import searched
-from uwopt.api.solving import SEARCH_SHARE, status_of
+from uwopt.api.recommending import status_of
+from uwopt.api.searching import SETTINGS_SHARE, Searches
 from uwopt.api.varied import Systems
+from uwopt.api.watch import Watch
 from uwopt.deadline import Deadline
 from uwopt.forward.assembly import load_catalog
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Value
-from uwopt.model.fineness import DEFAULT
 from uwopt.objectives.goal import goal_of
 from uwopt.results.certainty import Confidence
 from uwopt.results.design import Design
@@ -44,20 +44,19 @@ class CertainPoints:
 
         Hardware that does not hold as often as asked counts as nothing that fits. Raises KeyboardInterrupt.
         """
-        goal, timing, timed = goal_of(mission), dict[str, float](), math.isfinite(self.deadline.end_s)
-        for_search = self.deadline.at_most(SEARCH_SHARE * self.deadline.left_s) if timed else self.deadline
-        sought, other = searched(
-            mission, load_catalog(mission), goal, LISTED, for_search, None, timing, DEFAULT, scenes_of=self.scenes_of
-        )
-        if any(one is not None and one.outcome.interrupted for one in (sought, other)):
+        goal, watch = goal_of(mission), Watch(self.deadline)
+        for_search = watch.until(self.deadline.but_for(SETTINGS_SHARE))
+        found = Searches(load_catalog(mission), goal, LISTED, for_search).of(mission, scenes_of=self.scenes_of)
+        sought = found.sought
+        if sought.outcome.interrupted or found.widest.outcome.interrupted:
             raise KeyboardInterrupt
         self.scenes_of = sought.problem
         if not sought.outcome.best:
             return WhatIfPoint(list(values), "infeasible" if sought.outcome.complete else "stopped")
         winner = None
-        if timed:
+        if math.isfinite(self.deadline.end_s):
             sought, winner = best_settable(sought, goal, self.deadline)
-        made = with_confidence(sought, winner, goal, self.deadline, None, timing, self.last)
+        made = with_confidence(sought, winner, watch, self.last)
         counted, design = made.counted, made.design
         if counted is None:
             return WhatIfPoint(list(values), "stopped")

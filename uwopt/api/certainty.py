@@ -9,9 +9,8 @@ from itertools import islice
 
 import numpy as np
 
-from uwopt.api.common import Progress
 from uwopt.api.counting import CERTAINTY_S, Counts, counts_of
-from uwopt.api.timing import STAGES, timed
+from uwopt.api.watch import STAGES, Watch
 from uwopt.deadline import NEVER, Deadline, effort_s
 from uwopt.evaluation.leaning import settings_of
 from uwopt.forward.designs import Hardware, SceneSettings
@@ -31,7 +30,6 @@ from uwopt.solvers.confidence.search import (
     chosen,
     judged_anew,
     scenarios_of,
-    unheard,
 )
 from uwopt.solvers.confidence.summary import told
 from uwopt.solvers.exact.account import Outcome
@@ -65,9 +63,8 @@ class Recommended:
 
 
 def with_confidence(
-    sought: Sought, winner: Design | None, goal: Objective, deadline: Deadline, progress: Progress | None,
-    timing: dict[str, float], before: Counts | None = None,
-) -> Recommended:  # fmt: skip
+    sought: Sought, winner: Design | None, watch: Watch, before: Counts | None = None
+) -> Recommended:
     """What is recommended at the mission's confidence: its design, and what was counted.
 
     There must be a design, and a mission that does not take every number as central.
@@ -75,20 +72,22 @@ def with_confidence(
     winner : the best by central numbers, as it can be set; None: made only where nothing was counted
     before : what was counted for a mission that differs in a few keys: its waters and its hardware are known
     """
-    asked, report, proven = sought.problem.mission.confidence, progress or unheard, sought.outcome
-    patience = deadline.or_after(CERTAINTY_S, effort_s)
-    sold, certain = sought, None
-    counts = counts_of(sought, goal, patience, progress, timing, before)
+    asked, goal, deadline = sought.problem.mission.confidence, sought.goal, watch.deadline
+    patient = watch.until(deadline.or_after(CERTAINTY_S, effort_s))
+    counts, certain = counts_of(sought, patient, before), None
     if counts is not None:
-        sought, proven = counts.sought, counts.sought.outcome
-        with timed(timing, "certainty", progress):
-            certain = chosen(sought.problem, goal, counts.seen, patience, report)
+        with watch.stage("certainty"):
+            certain = chosen(counts.sought.problem, goal, counts.seen, patient.deadline, watch.progress)
     if counts is None or certain is None:
-        return as_central(sold, winner, goal, deadline, patience, counts)
-    with timed(timing, "certainty", progress):
-        certain, design = as_settable(sought, certain, goal, deadline)
+        why = "no time was left to count scenarios"
+        if not patient.deadline.left_out:
+            why = "no stop that was counted fits by them"
+        return as_central(sought, winner, watch, counts, why)
+    sought, proven = counts.sought, counts.sought.outcome
+    with watch.stage("certainty"):
+        certain, design = as_settable(sought, certain, deadline)
         if not design.is_settable:
-            certain, design = of_known(sought, certain, design, goal, deadline)
+            certain, design = of_known(sought, certain, design, deadline)
         if asked != ENDS:
             certain = judged_anew(sought.problem, goal, certain, focus_to_set_m(design), deadline)
         counted = told(sought.problem, goal, certain, sought.outcome.best[0], ends=asked == ENDS)
@@ -115,12 +114,10 @@ def with_note(design: Design, note: Note) -> Design:
 
 
 def as_central(
-    sought: Sought, winner: Design | None, goal: Objective, deadline: Deadline, patience: Deadline,
-    counts: Counts | None,
-) -> Recommended:  # fmt: skip
+    sought: Sought, winner: Design | None, watch: Watch, counts: Counts | None, why: str
+) -> Recommended:
     """The best by central numbers, where none was counted that fits by them, and in how many scenarios it holds."""
-    why = "no time was left to count scenarios" if patience.left_out else "no stop that was counted fits by them"
-    proven = sought.outcome
+    goal, deadline, proven = sought.goal, watch.deadline, sought.outcome
     if winner is None:
         sought, winner = best_settable(sought, goal, deadline)
     design, found = winner, sought.outcome.best[0]
@@ -135,14 +132,14 @@ def as_central(
     return Recommended(sought, proven, with_note(winner, Note(AS_CENTRAL, "confidence", text)), counted, False, counts)
 
 
-def as_settable(sought: Sought, certain: Certain, goal: Objective, deadline: Deadline) -> tuple[Certain, Design]:
+def as_settable(sought: Sought, certain: Certain, deadline: Deadline) -> tuple[Certain, Design]:
     """The choice at the stop of its ring that can be set by central numbers too, and its design.
 
     At the best stop depth of field may be met to the last digit, so that no focus mark keeps it; the others that hold
     as often are tried in the order of their medians, then other hardware. Where none can be set, the best, with a
     warning.
     """
-    problem = sought.problem
+    problem, goal = sought.problem, sought.goal
     tried: list[tuple[Certain, Design]] = []
     for one in islice(stops_that_hold(certain), MOST_SET):
         if tried and deadline.passed():
@@ -159,14 +156,12 @@ def as_settable(sought: Sought, certain: Certain, goal: Objective, deadline: Dea
     return tried[0]
 
 
-def of_known(
-    sought: Sought, certain: Certain, design: Design, goal: Objective, deadline: Deadline
-) -> tuple[Certain, Design]:
+def of_known(sought: Sought, certain: Certain, design: Design, deadline: Deadline) -> tuple[Certain, Design]:
     """Where nothing that was counted can be set: what the search by central numbers found that can, counted as well.
 
     Taken where it holds as often as the choice does, or as often as is asked for; else the choice, with its warning.
     """
-    problem, least = sought.problem, min(certain.asked, certain.best.held)
+    problem, goal, least = sought.problem, sought.goal, min(certain.asked, certain.best.held)
     had = {names(problem, one.found) for one in certain.tried}
     others = [one for one in sought.outcome.best if names(problem, one) not in had]
     for found in others if not deadline.passed() else ():
@@ -180,7 +175,7 @@ def of_known(
             continue
         ranked = [other, *certain.ranked]
         more = replace(certain, best=other, central=central, tried=[*certain.tried, other], ranked=ranked)
-        more, made = as_settable(sought, more, goal, deadline)
+        more, made = as_settable(sought, more, deadline)
         if made.is_settable:
             return more, made
     return certain, design

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from uwopt.api.accuracy import Searched
-from uwopt.api.common import Progress, halfway
-from uwopt.api.so_far import SoFar, held_line
-from uwopt.api.timing import timed
+from uwopt.api.common import halfway
+from uwopt.api.searching import Searched, Searches
+from uwopt.api.so_far import held_line
+from uwopt.api.watch import Watch
 from uwopt.api.yielding import all_to_hold, fewest_to_hold, most_held, share_to_hold
-from uwopt.deadline import Deadline, effort_s
+from uwopt.deadline import effort_s
 from uwopt.mission.doubt import CENTRAL
 from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import Yield, with_yields
-from uwopt.objectives.objective import Objective
 from uwopt.results.certainty import Confidence
 from uwopt.results.design import Design
 from uwopt.solvers.exact.account import Outcome
@@ -25,6 +23,7 @@ from uwopt.solvers.recommend import Sought, best_settable, design_of
 if TYPE_CHECKING:
     from uwopt.api.certainty import Recommended
     from uwopt.api.counting import Counts
+    from uwopt.solvers.confidence.search import Certain
 
 
 MOST_ROUNDS = 3  # in which less and less gives way
@@ -47,6 +46,17 @@ class Recommendation:
     cut: bool = False  # whether a person wants no more
 
     @property
+    def is_proven(self) -> bool:
+        """Whether the search that it is of was completed."""
+        return self.sought.outcome.complete
+
+    @property
+    def is_cut_short(self) -> bool:
+        """Whether a person wants no more, of this or of a search for it."""
+        searches = [one for one in (self.sought, self.alternative) if one is not None]
+        return self.cut or any(one.outcome.interrupted for one in searches)
+
+    @property
     def counted(self) -> Confidence | None:
         """How often it holds, where that was counted."""
         return None if self.made_sure is None else self.made_sure.counted
@@ -57,24 +67,29 @@ class Recommendation:
         return None if self.made_sure is None else self.made_sure.counts
 
     @property
+    def choice(self) -> Certain | None:
+        """Of hardware that holds in the doubt, with the scenarios that it was made on."""
+        return None if self.made_sure is None else self.made_sure.choice
+
+    @property
     def is_enough(self) -> bool:
         """Whether it holds as often as is asked, as far as that was counted."""
         return self.counted is None or self.counted.enough
 
 
-def chosen_of(
-    mission: Mission, sought: Sought, alternative: Sought | None, goal: Objective, deadline: Deadline,
-    progress: Progress | None, timing: dict[str, float], *, given_way: tuple[Yield, ...] = (),
-    before: Counts | None = None,
-) -> Recommendation:  # fmt: skip
+def chosen_of(searched: Searched, watch: Watch, before: Counts | None = None) -> Recommendation:
     """What is recommended at the mission's confidence.
 
     before : what was counted for a mission that differs in a few keys
     """
+    mission, sought, alternative, given_way = (
+        searched.mission, searched.sought, searched.alternative, searched.given_way
+    )  # fmt: skip
+    goal, deadline = sought.goal, watch.deadline
     cut = alternative is not None and alternative.outcome.interrupted
     others: list[Design] = []
     central, winner = mission.confidence == CENTRAL, None
-    with timed(timing, "evaluation"):
+    with watch.timed("evaluation"):
         try:
             if central or math.isfinite(deadline.end_s):  # else what is recommended is still to be counted
                 sought, winner = best_settable(sought, goal, deadline)
@@ -86,7 +101,7 @@ def chosen_of(
         from uwopt.api.certainty import with_confidence
 
         try:
-            sure = with_confidence(sought, winner, goal, deadline, progress, timing, before)
+            sure = with_confidence(sought, winner, watch, before)
             if sure.of_all_parts:
                 alternative, others = None, []
             return Recommendation(
@@ -99,13 +114,11 @@ def chosen_of(
 
 
 def held_by_yielding(
-    asked: Mission, first: Recommendation, search: Callable[[Mission], Searched], goal: Objective, deadline: Deadline,
-    progress: Progress | None, timing: dict[str, float], so_far: SoFar,
-) -> Recommendation:  # fmt: skip
+    asked: Mission, first: Recommendation, searches: Searches, watch: Watch
+) -> Recommendation:
     """What is recommended where good practice gives way so that it holds as often as is asked; the first if it does.
 
     asked : the mission with all of good practice
-    search : of a mission that differs in what has given way
     """
     every = all_to_hold(asked, first.given_way)
     if first.cut or first.counts is None or first.is_enough or every == first.given_way:
@@ -114,29 +127,26 @@ def held_by_yielding(
         return first
 
     def with_given_way(given_way: tuple[Yield, ...], counts: Counts, before: Recommendation) -> Recommendation:
-        weaker = with_yields(asked, given_way)
-        sought, alternative = search(weaker)
-        if not sought.outcome.best or not sought.outcome.complete:
+        found = searches.of(with_yields(asked, given_way))
+        if not found.fits or not found.sought.outcome.complete:
             return before
-        made = chosen_of(
-            weaker, sought, alternative, goal, deadline, progress, timing, given_way=given_way, before=counts
-        )
+        made = chosen_of(replace(found, given_way=given_way), watch, before=counts)
         if made.cut:
             return replace(before, cut=True)
         return replace(made, to_hold=True) if surer(first, made) is made and as_sure(made, before) else before
 
     best = first
-    so_far(held_line(first, goal))
+    watch.so_far(held_line(first))
     try:
-        counts, reached = counted_with(with_yields(asked, every), first, search, goal, deadline, progress, timing)
+        counts, reached = counted_with(with_yields(asked, every), first, searches, watch)
         if first.counted is None or reached < halfway(first.counted.held, first.counted.asked):
             return first
         given_way = every
         for _ in range(MOST_ROUNDS):  # hardware that is found on the way may need less
             if best.cut or best.counts is None:
                 break
-            with timed(timing, "practice", progress):
-                given_way = fewest_to_hold(asked, first.given_way, given_way, counts, goal, deadline)
+            with watch.stage("practice"):
+                given_way = fewest_to_hold(asked, first.given_way, given_way, counts, watch.deadline)
             made = with_given_way(given_way, counts, best) if given_way != best.given_way else best
             if made is best:
                 break
@@ -151,9 +161,8 @@ def held_by_yielding(
 
 
 def counted_with(
-    weaker: Mission, first: Recommendation, search: Callable[[Mission], Searched], goal: Objective, deadline: Deadline,
-    progress: Progress | None, timing: dict[str, float],
-) -> tuple[Counts, float]:  # fmt: skip
+    weaker: Mission, first: Recommendation, searches: Searches, watch: Watch
+) -> tuple[Counts, float]:
     """Hardware that may hold as often as is asked in a weaker mission, and in what share of the scenarios some does.
 
     Of what was counted, or where that does not hold as often, and yet at least half as far, of a search.
@@ -162,13 +171,13 @@ def counted_with(
 
     counts, counted = first.counts, first.counted
     assert counts is not None and counted is not None
-    with timed(timing, "practice", progress):
-        reached = most_held(counts, goal, weaker)
+    with watch.stage("practice"):
+        reached = most_held(counts, weaker)
     if halfway(counted.held, counted.asked) <= reached < share_to_hold(counts):  # other hardware may do better
-        sought, _ = search(weaker)
-        if sought.outcome.best and sought.outcome.complete:
-            patience = deadline.or_after(CERTAINTY_S, effort_s)
-            counts = counts_of(sought, goal, patience, progress, timing, counts) or counts
+        found = searches.of(weaker)
+        if found.fits and found.sought.outcome.complete:
+            patient = watch.until(watch.deadline.or_after(CERTAINTY_S, effort_s))
+            counts = counts_of(found.sought, patient, counts) or counts
             reached = max(reached, counts.seen.held)
     return counts, reached
 

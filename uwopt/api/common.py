@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from importlib import metadata
@@ -26,7 +26,6 @@ from uwopt.results.result import Result
 from uwopt.version import __version__
 
 Source = str | Path | Mapping[str, Any]
-Progress = Callable[[float, str], None]
 NOT_MODELLED = (
     "shadows and relief of the floor", "ripples of sunlight",
     "reflections between port and lens", "lens distortion and vignetting beyond cos^4",

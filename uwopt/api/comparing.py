@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from uwopt.api.common import Progress, Source, prepared
+from uwopt.api.common import Source, prepared
 from uwopt.api.evaluating import evaluate
+from uwopt.deadline import Progress
 from uwopt.errors import MissionError
 from uwopt.mission.mission import Mission
 from uwopt.mission.system import System, load_system

@@ -5,16 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
-from uwopt.api.common import Progress, halfway
+from uwopt.api.common import halfway
 from uwopt.api.searching import leaves_out_generic, of_all_parts
-from uwopt.api.timing import STAGES, timed
-from uwopt.deadline import Deadline, OutOfTimeError
+from uwopt.api.watch import STAGES, Watch
+from uwopt.deadline import Deadline, OutOfTimeError, unheard
 from uwopt.forward.problem import Problem
-from uwopt.objectives.objective import Objective
 from uwopt.solvers.beside import ahead
 from uwopt.solvers.confidence.counted import Counted, rank
 from uwopt.solvers.confidence.scenarios import Scenarios
-from uwopt.solvers.confidence.search import Looked, look, unheard
+from uwopt.solvers.confidence.search import Looked, look
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.one_hardware import among
@@ -37,28 +36,25 @@ class Counts:
     of_all_parts: bool = False  # whether parts to be made were taken though what is sold fits by central numbers
 
 
-def counts_of(
-    sought: Sought, goal: Objective, patience: Deadline, progress: Progress | None, timing: dict[str, float],
-    before: Counts | None = None,
-) -> Counts | None:  # fmt: skip
+def counts_of(sought: Sought, watch: Watch, before: Counts | None = None) -> Counts | None:
     """How often hardware holds that is likely to at the mission's confidence; None where there is no time.
 
     before : what was counted for a mission that differs in a few keys: its waters and its hardware are known
     """
-    asked, report = sought.problem.mission.confidence, progress or unheard
+    asked = sought.problem.mission.confidence
     like = None if before is None else waters_of(before, sought.problem)
     known = [] if before is None else known_hardware(before, sought.problem)
     others = leaves_out_generic(sought)
-    with timed(timing, "certainty", progress):
+
+    def of_sold(patience: Deadline) -> Looked:
         first = patience.at_most(SOLD_SHARE * patience.left_s) if others else patience
-        seen = patience.within(
-            STAGES["certainty"],
-            lambda: look(sought, goal, asked, first, report, with_room=others, like=like, known=known), None,
-        )  # fmt: skip
+        return look(sought, asked, first, watch.progress, with_room=others, like=like, known=known)
+
+    seen = watch.within("certainty", of_sold, None)
     if seen is None:
         return None
     if others and seen.held < seen.share:
-        surer, seen = surer_or_surest(sought, goal, seen, patience, progress, timing, before)
+        surer, seen = surer_or_surest(sought, seen, watch, before)
         if surer is not None:
             return surer
     return Counts(sought, seen)
@@ -97,32 +93,29 @@ def known_hardware(before: Counts, problem: Problem) -> list[Found]:
 
 
 def surer_or_surest(
-    sold: Sought, goal: Objective, seen: Looked, patience: Deadline, progress: Progress | None,
-    timing: dict[str, float], before: Counts | None = None,
-) -> tuple[Counts | None, Looked]:  # fmt: skip
+    sold: Sought, seen: Looked, watch: Watch, before: Counts | None = None
+) -> tuple[Counts | None, Looked]:
     """Parts to be made that hold as often as asked; else the surest of what is sold, looked for at the same time."""
+    patience = watch.deadline
     made_s, rest_s = (share * patience.left_s for share in (MADE_SHARE, 1.0 - MADE_SHARE))
 
     def surest() -> tuple[list[Counted], bool, dict[Any, Any]]:
         """What is counted then, and how light changes with the water: all else of the scenarios is known here."""
         rest = replace(patience, end_s=patience.clock() + rest_s)  # whoever works it out
-        made = rest.within(STAGES["certainty"], lambda: look(sold, goal, seen.asked, rest, unheard, before=seen), seen)
+        made = rest.within(STAGES["certainty"], lambda: look(sold, seen.asked, rest, unheard, before=seen), seen)
         return made.tried, made.complete, made.scenarios.responses
 
     with ahead(surest, lists=[patience.left_out]) as further:
-        surer = surer_of_all_parts(sold, goal, seen, patience.at_most(made_s), progress, timing, before)
+        surer = surer_of_all_parts(sold, seen, watch.until(patience.at_most(made_s)), before)
         if surer is not None:
             return surer, seen
-        with timed(timing, "certainty", progress):
+        with watch.stage("certainty"):
             tried, complete, responses = further()
     seen.scenarios.responses.update(responses)
     return None, replace(seen, tried=tried, complete=complete)
 
 
-def surer_of_all_parts(
-    sought: Sought, goal: Objective, sold: Looked, deadline: Deadline, progress: Progress | None,
-    timing: dict[str, float], before: Counts | None = None,
-) -> Counts | None:  # fmt: skip
+def surer_of_all_parts(sought: Sought, sold: Looked, watch: Watch, before: Counts | None = None) -> Counts | None:
     """The same search with parts to be made, and what was counted of them: where only they hold as often as asked.
 
     Or where they come at least halfway to that from what is sold; where some kinds have to be made anyway, where they
@@ -133,16 +126,16 @@ def surer_of_all_parts(
         return None
 
     def found() -> Counts | None:
-        with timed(timing, "search_generic"):
-            every = of_all_parts(sought, goal, deadline, progress)
+        with watch.timed("search_generic"):
+            every = of_all_parts(sought, watch)
         if not every.outcome.complete:
             raise OutOfTimeError
-        with timed(timing, "certainty", progress):
+        with watch.stage("certainty"):
             like = sold.scenarios.seen_by(every.problem.mission, every.problem.scenes)
             known = [] if before is None else known_hardware(before, every.problem)
             seen = look(
-                every, goal, sold.asked, deadline, progress or unheard, with_room=True, like=like, known=known
+                every, sold.asked, watch.deadline, watch.progress, with_room=True, like=like, known=known
             )
         return Counts(every, seen, of_all_parts=True) if seen.held >= worth_making(sought, sold) else None
 
-    return deadline.within(ALL_PARTS, found, None)
+    return watch.deadline.within(ALL_PARTS, found, None)

@@ -11,11 +11,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from uwopt.api.common import Progress
 from uwopt.api.search_notes import cut_warnings, patience_warnings
-from uwopt.api.timing import STAGES, timed
+from uwopt.api.watch import STAGES, Watch
 from uwopt.deadline import Deadline, processor_s
-from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Price
 from uwopt.results.design import Design
 from uwopt.results.result import Result
@@ -23,6 +21,7 @@ from uwopt.solvers.beside import side_by_side
 from uwopt.solvers.recommend import Sought
 
 if TYPE_CHECKING:
+    from uwopt.api.choosing import Recommendation
     from uwopt.solvers.confidence.search import Certain
 
 DOUBTS_S = 6.0  # of the processor, for how firm a proven answer is, where no time is given
@@ -33,83 +32,74 @@ EQUAL = "which systems are equal within the estimates"
 class ToTell:
     """What is to be told beside the proof.
 
-    central : the search by central numbers
+    solver : whose opinion of its settings is asked
     doubts : how firm the answer is, and second opinions
     """
 
-    central: Sought
+    solver: str
     doubts: bool = True
     ranges: bool = False  # up to where the system stays the best as each binding requirement becomes stricter
     alternatives: bool = False  # what systems of other makers lack
 
 
-def doubted(
-    made: Result, sought: Sought, goal: Objective, timing: dict[str, float], deadline: Deadline,
-    progress: Progress | None, solver: str, choice: Certain | None, wanted: ToTell,
-) -> Result:  # fmt: skip
-    """A result with how firm it is, what more power and money would buy, and second opinions, in time.
-
-    choice : of hardware that holds in the doubt, where it was made so
-    """
+def doubted(made: Result, chosen: Recommendation, wanted: ToTell, watch: Watch) -> Result:
+    """A result with how firm it is, what more power and money would buy, and second opinions, in time."""
     from uwopt.solvers.explain.knee import knee
     from uwopt.solvers.explain.prices import prices
 
-    winner, cut, none = made.recommendation, False, list[dict[str, Any]]()
-    assert winner is not None
-    patience = deadline.or_after(DOUBTS_S, processor_s)
+    sought, winner, cut = chosen.sought, chosen.design, False
+    goal, none = sought.goal, list[dict[str, Any]]()
+    patient = watch.until(watch.deadline.or_after(DOUBTS_S, processor_s))
     try:
         if wanted.doubts and goal.quality:
-            with timed(timing, "knee", progress):
-                bought = deadline.within(STAGES["knee"], lambda: knee(sought, goal, deadline), None)
-            made = replace(made, knee=bought)
+            made = replace(made, knee=watch.within("knee", lambda limit: knee(sought, goal, limit), None))
         if wanted.doubts:
-            with timed(timing, "second_opinion", progress):
-                slow = deadline if solver != "exact" else patience  # what is asked for by name takes its time
-                opinions = slow.within("second opinions", lambda: second_opinions(sought, goal, solver, slow), none)
+            slow = watch if wanted.solver != "exact" else patient  # what is asked for by name takes its time
+            opinions = slow.within(
+                "second_opinion", lambda limit: second_opinions(sought, wanted.solver, limit), none
+            )
             made = replace(made, solvers=opinions)
-            with timed(timing, "prices", progress):
-                costs = patience.within(
-                    STAGES["prices"], lambda: prices(sought, goal, winner, opinions, patience), list[Price]()
-                )
+            costs = patient.within(
+                "prices", lambda limit: prices(sought, goal, winner, opinions, limit), list[Price]()
+            )
             made = replace(made, prices=costs)
-        with timed(timing, "robustness", progress if wanted.doubts else None):
-            made = told_together(made, sought, goal, timing, deadline, patience, choice, wanted, progress)
+        if wanted.doubts:
+            watch.progress(0.0, STAGES["robustness"])
+        with watch.timed("robustness"):
+            made = told_together(made, chosen, wanted, watch, patient.deadline)
     except KeyboardInterrupt:  # what is proven is not lost
         cut = True
     notes = cut_warnings() if cut else []
-    if patience is not deadline:
-        notes += patience_warnings(patience, DOUBTS_S)
+    if patient.deadline is not watch.deadline:
+        notes += patience_warnings(patient.deadline, DOUBTS_S)
     return replace(made, warnings=[*made.warnings, *notes])
 
 
 def told_together(
-    made: Result, sought: Sought, goal: Objective, timing: dict[str, float], deadline: Deadline, patience: Deadline,
-    choice: Certain | None, wanted: ToTell, progress: Progress | None,
-) -> Result:  # fmt: skip
+    made: Result, chosen: Recommendation, wanted: ToTell, watch: Watch, patience: Deadline
+) -> Result:
     """A result with how firm it is and what stands beside it, side by side, in time; `patience`: for the first."""
-    winner = made.recommendation
-    assert winner is not None
-    doubts = doubts_of(sought, winner, goal, patience, choice) if wanted.doubts else {}
+    sought, choice, deadline = chosen.sought, chosen.choice, watch.deadline
+    doubts = doubts_of(sought, chosen.design, patience, choice) if wanted.doubts else {}
     works: dict[str, Callable[[], Any]] = {}
     counted = made.confidence
     if wanted.doubts and counted is not None and choice is not None and not counted.enough:
         from uwopt.api.certainty import eased
 
-        works["eased"] = partial(eased, sought.problem, goal, counted, choice, deadline)
-    if wanted.ranges and wanted.central.outcome.complete:
-        works["ranges"] = partial(ranged, made, wanted.central, deadline)
+        works["eased"] = partial(eased, sought.problem, sought.goal, counted, choice, deadline)
+    if wanted.ranges and sought.outcome.complete:
+        works["ranges"] = partial(ranged, made, sought, deadline)
     works |= doubts
     if wanted.alternatives and sought.outcome.complete:
-        works["alternatives"] = partial(beside_it, made, sought, goal, deadline)
+        works["alternatives"] = partial(beside_it, made, sought, deadline)
     lists = [deadline.left_out] if patience is deadline else [deadline.left_out, patience.left_out]
 
     def begins(number: int) -> None:
-        if progress is not None:
-            progress(0.0, STAGES.get([*works][number], STAGES["robustness"]))
+        watch.progress(0.0, STAGES.get([*works][number], STAGES["robustness"]))
 
     made_of_each = side_by_side([partial(clocked, work) for work in works.values()], lists=lists, begins=begins)
     answers = dict(zip(works, made_of_each, strict=True))
-    timing |= {name: answers[name][1] for name in ("eased", "ranges", "alternatives") if name in answers}
+    watch.timing_s.update({name: answers[name][1] for name in ("eased", "ranges", "alternatives") if name in answers})
     told = {name: value for name, (value, _) in answers.items()}
     firm = told.get("robustness")
     return replace(
@@ -126,7 +116,7 @@ def clocked(work: Callable[[], Any]) -> tuple[Any, float]:
 
 
 def doubts_of(
-    sought: Sought, winner: Design, goal: Objective, deadline: Deadline, choice: Certain | None = None
+    sought: Sought, winner: Design, deadline: Deadline, choice: Certain | None = None
 ) -> dict[str, Callable[[], Any]]:
     """What the estimates, the choice of water table and the lamps' places could change: how to find out each."""
     from uwopt.solvers.confidence.search import tied_with_best
@@ -136,7 +126,7 @@ def doubts_of(
     from uwopt.solvers.explain.same_sensor import UNREACHED, siblings
     from uwopt.solvers.explain.ties import equals
 
-    none = list[dict[str, Any]]()
+    goal, none = sought.goal, list[dict[str, Any]]()
     tied = None if choice is None else partial(tied_with_best, sought.problem, choice)
     each: dict[str, tuple[str, Callable[[], Any], Any]] = {
         "robustness": (STAGES["robustness"], lambda: robustness(sought, goal, deadline=deadline), None),
@@ -158,19 +148,20 @@ def ranged(made: Result, sought: Sought, deadline: Deadline) -> list[Price]:
     return range_prices(sought.problem.mission, made, deadline=deadline, sought=sought)
 
 
-def beside_it(made: Result, sought: Sought, goal: Objective, deadline: Deadline) -> list[Any]:
+def beside_it(made: Result, sought: Sought, deadline: Deadline) -> list[Any]:
     """Other makers' best systems beside what is recommended."""
     from uwopt.solvers.explain.other_makers import beside_best
 
     assert made.recommendation is not None
     least = None if made.confidence is None else made.confidence.central_objective
-    return beside_best(sought.selection, sought.search, goal, made.recommendation, deadline, least)
+    return beside_best(sought.selection, sought.search, sought.goal, made.recommendation, deadline, least)
 
 
-def second_opinions(sought: Sought, goal: Objective, solver: str, deadline: Deadline) -> list[dict[str, Any]]:
+def second_opinions(sought: Sought, solver: str, deadline: Deadline) -> list[dict[str, Any]]:
     """The winner's settings solved again by continuous solvers, compared by objective."""
     from uwopt.solvers.continuous import opinions
 
+    goal = sought.goal
     if solver == "bonmin":
         return [opinions.mixed_opinion(sought, goal, max_seconds=min(opinions.BONMIN_S, deadline.left_s))]
     methods = {"exact": ("casadi",), "casadi": ("casadi",), "nlopt": ("slsqp", "cobyla", "global")}[solver]

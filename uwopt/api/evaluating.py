@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -17,7 +16,7 @@ from uwopt.api.accuracy import (
 from uwopt.api.common import Source, base_result, beyond_cap, prepared, time_warnings
 from uwopt.api.floats import own_float_rules
 from uwopt.api.risks import with_risks
-from uwopt.api.timing import STAGES, timed
+from uwopt.api.watch import STAGES, Watch
 from uwopt.catalog.compatibility import explain_pair
 from uwopt.deadline import Deadline
 from uwopt.errors import MissionError
@@ -118,8 +117,8 @@ def evaluate(
 
     `seconds`: for errors and scenarios, which are left out where there is no time for them.
     """
-    start, deadline = time.perf_counter(), Deadline.after(seconds)
-    timing: dict[str, float] = {}
+    watch = Watch.begun(seconds)
+    deadline = watch.deadline
     as_written = prepared(mission, physics, None, confidence)
     asked = as_written.without_gain_cap  # what is given is not refused for it
     auto = asked.physics == "auto"
@@ -128,26 +127,26 @@ def evaluate(
         allowed = of_integrals(tolerance or 0.0, may_leave_out=auto)
         asked = asked.with_changes(tolerance=(tolerance or 0.0) - allowed) if auto else asked
     built = load_system(system)
-    with timed(timing, "catalogue"):
+    with watch.timed("catalogue"):
         given = GivenSystem.of(asked, built)
-    with timed(timing, "effects"):
+    with watch.timed("effects"):
         influences = influences_of(given.problem, given.hardware, given.settings)
     if auto:
         given = replace(given, problem=given.problem.with_effects(effects_kept(influences)))
     measured = None
     if accuracy or tolerance is not None:
-        with timed(timing, "accuracy"):
+        with watch.timed("accuracy"):
             if tolerance is None:
                 measured = given.errors(deadline)
             else:
                 given, measured = given.as_coarse_as(allowed)
     problem, hardware, settings, goal = given.problem, given.hardware, given.settings, given.goal
-    with timed(timing, "evaluation"):
+    with watch.timed("evaluation"):
         elsewhere = departures(asked, load_catalog(asked), built, problem, hardware, settings, goal)
         design = with_compatibility(given.design(), problem, elsewhere)
     counted = None
     if confidence is not None and asked.confidence != CENTRAL:
-        with timed(timing, "certainty"):
+        with watch.timed("certainty"):
             counted = given.confidence(design, deadline)
     result = base_result("evaluate", problem.mission, goal, problem, influences)
     made = replace(
@@ -167,7 +166,7 @@ def evaluate(
             *time_warnings(deadline),
         ],
         accuracy=plain_accuracy(measured, allowed, None, []),
-        timing_s={**timing, "total": time.perf_counter() - start},
+        timing_s=watch.total(),
     )
     return with_risks(made)
 

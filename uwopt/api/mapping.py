@@ -7,8 +7,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from uwopt.api.common import Progress, Source
+from uwopt.api.common import Source
 from uwopt.api.evaluating import evaluate
+from uwopt.deadline import Progress
 from uwopt.documents.faults import nearest
 from uwopt.errors import MissionError, RangeError, UwoptError
 from uwopt.mission.mission import Mission

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from uwopt.api.common import Progress, Source
+from uwopt.api.common import Source
 from uwopt.api.floats import own_float_rules
-from uwopt.api.timing import STAGES
 from uwopt.api.varied import SHARP, Switches, Systems, VariedGrid
-from uwopt.deadline import NEVER, Deadline, OutOfTimeError, processor_s
+from uwopt.api.watch import STAGES
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError, Progress, processor_s, unheard
 from uwopt.errors import MissionError
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Varied, VariedMission, rounded
 from uwopt.objectives.goal import goal_of
-from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Price
 from uwopt.results.result import Result
 from uwopt.results.whatif import WhatIfPoint
@@ -31,7 +30,7 @@ PRICES_S = 10.0  # of the processor, where no time is given
 
 @own_float_rules
 def range_prices(
-    mission: Source | Mission, result: Result, *, deadline: Deadline = NEVER, progress: Progress | None = None,
+    mission: Source | Mission, result: Result, *, deadline: Deadline = NEVER, progress: Progress = unheard,
     sought: Sought | None = None, every: bool = False,
 ) -> list[Price]:  # fmt: skip
     """What a step more of each binding requirement and of the speed costs with the best system for it.
@@ -54,8 +53,7 @@ def range_prices(
         if deadline.passed():
             deadline.left_out.append(STAGES["ranges"])
             break
-        if progress is not None:
-            progress(number / len(keys), f"what {key.name} costs")
+        progress(number / len(keys), f"what {key.name} costs")
         price = range_price(
             base, key, asked, step, systems, warm, best=result.objective.value, asked_for=asked_for,
             free=told[key.name].free_until if key.name in told else None,
@@ -68,7 +66,7 @@ def range_prices(
 
 @own_float_rules
 def every_price(
-    result: Result, sought: Sought, goal: Objective, deadline: Deadline, progress: Progress | None = None
+    result: Result, sought: Sought, deadline: Deadline, progress: Progress = unheard
 ) -> tuple[list[Price], bool]:
     """What every requirement costs as far as there is time, and whether nobody interrupted it.
 
@@ -80,12 +78,11 @@ def every_price(
         return told, True
     generic = sought.selection.generic
     try:
-        told = prices(sought, goal, result.recommendation, (), deadline, every=True)
+        told = prices(sought, sought.goal, result.recommendation, (), deadline, every=True)
         keys = {price.name: place for place, price in enumerate(told)}
-        if progress is not None:
-            progress(0.0, "what would be best without each requirement")
+        progress(0.0, "what would be best without each requirement")
         phase = deadline.at_most(WITHOUT_SHARE * deadline.left_s)
-        for key, value in without_each(sought, goal, list(keys), generic, phase):
+        for key, value in without_each(sought, sought.goal, list(keys), generic, phase):
             told[keys[key]] = replace(told[keys[key]], without=value)
         told = range_prices(
             mission, replace(result, prices=told), deadline=deadline, progress=progress, sought=sought, every=True
@@ -136,7 +133,7 @@ def range_price(
     if points[-1].system == points[0].system:
         return price
     last, other = (tuple(one.values) for one in points[-2:])
-    found = Switches(grid, warm.deadline, lambda share, what: None).first(0, last, other, SHARP * abs(step))
+    found = Switches(grid, warm.deadline, unheard).first(0, last, other, SHARP * abs(step))
     until, then = (found.low, found.second) if step > 0 else (found.high, found.first)
     return Price(
         price.name, price.unit, asked, step, price.change, until=rounded(until),

@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
-from functools import partial
+from dataclasses import dataclass, field, replace
 from typing import Any
 
-from uwopt.api.accuracy import Searched
-from uwopt.api.common import Progress
-from uwopt.api.timing import timed
+from uwopt.api.watch import Watch
 from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.records import Kind, Part
 from uwopt.deadline import Deadline
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
-from uwopt.model.fineness import Fineness
+from uwopt.mission.yielding import Yield
+from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.explain.robustness import SLOW_S
 from uwopt.solvers.made import TO_BE_MADE, fewest_made
@@ -24,49 +22,98 @@ from uwopt.solvers.recommend import GENERIC_GAIN, Sought, seek
 from uwopt.solvers.settings.best import scenes_need_cells
 
 MOST_IN_VAIN = 200_000  # designs below a cap of gain that yields, of which none fits: then it is asked if any does
+SETTINGS_SHARE = 0.1  # of the time that is given, which a search leaves for settings that can be set
 
 
-def searched(
-    mission: Mission, catalog: Catalog, goal: Objective, top: int, deadline: Deadline,
-    progress: Progress | None, timing: dict[str, float], fineness: Fineness, like: Sought | None = None,
-    scenes_of: Problem | None = None,
-) -> Searched:  # fmt: skip
-    """The search over parts that are sold, and with parts to be made where they could matter.
+@dataclass(frozen=True)
+class Searched:
+    """What was found for a mission."""
 
-    Where nothing that is sold fits and the gain has a cap that yields, all parts without it are asked first for any
-    design that fits: where none does, nothing fits with the cap either. A search below the cap that goes long in vain
-    is left for that question, and goes on where the answer is that something fits. `like` is a search of the same parts
-    in the same scenes that differs in the cap of gain alone, `scenes_of` a problem whose scenes may be the same.
-    """
-    policy, capless = mission.catalog.generic, mission.without_gain_cap
-    first = mission.catalog.generic_at_first
-    look = partial(
-        seek, catalog=catalog, objective=goal, top=top, deadline=deadline, progress=progress, fineness=fineness
-    )
-    with timed(timing, "search"):
-        in_vain = math.inf if capless is mission or policy == "fallback" else MOST_IN_VAIN
-        sought = look(mission, generic=first, most_in_vain=in_vain, **(known_from(like) or {"like": scenes_of}))
-        if sought.search.is_in_vain:
-            some = look(capless, generic=first, enough=True, **known_from(sought))
-            if not some.outcome.best:
-                return some, None
-            sought = look(mission, generic=first, **known_from(sought))
-    alternative: Sought | None = None
-    if policy == "fallback" and sought.outcome.complete:
-        with timed(timing, "search_generic"):
-            if sought.outcome.best:
-                alternative = generic_search(mission, catalog, goal, sought, deadline, progress)
-            else:
-                if capless is not mission:
-                    any_of_all = look(capless, generic="allow", like=sought.problem, enough=True)
-                    if any_of_all.outcome.complete and not any_of_all.outcome.best:
-                        return look(capless, generic=first, **known_from(sought)), any_of_all
-                alternative = look(mission, generic="allow", like=sought.problem)
-                if alternative.outcome.best:
-                    sought, alternative = of_fewest_kinds(alternative, goal, look), None
-    if not sought.outcome.best and sought.outcome.complete and capless is not mission:  # light is out of reach
-        return searched(capless, catalog, goal, top, deadline, progress, timing, fineness, sought)
-    return sought, alternative
+    mission: Mission  # with what of good practice has given way
+    sought: Sought  # over parts that are sold; over all of them where only these do
+    alternative: Sought | None = None  # with parts to be made
+    given_way: tuple[Yield, ...] = ()
+    in_vain: Sought | None = None  # with as little of good practice as may be: the proof that even so nothing fits
+    cut: bool = False  # whether a person wants no more
+
+    @property
+    def fits(self) -> bool:
+        """Whether something was found."""
+        return bool(self.sought.outcome.best)
+
+    @property
+    def widest(self) -> Sought:
+        """Over the most parts that were searched."""
+        return self.alternative or self.sought
+
+    @property
+    def proves_nothing_fits(self) -> bool:
+        """Whether nothing was found of all that there is."""
+        return not self.fits and self.widest.outcome.complete
+
+
+@dataclass(frozen=True)
+class Searches:
+    """What the searches for one answer share; `top`: how many designs are listed."""
+
+    catalog: Catalog
+    goal: Objective
+    top: int = 1
+    watch: Watch = field(default_factory=Watch)
+    fineness: Fineness = DEFAULT
+
+    def seek(self, mission: Mission, *, top: int = 0, deadline: Deadline | None = None, **how: Any) -> Sought:
+        """One search, as `recommend.seek`."""
+        return seek(
+            mission, self.catalog, self.goal, top=top or self.top, deadline=deadline or self.watch.deadline,
+            progress=self.watch.progress, fineness=self.fineness, **how,
+        )  # fmt: skip
+
+    def of(self, mission: Mission, like: Sought | None = None, scenes_of: Problem | None = None) -> Searched:
+        """The search over parts that are sold, and with parts to be made where they could matter.
+
+        Where nothing that is sold fits and the gain has a cap that yields, all parts without it are asked first for any
+        design that fits: where none does, nothing fits with the cap either. A search below the cap that goes long in
+        vain is left for that question, and goes on where the answer is that something fits. `like` is a search of the
+        same parts in the same scenes that differs in the cap of gain alone, `scenes_of` a problem whose scenes may be
+        the same.
+        """
+        policy, capless = mission.catalog.generic, mission.without_gain_cap
+        first = mission.catalog.generic_at_first
+        with self.watch.timed("search"):
+            in_vain = math.inf if capless is mission or policy == "fallback" else MOST_IN_VAIN
+            known = known_from(like) or {"like": scenes_of}
+            sought = self.seek(mission, generic=first, most_in_vain=in_vain, **known)
+            if sought.search.is_in_vain:
+                some = self.seek(capless, generic=first, enough=True, **known_from(sought))
+                if not some.outcome.best:
+                    return Searched(mission, some)
+                sought = self.seek(mission, generic=first, **known_from(sought))
+        alternative: Sought | None = None
+        if policy == "fallback" and sought.outcome.complete:
+            with self.watch.timed("search_generic"):
+                if sought.outcome.best:
+                    alternative = self._with_parts_made(mission, sought)
+                else:
+                    if capless is not mission:
+                        any_of_all = self.seek(capless, generic="allow", like=sought.problem, enough=True)
+                        if any_of_all.outcome.complete and not any_of_all.outcome.best:
+                            sought = self.seek(capless, generic=first, **known_from(sought))
+                            return Searched(mission, sought, any_of_all)
+                    alternative = self.seek(mission, generic="allow", like=sought.problem)
+                    if alternative.outcome.best:
+                        sought, alternative = of_fewest_kinds(alternative, self.seek), None
+        if not sought.outcome.best and sought.outcome.complete and capless is not mission:  # light is out of reach
+            return replace(self.of(capless, sought), mission=mission)
+        return Searched(mission, sought, alternative)
+
+    def _with_parts_made(self, mission: Mission, sought: Sought) -> Sought:
+        """More parts to be made come second: searched for a gain of 10 %."""
+        best, deadline = sought.outcome.best[0].minimised, self.watch.deadline
+        if scenes_need_cells(sought.problem.scenes, self.goal):  # no closed form is slow
+            deadline = deadline.at_most(SLOW_S)
+        ceiling = best - self.goal.step(GENERIC_GAIN, best)
+        return self.seek(mission, generic="allow", top=1, deadline=deadline, ceiling=ceiling, like=sought.problem)
 
 
 def known_from(like: Sought | None) -> dict[str, Any]:
@@ -76,7 +123,7 @@ def known_from(like: Sought | None) -> dict[str, Any]:
     return {"like": like.problem, "imagers": like.search.every_imager}
 
 
-def of_fewest_kinds(every: Sought, goal: Objective, look: Callable[..., Sought]) -> Sought:
+def of_fewest_kinds(every: Sought, look: Callable[..., Sought]) -> Sought:
     """The search with parts to be made of as few kinds as come within 10 % of the best of all kinds; that if it is cut.
 
     every : the search with parts to be made of all kinds
@@ -84,7 +131,7 @@ def of_fewest_kinds(every: Sought, goal: Objective, look: Callable[..., Sought])
     mission, like, best = every.problem.mission, every.problem, every.outcome.best[0].minimised
     if not every.outcome.complete or every.outcome.interrupted:
         return every
-    ceiling = best + goal.step(GENERIC_GAIN, best)
+    ceiling = best + every.goal.step(GENERIC_GAIN, best)
     serve = [kinds_made(every)]
 
     def serves(kinds: tuple[Kind, ...]) -> bool:
@@ -117,23 +164,8 @@ def leaves_out_generic(sought: Sought) -> bool:
     return fallback and any(rules.get("generic") for rules in sought.selection.counts.values())
 
 
-def of_all_parts(sought: Sought, goal: Objective, deadline: Deadline, progress: Progress | None) -> Sought:
+def of_all_parts(sought: Sought, watch: Watch) -> Sought:
     """The same search with parts to be made."""
     problem = sought.problem
-    return seek(
-        problem.mission, sought.selection.catalog, goal, generic="allow", top=sought.search.top, deadline=deadline,
-        progress=progress, fineness=problem.fineness, like=problem, whole=True,
-    )  # fmt: skip
-
-
-def generic_search(
-    mission: Mission, catalog: Catalog, goal: Objective, sought: Sought, deadline: Deadline, progress: Progress | None
-) -> Sought:
-    """More parts to be made come second: searched for a gain of 10 %."""
-    best = sought.outcome.best[0].minimised
-    if scenes_need_cells(sought.problem.scenes, goal):  # no closed form is slow
-        deadline = deadline.at_most(SLOW_S)
-    return seek(
-        mission, catalog, goal, generic="allow", top=1, deadline=deadline, progress=progress,
-        ceiling=best - goal.step(GENERIC_GAIN, best), fineness=sought.problem.fineness, like=sought.problem,
-    )  # fmt: skip
+    searches = Searches(sought.selection.catalog, sought.goal, sought.search.top, watch, problem.fineness)
+    return searches.seek(problem.mission, generic="allow", like=problem, whole=True)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from uwopt.objectives.objective import Objective
-from uwopt.results.design import Design
 from uwopt.solvers.one_hardware import parts_of
 from uwopt.solvers.recommend import Sought
 from uwopt.units import format_quantity
@@ -14,37 +13,36 @@ from uwopt.units import format_quantity
 if TYPE_CHECKING:
     from uwopt.api.choosing import Recommendation
 
-SoFar = Callable[[str], None]  # takes a line
+PRACTICE_LINE = "nothing meets all of good practice: what of it has to give way is looked for"
 
 
-def untold(line: str) -> None:
-    """Where nobody waits for it."""
-
-
-def central_line(sought: Sought, goal: Objective) -> str:
+def central_line(sought: Sought) -> str:
     """The best by central numbers, where it is counted next how often hardware holds."""
-    best, mission = sought.outcome.best[0], sought.problem.mission
+    best, goal, mission = sought.outcome.best[0], sought.goal, sought.problem.mission
     value = goal.reported(best.minimised)
     parts = (part.id for _, part in parts_of(sought.problem, best))
     return f"best by central numbers: {of_parts(parts, goal, value, mission.limits.currency)}"
 
 
-def held_line(made: Recommendation, goal: Objective) -> str:
+def held_line(made: Recommendation) -> str:
     """How often what would be recommended holds, where practice may give way so that something does more often."""
     counted = made.counted
     assert counted is not None and not isinstance(counted.asked, str)
-    parts = (part.id for part in made.design.hardware.named.values())
-    found = of_parts(parts, goal, made.design.objective_value, made.mission.limits.currency)
     return (
-        f"best so far: {found}; it holds in {100.0 * counted.held:.0f} % of the scenarios, "
+        f"best so far: {of_design(made)}; it holds in {100.0 * counted.held:.0f} % of the scenarios, "
         f"{100.0 * counted.asked:g} % are asked: something else may, with less of good practice"
     )
 
 
-def proven_line(winner: Design, goal: Objective, currency: str) -> str:
+def proven_line(made: Recommendation) -> str:
     """The recommendation in a line, for who waits for its doubts."""
-    parts = (part.id for part in winner.hardware.named.values())
-    return f"proven best: {of_parts(parts, goal, winner.objective_value, currency)}"
+    return f"proven best: {of_design(made)}"
+
+
+def of_design(made: Recommendation) -> str:
+    """What is recommended, and its objective."""
+    parts = (part.id for part in made.design.hardware.named.values())
+    return of_parts(parts, made.sought.goal, made.design.objective_value, made.mission.limits.currency)
 
 
 def of_parts(ids: Iterable[str], goal: Objective, value: float | None, currency: str) -> str:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -26,12 +25,12 @@ from uwopt.api.front_found import (
     reference,
     status_of,
 )
-from uwopt.api.solving import proven_in_full
-from uwopt.api.timing import timed
+from uwopt.api.recommending import proven_in_full
+from uwopt.api.watch import Watch
 from uwopt.api.yielding import gives_way, yield_notes
 from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import ToBeMade
-from uwopt.deadline import Deadline
+from uwopt.deadline import Deadline, Progress
 from uwopt.evaluation.design import evaluate_designs
 from uwopt.evaluation.influences import influences_of
 from uwopt.forward.assembly import build_problem, load_catalog, selected
@@ -56,7 +55,6 @@ from uwopt.solvers.recommend import hardware_of, part_warnings, with_rounded
 from uwopt.solvers.settable.rounding import given_of
 
 Array = NDArray[Any]
-Progress = Callable[[float, str], None]
 EXACT_S = 120.0  # for the exact front, unless the call says otherwise
 PEER_S, PEER_ALONE_S = 2.0, 30.0  # for a population solver: a look beside the exact front, or the search itself
 AT_A_TIME = 50  # points evaluated together, between two looks at the progress
@@ -88,7 +86,8 @@ def pareto(
     seed : of the population solvers; the mission's unless given
     alternatives : also say why systems of other makers are not on the front
     """
-    start, deadline = time.perf_counter(), Deadline.after(seconds)
+    watch = Watch.begun(seconds, progress)
+    deadline = watch.deadline
     wanted = prepared(mission, physics, None)
     names, own = split(objectives)
     solvers = checked_solvers(solver, own)
@@ -97,39 +96,35 @@ def pareto(
     for name in names:  # requirements that one objective alone needs, such as information a footprint
         if name in ("information", "contrast"):
             prepared(wanted, None, name)
-    timing: dict[str, float] = {}
-    with timed(timing, "catalogue"):
+    with watch.timed("catalogue"):
         catalog = load_catalog(wanted)
 
     def searched(asked: Mission) -> tuple[ParetoCall, FrontSearched]:
-        run = ParetoCall(
-            asked, catalog, objectives, axes, solvers, deadline, asked.seed if seed is None else seed, progress
-        )
-        sought = run.sought(asked.catalog.generic_at_first, timing)
+        run = ParetoCall(asked, catalog, objectives, axes, solvers, asked.seed if seed is None else seed, watch)
+        sought = run.sought(asked.catalog.generic_at_first)
         if asked.catalog.generic == "fallback" and is_empty(sought):
-            sought = run.sought(asked.catalog.generic_at_last, timing)
+            sought = run.sought(asked.catalog.generic_at_last)
         return run, sought
 
     run, sought = searched(wanted)
     given_way: tuple[Yield, ...] = ()
     if is_empty(sought) and sought.front is not None:
-        with timed(timing, "practice", progress):
+        with watch.stage("practice"):
             given_way = gives_way(wanted, catalog, sought.problem, deadline).yields
         weaker = searched(with_yields(wanted, given_way)) if given_way else (run, sought)
         if is_empty(weaker[1]):
             given_way = ()
         else:
             run, sought = weaker
-    result = run.result(sought, timing)
+    result = run.result(sought)
     if alternatives and result.points and axes is not None and not sought.cut:
         from uwopt.solvers.explain.other_makers import beside_front
 
-        with timed(timing, "alternatives"):
+        with watch.stage("alternatives"):
             told = beside_front(sought.selection, sought.search, axes, result, deadline)
         result = replace(result, alternatives=told)
-    timing["total"] = time.perf_counter() - start
     notes = [*central_notes(wanted, "uwopt solve holds it"), *time_warnings(deadline)]
-    return replace(result, timing_s=timing, warnings=[*yield_notes(given_way), *result.warnings, *notes])
+    return replace(result, timing_s=watch.total(), warnings=[*yield_notes(given_way), *result.warnings, *notes])
 
 
 @dataclass(frozen=True)
@@ -151,7 +146,7 @@ class ParetoCall:
 
     def __init__(
         self, mission: Mission, catalog: Catalog, objectives: Sequence[Any], axes: Axes | None, solvers: list[str],
-        deadline: Deadline, seed: int, progress: Progress | None,
+        seed: int, watch: Watch,
     ):  # fmt: skip
         self.mission, self.catalog, self.axes, self.solvers = mission, catalog, axes, solvers
         self.objectives: list[str | OwnObjective] = (
@@ -162,10 +157,10 @@ class ParetoCall:
             if axes is None
             else list(axes.names)
         )
-        self.deadline, self.seed, self.left_out = deadline, seed, ""
+        self.deadline, self.seed, self.left_out = watch.deadline, seed, ""
         self.alone = False  # of a catalogue too large for solvers that choose among all of its imagers
-        self.figures_s = min(FIGURES_SHARE * deadline.left_s, FIGURES_S)
-        self.progress = here_alone(progress or (lambda share, what: None))
+        self.figures_s = min(FIGURES_SHARE * self.deadline.left_s, FIGURES_S)
+        self.watch, self.progress = watch, here_alone(watch.progress)
 
     @property
     def builtin(self) -> Objective:
@@ -173,9 +168,9 @@ class ParetoCall:
         names = [item for item in self.objectives if isinstance(item, str)]
         return Objective(dict.fromkeys(names or ["power"], 1.0))
 
-    def sought(self, generic: ToBeMade, timing: dict[str, float]) -> FrontSearched:
+    def sought(self, generic: ToBeMade) -> FrontSearched:
         """Select, tabulate, search with every solver."""
-        with timed(timing, "tables"):
+        with self.watch.timed("tables"):
             selection = selected(self.mission, self.catalog, generic=generic)
             problem = build_problem(self.mission, selection)
         front, search = None, None
@@ -186,7 +181,7 @@ class ParetoCall:
         else:
             self.left_out = ""
         if EXACT in solvers and self.axes is not None:
-            with timed(timing, EXACT):
+            with self.watch.timed(EXACT):
                 made = FrontSearch(
                     problem, self.axes, deadline=self.turn(len(solvers), EXACT_S),
                     progress=lambda share, what: self.progress(0.5 * share, what),
@@ -195,7 +190,7 @@ class ParetoCall:
             search, self.alone = made.search, bool(made.kept)
         if search is None:
             search = Search(problem, self.builtin, top=1)
-            with timed(timing, "tables"):
+            with self.watch.timed("tables"):
                 search.prepare()
         halted = self.alone or (front is not None and (front.interrupted or not len(front.values)))
         waiting = [] if halted else [name for name in solvers if name != EXACT]
@@ -211,17 +206,16 @@ class ParetoCall:
             return replace(sought, cut=waiting[0])
         for one in found:
             sought = replace(sought, **one.found)
-            timing |= {name: timing.get(name, 0.0) + spent_s for name, spent_s in one.spent_s.items()}
+            for name, spent_s in one.spent_s.items():
+                self.watch.timing_s[name] = self.watch.timing_s.get(name, 0.0) + spent_s
         return sought
 
     def by_peers(self, search: Search, waiting: Sequence[str], *, alone: bool) -> Stages:
         """What population solvers find, one after another, and which of them was interrupted."""
-        peers: list[Any] = []
-        spent_s: dict[str, float] = {}
-        cut = ""
+        peers, watch, cut = list[Any](), self.watch.apart(), ""
         for place, name in enumerate(waiting):
             turn = self.turn(len(waiting) - place, PEER_ALONE_S if alone else PEER_S)
-            with timed(spent_s, name):
+            with watch.timed(name):
                 try:
                     peers += self.deadline.within(name, lambda: [self.peer(search, name, turn)], [])  # noqa: B023
                 except KeyboardInterrupt:  # what others found is kept
@@ -231,14 +225,14 @@ class ParetoCall:
             if cut or (peers and peers[-1].status == "interrupted"):
                 cut = name  # who interrupts does not want the next solver
                 break
-        return Stages({"peers": peers, "cut": cut}, spent_s)
+        return Stages({"peers": peers, "cut": cut}, watch.timing_s)
 
     def shown_points(self, sought: FrontSearched) -> Stages:
         """The points of an exact front that are shown."""
-        spent_s: dict[str, float] = {}
-        with timed(spent_s, "evaluation"):
+        watch = self.watch.apart()
+        with watch.timed("evaluation"):
             points = self.points(sought, *self.shown(sought))
-        return Stages({"points": points}, spent_s)
+        return Stages({"points": points}, watch.timing_s)
 
     def turn(self, n_waiting: int, usual_s: float) -> Deadline:
         """One solver's time: an even share of what is left for those that wait, or the usual time.
@@ -265,7 +259,7 @@ class ParetoCall:
 
     # ------------------------------------------------------------ result
 
-    def result(self, sought: FrontSearched, timing: dict[str, float]) -> FrontResult:
+    def result(self, sought: FrontSearched) -> FrontResult:
         """Everything found, as a result."""
         base = base_result("pareto", self.mission, self.builtin, sought.problem)
         front = sought.front
@@ -283,12 +277,12 @@ class ParetoCall:
         frame = self.frame(sought)
         points = sought.points
         if points is None:
-            with timed(timing, "evaluation"):
+            with self.watch.timed("evaluation"):
                 points = self.points(sought, values, founds, method)
         picks = picks_of(points, made.objectives, frame)
         places = {point.id: founds[n] for n, point in enumerate(points)}
         named = {pick.point: places[pick.point] for pick in picks}
-        with timed(timing, "evaluation"):
+        with self.watch.timed("evaluation"):
             points = [self.rounded(sought, p, named[p.id]) if p.id in named else p for p in points]
         first = places[picks[-1].point]
         return replace(

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from uwopt.api.common import Progress, Source, central_notes, time_warnings
+from uwopt.api.common import Source, central_notes, time_warnings
 from uwopt.api.floats import own_float_rules
 from uwopt.api.search_notes import patience_warnings
-from uwopt.api.timing import timed
 from uwopt.api.varied import At, Switches, Systems, VariedGrid
+from uwopt.api.watch import Watch
 from uwopt.api.yielding import gives_way_alone, yield_notes
-from uwopt.deadline import Deadline, processor_s
+from uwopt.deadline import Deadline, Progress, processor_s, unheard
 from uwopt.errors import MissionError
 from uwopt.forward.scene_checks import check_physical
 from uwopt.mission.doubt import CENTRAL
@@ -33,7 +32,6 @@ MOST_KEYS, MOST_POINTS = 2, 10_000
 SPIDER_FACTORS = (0.8, 0.9, 1.0, 1.1, 1.2)
 SWITCHES_S = 30.0  # of the processor, for where systems take over, where no time is given
 HOLDS = "--confidence holds it at every point"
-Say = Progress | None
 
 
 @own_float_rules
@@ -62,19 +60,18 @@ def whatif(
     ------
     MissionError : a key does not exist, a range is empty, or values contradict the rest of the mission
     """
-    start, timing = time.perf_counter(), dict[str, float]()
     asked = {"objective": objective, "physics": physics, "confidence": confidence}
     changes = {key: value for key, value in asked.items() if value is not None}
     base = VariedMission(mission, changes)
     check_physical(base.base)
     keys = tuple(base.varied(key, values) for key, values in (vary or {}).items())
     check_keys(keys, spider=spider)
-    goal, deadline = goal_of(base.base), Deadline.after(seconds)
+    goal, watch = goal_of(base.base), Watch.begun(seconds, progress)
     systems = Systems(goal)
     certain = confidence is not None and base.base.confidence != CENTRAL
     if certain and spider:
         raise MissionError("whatif: --spider takes central numbers; leave out --confidence")
-    work = Work(base, goal, systems, deadline, progress, certain)
+    work = Work(base, goal, systems, watch.deadline, watch.progress, certain)
     grid = work.grid_of(keys)
     status, points, switches, lines = "complete", list[WhatIfPoint](), list[Switch](), list[SpiderLine]()
     try:
@@ -82,22 +79,21 @@ def whatif(
             check_points(grid)
             if spider:
                 work.ask_practice(grid)
-            with timed(timing, "points"):
+            with watch.timed("points"):
                 work.solve_all(grid)
             points = in_given_order(grid)
-            with timed(timing, "switches"):
+            with watch.timed("switches"):
                 switches = work.switches(grid)
         if spider:
-            with timed(timing, "spider"):
+            with watch.timed("spider"):
                 work.spider(lines)
     except KeyboardInterrupt:
         if not (grid.points or lines):
             raise
         status = "interrupted"
     points = points or in_given_order(grid)
-    timing["total"] = time.perf_counter() - start
     unheld = [] if certain else central_notes(base.base, HOLDS)
-    if status == "complete" and deadline.passed():
+    if status == "complete" and watch.deadline.passed():
         status = "stopped"
     return WhatIf(
         status=status,
@@ -114,9 +110,9 @@ def whatif(
         spider=lines,
         warnings=[
             *yield_notes(work.given_way or ()), *notes_of(points, keys, status), *full_practice_notes(points, work),
-            *unheld, *work.notes, *time_warnings(deadline),
+            *unheld, *work.notes, *time_warnings(watch.deadline),
         ],
-        timing_s=timing,
+        timing_s=watch.total(),
         n_searches=work.n_searches,
         mission_file=base.base.source_file,
         confidence=base.base.confidence if certain else CENTRAL,
@@ -132,7 +128,7 @@ class Work:
     goal: Objective
     systems: Systems
     deadline: Deadline
-    progress: Say
+    say: Progress = unheard  # how far it is
     certain: bool = False  # whether hardware has to hold in the doubt
     n_searches: int = 0
     notes: list[Note] = field(default_factory=list)
@@ -146,11 +142,6 @@ class Work:
 
             made.certain = CertainPoints(self.systems, self.deadline).point
         return made
-
-    def say(self, share: float, what: str) -> None:
-        """Tell how far it is."""
-        if self.progress is not None:
-            self.progress(share, what)
 
     def solve_all(self, grid: VariedGrid) -> None:
         """Every point of a grid, until the time is over.

@@ -14,7 +14,6 @@ from uwopt.forward.assembly import build_problem, load_catalog, selected
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import SNR_AT, SNR_LESS, YIELDS, Yield, with_yields, yields_of
-from uwopt.objectives.objective import Objective
 from uwopt.results.design import (
     PRACTICE_IN_VAIN,
     PRACTICE_UNTRIED,
@@ -139,9 +138,8 @@ def all_to_hold(asked: Mission, given_way: Collection[Yield]) -> tuple[Yield, ..
 
 
 def fewest_to_hold(
-    asked: Mission, given_way: Collection[Yield], every: Sequence[Yield], counts: Counts, goal: Objective,
-    deadline: Deadline,
-) -> tuple[Yield, ...]:  # fmt: skip
+    asked: Mission, given_way: Collection[Yield], every: Sequence[Yield], counts: Counts, deadline: Deadline
+) -> tuple[Yield, ...]:
     """The least that has to give way so that some hardware holds as often as is asked, where with `every` it does.
 
     asked : the mission with all of good practice
@@ -159,7 +157,7 @@ def fewest_to_hold(
     )  # fmt: skip
 
     def held(more: Collection[Yield]) -> float:
-        return most_held(counts, goal, with_yields(base, more))
+        return most_held(counts, with_yields(base, more))
 
     least = min(share_to_hold(counts), held(further))
 
@@ -175,14 +173,14 @@ def share_to_hold(counts: Counts) -> float:
     return min(share + LUCK * math.sqrt(share * (1.0 - share) / counts.seen.scenarios.count), 1.0)
 
 
-def most_held(counts: Counts, goal: Objective, mission: Mission) -> float:
+def most_held(counts: Counts, mission: Mission) -> float:
     """In how many of the same scenarios any of the hardware that held most often holds in a mission like that.
 
     As it can be recommended: at a stop at which it fits by central numbers as well.
     """
     from uwopt.solvers.confidence.deciding import set_and_held_with
 
-    problem, seen, most = counts.sought.problem, counts.seen, 0.0
+    problem, goal, seen, most = counts.sought.problem, counts.sought.goal, counts.seen, 0.0
     for one in sorted(seen.tried, key=lambda one: one.held, reverse=True)[:SUREST]:
         most = max(most, set_and_held_with(problem, goal, one.found, seen.scenarios, mission))
         if most >= share_to_hold(counts):

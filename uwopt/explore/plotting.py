@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from uwopt.api.common import Progress, Source
+from uwopt.api.common import Source
 from uwopt.api.mapping import DEFAULT_FIGURE, FigureMap, figure_map
+from uwopt.deadline import Progress
 from uwopt.errors import MissionError, OutputError, RangeError
 from uwopt.mission.mission import Mission
 from uwopt.mission.system import System

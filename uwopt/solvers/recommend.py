@@ -7,7 +7,6 @@ the forward model, and a claim that does not hold there is a defect, not a resul
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,7 +14,7 @@ import numpy as np
 from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import Selection, ToBeMade
 from uwopt.catalog.compatibility import explain_pair
-from uwopt.deadline import NEVER, Deadline
+from uwopt.deadline import NEVER, Deadline, Progress
 from uwopt.errors import SolverError
 from uwopt.evaluation.design import evaluate_design
 from uwopt.evaluation.leaning import TILT_RESERVE, settings_of, tilt_notes
@@ -36,7 +35,6 @@ from uwopt.solvers.settable.steps import printed
 from uwopt.tolerances import AGREES_REL
 from uwopt.units import format_quantity, texts_apart
 
-Progress = Callable[[float, str], None]
 GENERIC_GAIN = 0.10
 SETTINGS_TO_SET = "settings that can be set"  # where there is no time for them
 WORTH_REL = 0.05  # of the objective: what settings to set must cost the best before the next are tried
@@ -51,6 +49,11 @@ class Sought:
     problem: Problem
     search: Search
     outcome: Outcome
+
+    @property
+    def goal(self) -> Objective:
+        """What it searched the best of."""
+        return self.search.objective
 
 
 def seek(

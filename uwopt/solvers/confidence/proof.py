@@ -8,7 +8,7 @@ accounted for once.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 from math import prod
@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from uwopt.deadline import Deadline, OutOfTimeError
+from uwopt.deadline import Deadline, OutOfTimeError, Progress
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.counted import Counted, best_of, names
@@ -31,7 +31,6 @@ from uwopt.solvers.exact.search import Search
 from uwopt.solvers.one_hardware import among, problem_of
 from uwopt.tolerances import TIE
 
-Progress = Callable[[float, str], None]
 MOST_LISTED = 800  # hardware that a panel leaves: of more the best by its values
 PANEL_S = 5.0  # that its search may last where there is a limit: of what takes longer too much is left to prove
 HOPELESS = 0.5  # of its median that the best known is better by in the panel, which then leaves what is twice as bad

@@ -14,7 +14,7 @@ from functools import partial
 
 import numpy as np
 
-from uwopt.deadline import NEVER, Deadline, OutOfTimeError
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError, Progress
 from uwopt.errors import MissionError
 from uwopt.forward.problem import Problem
 from uwopt.mission.doubt import ENDS
@@ -47,11 +47,6 @@ TIES, TIES_SEED = 1024, 2_000_003  # scenarios in which what is as good as tied 
 STILL_TIED_REL = 0.01  # of the median, what luck makes of it in these: less is not worth a dearer system
 FRESH = 1024  # scenarios that the choice has not seen
 FRESH_SEED = 1_000_003
-Report = Callable[[float, str], None]  # takes how much is done, and of what
-
-
-def unheard(done: float, what: str) -> None:
-    """Where nobody waits for it."""
 
 
 @dataclass(frozen=True)
@@ -114,7 +109,7 @@ class Looked:
 
 
 def look(
-    sought: Sought, objective: Objective, asked: float | str, deadline: Deadline, report: Report, *,
+    sought: Sought, asked: float | str, deadline: Deadline, report: Progress, *,
     with_room: bool = False, like: Scenarios | None = None, before: Looked | None = None, known: Sequence[Found] = (),
 ) -> Looked:  # fmt: skip
     """Count hardware that is likely to hold.
@@ -124,7 +119,7 @@ def look(
     before : what was counted so, to go on from
     known : hardware that is good in a mission like this
     """
-    problem, mission = sought.problem, sought.problem.mission
+    problem, objective, mission = sought.problem, sought.goal, sought.problem.mission
     check_fixed(problem, objective)
     if before is None:
         seen = Looked(asked, scenarios_of(problem, asked, mission.seed, mission.doubt.scenarios, like), [], True)
@@ -133,7 +128,7 @@ def look(
     tried, hold = seen.tried, partial(holding, seen.tried, seen.share)
     try:
         for some in candidates(
-            sought, objective, seen, deadline, done=lambda: hold() >= ENOUGH, hopeful=lambda: hold() > 0,
+            sought, seen, deadline, done=lambda: hold() >= ENOUGH, hopeful=lambda: hold() > 0,
             with_room=with_room, known=known,
         ):  # fmt: skip
             made = outcomes_of_each(problem, some, objective, seen.scenarios, deadline)
@@ -147,7 +142,7 @@ def look(
 
 
 def chosen(
-    problem: Problem, objective: Objective, seen: Looked, deadline: Deadline, report: Report
+    problem: Problem, objective: Objective, seen: Looked, deadline: Deadline, report: Progress
 ) -> Certain | None:
     """The best of what was counted, compared with what is near it, and proven as far as there is time."""
     scenarios, share, tried = seen.scenarios, seen.share, seen.tried
@@ -263,7 +258,7 @@ def holding(tried: Sequence[Counted], share: float) -> int:
 
 
 def candidates(
-    sought: Sought, objective: Objective, seen: Looked, deadline: Deadline, *, done: Callable[[], bool],
+    sought: Sought, seen: Looked, deadline: Deadline, *, done: Callable[[], bool],
     hopeful: Callable[[], bool], with_room: bool = False, known: Sequence[Found] = (),
 ) -> Iterator[list[Found]]:  # fmt: skip
     """Hardware worth counting, some at a time: the best of the central search and what is known to be good, then of
@@ -274,7 +269,8 @@ def candidates(
     all that is wanted (`with_room`). What was looked at is not searched again, nor is counted hardware brought up.
     Where some that is known holds and a proof is to come, no other is searched for.
     """
-    problem, provable = sought.problem, can_be_proven(sought.problem, objective)
+    problem, objective = sought.problem, sought.goal
+    provable = can_be_proven(problem, objective)
     rungs = WORSE if not provable else () if known else WORSE[:1]
     wants_light = objective.single != "snr_db" and any(scene.view.requirements.min_snr for scene in problem.scenes)
     had, first = {names(problem, one.found) for one in seen.tried}, (*sought.outcome.best[:OF_CENTRAL], *known)

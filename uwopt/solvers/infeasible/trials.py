@@ -8,7 +8,7 @@ from functools import cached_property
 
 from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import ToBeMade
-from uwopt.deadline import NEVER, Deadline
+from uwopt.deadline import NEVER, Deadline, Progress, unheard
 from uwopt.mission.mission import Mission
 from uwopt.mission.weakened import RELAXABLE, asked_value, is_filled_in, with_limit, without
 from uwopt.objectives.objective import Objective
@@ -16,7 +16,7 @@ from uwopt.results.design import Design
 from uwopt.solvers.infeasible.freed_rules import OF_LIGHT
 from uwopt.solvers.infeasible.reached import judged_by
 from uwopt.solvers.infeasible.relaxer import ANY, Relaxer
-from uwopt.solvers.recommend import Progress, Sought
+from uwopt.solvers.recommend import Sought
 
 BRIGHT = Objective.of(
     "snr_db"
@@ -37,7 +37,7 @@ class Trials:
     objective: Objective
     generic: ToBeMade
     deadline: Deadline = NEVER
-    progress: Progress | None = None
+    say: Progress = unheard  # how far it is
     like: Sought | None = None
     interrupted: bool = False
     _judged: dict[int, tuple[Sought, Design]] = field(default_factory=dict)  # each kept, so that its number is its own
@@ -57,11 +57,6 @@ class Trials:
         if id(found) not in self._judged:
             self._judged[id(found)] = found, judged_by(self.mission, found, self.objective)
         return self._judged[id(found)][1]
-
-    def say(self, share: float, what: str) -> None:
-        """Tell how far it is."""
-        if self.progress is not None:
-            self.progress(share, what)
 
     def turn(self) -> Deadline:
         """The time for one search among others."""

@@ -7,7 +7,7 @@ worked out in batches by `population_eval`. Nothing here knows the exact front.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pymoo.config import Config
 
+from uwopt.deadline import Progress
 from uwopt.documents.faults import nearest
 from uwopt.errors import MissionError
 from uwopt.objectives.axes import LOGARITHMIC, scale
@@ -37,7 +38,6 @@ from pymoo.operators.mutation.pm import PM  # noqa: E402
 from pymoo.operators.repair.rounding import RoundingRepair  # noqa: E402
 
 Array = NDArray[Any]
-Progress = Callable[[float, str], None]
 #: Those of pymoo that handle constraints and three objectives (MOEA/D does not) and need no further package
 #: (AGE-MOEA wants numba).
 ALGORITHMS = ("nsga2", "nsga3", "unsga3", "ctaea", "rvea", "spea2", "smsemoa")

@@ -1,0 +1,98 @@
+"""What is told beyond an answer: of a mission that nothing meets why, and what would help; of others what all costs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from uwopt.api.common import base_result, selection_warnings
+from uwopt.api.search_notes import cut_warnings, interruption_warnings, on_sale_warnings, patience_warnings
+from uwopt.api.searching import Searched
+from uwopt.api.watch import Watch
+from uwopt.api.yielding import less_practice_note, with_least_practice
+from uwopt.catalog.catalogue import Catalog
+from uwopt.deadline import processor_s
+from uwopt.mission.yielding import with_yields, yields_of
+from uwopt.results.result import Result
+from uwopt.solvers.exact.certificate import certificate
+from uwopt.solvers.recommend import Sought
+
+EXPLAIN_S = 9.0  # of the processor, for a mission that nothing meets and what would help, where no time is given
+EXPLAIN_SHARE = 0.4  # of the time that the search took, where that is more
+YIELD_SHARE = 0.3  # of the time for all that would help, for whether less of good practice would do
+LEAST_EXPLAIN_S = 5.0  # for what would help, however long the search took: in less hardly any is found
+NOT_TRIED = "that nothing fits is proven, but not all that may help was tried"
+
+
+def left_s(watch: Watch, share: float = 0.0) -> float:
+    """Seconds of the processor for an explanation where no time is given; `share`: of what was taken until now.
+
+    That other programs make it wait takes nothing from it, as it would of the wall's clock, though a core that is
+    shared does about half as much in a second. Counted work, which is the same everywhere, is no measure here: most of
+    what is done lists and bounds imagers, of which next to nothing is counted. So the proof is the same on every
+    machine, but not how much is told beside it.
+    """
+    spent_s = processor_s() - watch.since_s
+    return max(EXPLAIN_S - spent_s, LEAST_EXPLAIN_S, share * spent_s)
+
+
+def priced(made: Result, sought: Sought, watch: Watch) -> Result:
+    """A result with what every requirement costs, in time; `sought`: the search by central numbers."""
+    from uwopt.api.pricing import every_price
+
+    seconds = left_s(watch)
+    patience = watch.deadline.or_after(seconds, processor_s)
+    with watch.stage("prices"):
+        prices, complete = every_price(made, sought, patience, watch.progress)
+    notes = [] if complete else cut_warnings()  # what is proven is not lost
+    if patience is not watch.deadline:
+        notes += patience_warnings(patience, seconds)
+    return replace(made, prices=prices, warnings=[*made.warnings, *notes])
+
+
+def infeasible_result(
+    found: Searched, catalog: Catalog, watch: Watch, explain: bool, would_yield: bool
+) -> Result:
+    """A result without a recommendation: why, and what would help.
+
+    Where nothing fits even with as little of good practice as may be, that mission is explained, for `solve` lets
+    practice give way where a change makes something fit.
+
+    would_yield : search with so little of it here, and say so where something is found
+    """
+    from uwopt.solvers.infeasible.trials import Trials
+    from uwopt.solvers.infeasible.why_nothing import why_nothing
+
+    goal, used, mission, weakest, why = found.sought.goal, found.widest, found.mission, found.in_vain, None
+    choice = mission.catalog
+    generic = choice.generic_at_first if found.alternative is None else choice.generic_at_last
+    notes = [*(cut_warnings(NOT_TRIED) if found.cut else []), *interruption_warnings(used)]
+    explain = explain and not found.cut and used.outcome.complete
+    seconds = left_s(watch, EXPLAIN_SHARE)
+    patience = watch.deadline.or_after(seconds, processor_s)
+    if explain and would_yield:
+        turn = patience.at_most(YIELD_SHARE * patience.left_s)
+        try:
+            with watch.stage("practice"):
+                weakest = with_least_practice(mission, catalog, used.problem, turn)
+        except KeyboardInterrupt:
+            explain, notes = False, cut_warnings(NOT_TRIED)
+    if explain and weakest is not None:
+        notes = [*notes, less_practice_note(weakest)]
+        if weakest.outcome.complete and not weakest.outcome.best:
+            used, mission = weakest, with_yields(mission, yields_of(mission))
+    proof = certificate(used.selection, used.problem, used.outcome, goal)
+    if explain:
+        trials = Trials(mission.without_gain_cap, catalog, goal, generic, patience, watch.progress, used)
+        with watch.timed("explanation"):
+            why = why_nothing(trials, proof)
+        if trials.interrupted:
+            notes += cut_warnings(NOT_TRIED)
+        if patience is not watch.deadline:
+            notes += patience_warnings(patience, seconds)
+    return replace(
+        base_result("solve", mission, goal, found.sought.problem),
+        status="infeasible" if used.outcome.complete else "stopped",
+        certificate=proof,
+        infeasible=why,
+        warnings=[*notes, *on_sale_warnings(found.sought, used), *selection_warnings(used.selection)],
+    )
