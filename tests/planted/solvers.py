@@ -1143,6 +1143,13 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{BESIDE}::test_two_works_run_at_once_in_two_processes",
     ),
     Defect(
+        name="the last thing of each share is left out",
+        file="uwopt/solvers/beside.py",
+        old="slice(start, end) for",
+        new="slice(start, end - 1) for",
+        test=f"{BESIDE}::test_shares_hold_everything_once_on_every_machine",
+    ),
+    Defect(
         name="what a copy leaves out is not told",
         file="uwopt/solvers/beside.py",
         old="one.extend(new)",

@@ -15,7 +15,7 @@ import uwopt
 from uwopt.deadline import effort_s, processor_s, spend
 from uwopt.errors import SolverError
 from uwopt.solvers import beside
-from uwopt.solvers.beside import ahead, cores, side_by_side
+from uwopt.solvers.beside import ahead, cores, shares, side_by_side
 
 WAIT_S = 100.0  # for what never comes if works are not done side by side
 copied = pytest.mark.skipif(not beside.COPIES, reason="this system makes no copies of a process")
@@ -68,6 +68,21 @@ def test_what_is_made_counted_and_appended_is_that_of_works_in_order(count: int)
     assert made == [0, 1, 4, 9, 16]
     assert told == [f"work {number}" for number in range(5)]
     assert effort_s() - before_s == pytest.approx(0.0045 * 10)
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_there_may_be_more_works_than_a_byte_counts(count: int) -> None:
+    with cores(count):
+        assert side_by_side([lambda number=number: number for number in range(600)]) == list(range(600))  # type: ignore[misc]
+
+
+@pytest.mark.parametrize(("count", "sizes"), [(0, [0]), (1, [1]), (19, [19]), (20, [10, 10]), (99, [49, 50])])
+def test_shares_hold_everything_once_on_every_machine(count: int, sizes: list[int]) -> None:
+    for n_cores in (1, 4):
+        with cores(n_cores):
+            parts = [list(range(count))[part] for part in shares(count, 10)]
+        assert [len(part) for part in parts] == sizes
+        assert [number for part in parts for number in part] == list(range(count))
 
 
 def test_nobody_is_copied_unless_the_caller_says_so() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,14 +12,19 @@ from numpy.typing import NDArray
 
 from uwopt.api.front_asked import EXACT
 from uwopt.errors import SolverError
+from uwopt.evaluation.design import evaluate_designs
 from uwopt.forward.problem import Problem
 from uwopt.objectives.axes import Frame
 from uwopt.objectives.dominance import hypervolume, igd_plus
+from uwopt.objectives.objective import Objective
 from uwopt.results.design import Design
 from uwopt.results.front import FrontMethod, FrontObjective, FrontPoint
 from uwopt.solvers.exact.certificate import accounted, scope
+from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.front.search import Front
+from uwopt.solvers.recommend import hardware_of, part_warnings
+from uwopt.solvers.settable.rounding import given_of
 from uwopt.tolerances import AGREES_REL
 
 Array = NDArray[Any]
@@ -105,6 +110,18 @@ def status_of(sought: FrontSearched, *, limited: bool) -> str:
 def front_status(front: Front) -> str:
     """complete, stopped or interrupted."""
     return "interrupted" if front.interrupted else "complete" if front.complete else "stopped"
+
+
+def figures_of(problem: Problem, founds: Sequence[Found]) -> list[Design]:
+    """Designs evaluated again through the forward model: figures and margins."""
+    asked = [
+        (hardware := hardware_of(found), given_of(problem, hardware, found.settings)) for found in founds
+    ]
+    designs = evaluate_designs(problem, asked, Objective({"power": 1.0}))
+    return [
+        replace(design, objective_value=None, warnings=[*part_warnings(problem, hardware), *design.warnings])
+        for design, (hardware, _) in zip(designs, asked, strict=True)
+    ]
 
 
 def check_claim(claimed: dict[str, float], reported: dict[str, float], design: Design) -> None:

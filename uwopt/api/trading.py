@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -20,6 +20,7 @@ from uwopt.api.front_found import (
     FrontSearched,
     certificate,
     check_claim,
+    figures_of,
     is_empty,
     methods_of,
     reference,
@@ -31,7 +32,6 @@ from uwopt.api.yielding import gives_way, yield_notes
 from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import ToBeMade
 from uwopt.deadline import Deadline, Progress
-from uwopt.evaluation.design import evaluate_designs
 from uwopt.evaluation.influences import influences_of
 from uwopt.forward.assembly import build_problem, load_catalog, selected
 from uwopt.forward.problem import Problem
@@ -51,7 +51,7 @@ from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain.assumptions import assumptions
 from uwopt.solvers.front.designs import few, found_of, objectives_of, picks_of, values_of
 from uwopt.solvers.front.search import FrontSearch
-from uwopt.solvers.recommend import hardware_of, part_warnings, with_rounded
+from uwopt.solvers.recommend import hardware_of, with_rounded
 from uwopt.solvers.settable.rounding import given_of
 
 Array = NDArray[Any]
@@ -196,8 +196,8 @@ class ParetoCall:
         waiting = [] if halted else [name for name in solvers if name != EXACT]
         sought = FrontSearched(selection, problem, search, front, [])
         works = [partial(self.by_peers, search, waiting, alone=front is None)] if waiting else []
-        if waiting and front is not None:  # neither needs the other
-            works.append(partial(self.shown_points, sought))
+        if waiting and front is not None:  # neither needs the other; figures are shared out further
+            works.insert(0, partial(self.shown_points, sought))
         try:
             found = side_by_side(works, lists=[self.deadline.left_out])
         except KeyboardInterrupt:  # what is proven is kept
@@ -283,7 +283,9 @@ class ParetoCall:
         places = {point.id: founds[n] for n, point in enumerate(points)}
         named = {pick.point: places[pick.point] for pick in picks}
         with self.watch.timed("evaluation"):
-            points = [self.rounded(sought, p, named[p.id]) if p.id in named else p for p in points]
+            picked = [partial(self.rounded, sought, p, named[p.id]) for p in points if p.id in named]
+            rounded = {point.id: point for point in side_by_side(picked)}
+            points = [rounded.get(p.id, p) for p in points]
         first = places[picks[-1].point]
         return replace(
             made, points=points, picks=picks, methods=methods_of(sought, frame), peers=self.peers_of_result(sought),
@@ -340,7 +342,6 @@ class ParetoCall:
         curves: dict[Any, str] = {}
         points = []
         for n, (found, design) in enumerate(zip(founds, self.evaluated(sought.problem, founds), strict=True)):
-            self.progress(0.9 + 0.1 * n / len(founds), "figures of the front")
             hardware = hardware_of(found)
             claimed = {o.name: float(v) for o, v in zip(objectives, values[n] * signs, strict=True)}
             reported = {**claimed, **values_of(design, objectives)}
@@ -349,18 +350,15 @@ class ParetoCall:
             points.append(FrontPoint(f"p{n + 1}", reported, curve, methods[n], design))
         return points
 
-    @staticmethod
-    def evaluated(problem: Problem, founds: Sequence[Found]) -> Iterator[Design]:
-        """Figures and margins of designs, some at a time."""
-        for start in range(0, len(founds), AT_A_TIME):
-            asked = [
-                (hardware := hardware_of(found), given_of(problem, hardware, found.settings))
-                for found in founds[start : start + AT_A_TIME]
-            ]
-            designs = evaluate_designs(problem, asked, Objective({"power": 1.0}))
-            for design, (hardware, _) in zip(designs, asked, strict=True):
-                notes = [*part_warnings(problem, hardware), *design.warnings]
-                yield replace(design, objective_value=None, warnings=notes)
+    def evaluated(self, problem: Problem, founds: Sequence[Found]) -> list[Design]:
+        """Figures and margins of designs, some at a time on every core."""
+        batches = [founds[start : start + AT_A_TIME] for start in range(0, len(founds), AT_A_TIME)]
+
+        def told(number: int) -> None:
+            self.progress(0.9 + 0.1 * number / len(batches), "figures of the front")
+
+        works = [partial(figures_of, problem, batch) for batch in batches]
+        return [design for batch in side_by_side(works, begins=told) for design in batch]
 
     def rounded(self, sought: FrontSearched, point: FrontPoint, found: Found) -> FrontPoint:
         """A point with the settings that a person can set, near its own: that is the trade-off it stands for."""

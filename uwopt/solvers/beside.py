@@ -19,11 +19,14 @@ import sys
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextvars import ContextVar
+from itertools import pairwise
 from typing import Any, Never
 
 from uwopt.deadline import add_effort, effort_s, go_on_from, processor_s
 
 MOST_CORES = 4  # each copy may need a few hundred MB
+SHARES = 2  # of a work that is shared out, on every machine, so that its answer is the same; more would be dearer
+NUMBER = 4  # bytes of a work's number; as many as a pipe holds may wait, which is some ten thousand
 COPIES = "linux" in sys.platform  # whether the system makes copies of a process that work
 _CORES: ContextVar[int] = ContextVar("cores", default=1)
 
@@ -75,6 +78,13 @@ def side_by_side(
     for one in (made[place] for place in range(len(works))):
         one.take_over(lists)
     return [made[place].value for place in range(len(works))]
+
+
+def shares(count: int, least: int) -> list[slice]:
+    """Places of so many things in one or two shares for `side_by_side`, of `least` or more where there are two."""
+    parts = min(max(count // least, 1), SHARES)
+    ends = [count * place // parts for place in range(parts + 1)]
+    return [slice(start, end) for start, end in pairwise(ends)]
 
 
 @contextlib.contextmanager
@@ -138,7 +148,7 @@ class _Queue:
 
     def __init__(self, count: int):
         self._source, sink = os.pipe()
-        os.write(sink, bytes(range(count)))
+        os.write(sink, b"".join(number.to_bytes(NUMBER, "big") for number in range(count)))
         os.close(sink)
 
     def done(
@@ -146,9 +156,10 @@ class _Queue:
     ) -> dict[int, _Done]:
         """Do works until none is left."""
         made = {}
-        while number := os.read(self._source, 1):
-            begins(number[0])
-            made[number[0]] = _Done.of(works[number[0]], lists)
+        while taken := os.read(self._source, NUMBER):
+            number = int.from_bytes(taken, "big")
+            begins(number)
+            made[number] = _Done.of(works[number], lists)
         return made
 
     def close(self) -> None:

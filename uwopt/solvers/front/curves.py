@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.solvers.beside import shares, side_by_side
 from uwopt.solvers.front.hopeful import Hopeful
 from uwopt.solvers.front.trade_curves import ABOVE, DIMMEST, Answers, Trade
 
 Array = NDArray[Any]
 CLOSE = np.array([0.5, 1.0])  # in ln f-number and ln time: between settings so near to each other others are guessed
+FEWEST_ASKED = 64  # limits of power that a core looks within
 
 
 @dataclass
@@ -64,11 +67,24 @@ class Curves:
         design = np.concatenate([a.design[ends], a.design[low_at]])
         limit = np.concatenate([a.limit_w[ends], between])
         least = np.concatenate([wanted[~known][first], wanted[segment]])
-        new = self.trade.best_quality(self.some, design, limit, wanted=least, near=self._near(design, limit))
+        new = self._answered(design, limit, least)
         kept = np.ones(len(a.design), bool)
         kept[ends] = False
         self.answers = Answers.joined([a.take(np.nonzero(kept)[0]), new]).drawn_in()
         return new
+
+    def _answered(self, design: Array, limit_w: Array, wanted: Array) -> Answers:
+        """Best qualities of these designs within these limits, (n,) each: a share of them on a core."""
+        near = self._near(design, limit_w)
+
+        def of_share(share: slice) -> Answers:
+            beside = None if near is None else near[share]
+            return self.trade.best_quality(
+                self.some, design[share], limit_w[share], wanted=wanted[share], near=beside
+            )
+
+        parts = shares(len(design), FEWEST_ASKED)
+        return Answers.joined(side_by_side([partial(of_share, share) for share in parts]))
 
     def _near(self, design: Array, limit_w: Array) -> Array | None:
         """F-number and time (n, 2) between the best settings within the limits below and above these, evenly in the

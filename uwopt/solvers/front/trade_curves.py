@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
+from functools import partial
 from itertools import product
 from typing import TYPE_CHECKING, Any, Self
 
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 from uwopt.forward.columns import Columns
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
+from uwopt.solvers.beside import shares, side_by_side
 from uwopt.solvers.exact.node_bounds import bit_per_px_bound
 from uwopt.solvers.front.ceilings import most_information
 from uwopt.solvers.front.hopeful import Hopeful, full_draw_w, unhindered
@@ -37,6 +39,7 @@ POWER, SNR = Objective({"power": 1.0}), Objective({"snr_db": 1.0})
 CURVE_GAP = 5e-4  # relative, of qualities without a closed form
 DIMMEST = 1e-4  # of the power at the far end: where a curve that begins without light is first asked
 LIMITS = 7  # power limits that a curve is first known at
+FEWEST_DRAWN = 128  # designs whose bounds a core draws in
 TRIED_F_NUMBERS, TRIED_LIGHT, TRIED_TIMES = (0.0, 0.35, 0.7), (0.0, 0.4, 0.7, 1.0), (1.0, 0.4)
 #: Nodes of integrals in radius and angle that tell which tries are worth more, and how closely, relative.
 GLANCE, GLANCE_REL = (5, 3), 0.02
@@ -348,7 +351,11 @@ class Trade:
         limits_w[row, column] = bounds.limit_w[asked] * ABOVE
         least = np.full(limits_w.shape, np.inf)
         least[row, column] = enough
-        most = most_information(some.take(design), limits_w, least, self.most_snr_db)
+        works = [
+            partial(most_information, some.take(design[part]), limits_w[part], least[part], self.most_snr_db)
+            for part in shares(len(design), FEWEST_DRAWN)
+        ]
+        most = np.concatenate(side_by_side(works))
         bound = bounds.bound.copy()
         bound[asked] = np.fmin(bound[asked], most[row, column])
         return replace(bounds, bound=bound).drawn_in()
