@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass, replace
 from functools import cache
@@ -14,15 +15,25 @@ import yaml
 from thorough import drawn
 
 import uwopt
-from uwopt.api import explaining, yielding
+from uwopt.api import certain_points, explaining, yielding
 from uwopt.api import whatif as api_whatif
+from uwopt.api.certain_points import CertainPoints, gives_way_with_certainty
 from uwopt.api.choosing import surer
+from uwopt.api.practice_known import PracticeKnown
 from uwopt.api.risks import risks_of
 from uwopt.api.whatif import Work, full_practice_notes
 from uwopt.api.yielding import gives_way_alone, patience_of
 from uwopt.deadline import NEVER, Deadline
 from uwopt.mission.mission import load_mission
-from uwopt.mission.yielding import FRAME_LESS_DB, YIELDS, with_yields, yields_of
+from uwopt.mission.strictness import Asking
+from uwopt.mission.yielding import (
+    FRAME_LESS_DB,
+    YIELDS,
+    gave_way_between,
+    with_yields,
+    yields_named,
+    yields_of,
+)
 from uwopt.report.compare.rows import sentences
 from uwopt.report.page.page import opening, status_words
 from uwopt.report.text.explanation import explanation_blocks
@@ -36,7 +47,10 @@ from uwopt.results.whatif import WhatIfPoint
 from uwopt.solvers.confidence import search
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.infeasible import why_nothing as infeasible
+from uwopt.sweeps.inputs import job_of
+from uwopt.sweeps.job import SweepTask, SweepWays
 from uwopt.sweeps.rows import with_practice_held
+from uwopt.sweeps.work import SweepWorker
 
 HARDWARE = {
     "cameras": ["flir-bfs-u3-120s4m"], "lenses": ["kowa-lm8*"], "lights": ["generic-lamp-flood-20000lm"],
@@ -314,6 +328,40 @@ def test_practice_gives_way_so_that_what_is_recommended_holds_as_often_as_asked(
     assert held == [False, True]
 
 
+def test_a_table_with_certainty_lets_give_way_what_holds_as_often_not_only_what_fits(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    mission, first = load_mission(survey(20.0)), YIELDS[:1]
+    found = SimpleNamespace(proves_nothing_fits=False, fits=True, cut=False, given_way=())
+    monkeypatch.setattr(certain_points.Searches, "of", lambda *_: found)
+    monkeypatch.setattr(certain_points, "chosen_of", lambda *_: None)
+    made = SimpleNamespace(given_way=first, to_hold=True, cut=False)
+    monkeypatch.setattr(certain_points, "held_by_yielding", lambda *_: made)
+    assert gives_way_with_certainty(mission, NEVER) == (first, True)
+    made.cut = True
+    with pytest.raises(KeyboardInterrupt):
+        gives_way_with_certainty(mission, NEVER)
+
+
+def test_a_table_with_certainty_begins_again_with_what_gives_way_in_solve(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where a point holds less often than is asked, though something fits."""
+    frame = next(one for one in YIELDS if one.key == "snr_at_less_db")
+    asked: list[float] = []
+
+    def point(self: Any, values: Any, mission: Any) -> WhatIfPoint:
+        asked.append(mission.requirements.snr_at_less_db)
+        status = "optimal" if asked[-1] else "infeasible"
+        return WhatIfPoint(list(values), status, figures={"held": 0.5})
+
+    monkeypatch.setattr(CertainPoints, "point", point)
+    monkeypatch.setattr(certain_points, "gives_way_with_certainty", lambda *_: ((frame,), True))
+    table = uwopt.whatif(in_doubt(), {"speed_m_s": [0.2, 0.3]}, confidence=0.9)
+    assert asked == [0.0, 3.0, 3.0] and table.gave_way == ["requirements.snr_at_less_db"]
+    assert "as often as is asked" in next(note.message for note in table.warnings if note.code == PRACTICE_YIELDS)
+    held = uwopt.whatif(in_doubt(), {"speed_m_s": [0.2, 0.3]}, confidence=0.9, hold_practice=True)
+    assert not held.gave_way and {point.status for point in held.points} == {"infeasible"}
+
+
 @pytest.mark.parametrize(("held", "taken"), [(0.9, True), (0.71, True), (0.69, False)])
 def test_practice_does_not_give_way_for_less_than_half_of_what_is_short(held: float, taken: bool) -> None:
     first, other = (
@@ -356,15 +404,68 @@ def test_what_is_varied_gives_way_at_no_point_and_full_practice_is_told_where_no
     assert "practice_held" in [note.code for note in table.warnings]
 
 
-def test_a_sweep_says_which_practice_it_holds_where_nothing_fits(tmp_path: Path) -> None:
-    asked_db = brightest_db() - 1.0  # 1 dB is there, 3 dB are to be kept
-    varied = {"min_snr_db": [round(asked_db, 2), round(asked_db - 3.0, 2)]}
-    made = uwopt.sweep(survey(asked_db), varied, out=tmp_path, kits=0, workers=1)
-    assert made.counts == {"infeasible": 1, "optimal": 1}
+def test_a_sweep_lets_give_way_what_solve_does_and_names_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Row by row: some gives way, a little stricter the same does, and then nothing helps."""
+    asked_db = [brightest_db() - less for less in (1.1, 1.0, -10.0)]
+    alone, begun, honest = solved(1.0).result, list[float](), yielding._anything
+
+    def anything(weaker: Any, *given: Any) -> Any:
+        begun.append(round(brightest_db() - 10.0 * math.log10(weaker.requirements.min_snr) * 2.0, 2))
+        return honest(weaker, *given)
+
+    monkeypatch.setattr(yielding, "_anything", anything)
+    made = uwopt.sweep(survey(0.0), {"min_snr_db": asked_db}, out=tmp_path, kits=0, workers=1)
+    rows, held = made.frame(), "reserve.snr_db = 0"
+    assert rows["gave_way"].fillna("").tolist() == [held, held, ""] and made.gave_way == {held: 2}
+    assert ["practice_yields" in codes for codes in rows["warnings"]] == [True, True, False]
+    assert rows["warnings"].iloc[2] == PRACTICE_IN_VAIN and "practice_held" not in rows
+    assert given_way(alone) == ["reserve.snr_db"] and rows["objective"].iloc[1] == pytest.approx(alone.objective.value)
+    assert set(begun) == {0.1, -11.0, -10.0}  # none at 0 and 1 dB, with room and without: what gave way before does
+
+
+def test_what_is_known_of_a_mission_holds_in_those_that_ask_less() -> None:
+    known, fits, asked = PracticeKnown(), load_mission(survey(20.0)), load_mission
+    assert known.fits(fits) is None
+    known.met.append(Asking.of(fits))
+    known.missed.append(Asking.of(asked(survey(30.0))))
+    told = [known.fits(asked(survey(snr_db))) for snr_db in (19.0, 20.0, 25.0, 30.0, 31.0)]
+    assert told == [True, True, None, False, False]
+    assert known.fits(asked(survey(19.0) | {"physics": "full"})) is None  # another family
+
+
+def test_a_sweep_that_is_to_holds_practice_in_full_and_says_so(tmp_path: Path) -> None:
+    asked = survey(brightest_db() - 1.0)  # 1 dB is there, 3 dB are to be kept
+    made = uwopt.sweep(asked, out=tmp_path, kits=0, workers=1, hold_practice=True)
+    assert made.counts == {"infeasible": 1} and not made.gave_way
     (note,) = (note for note in made.warnings if note.code == "practice_held")
-    assert "in 1 of 2 missions nothing fits with it" in note.message and "reserve.snr_db" in note.message
-    assert "mission-as-solved.yaml" in note.message
-    assert made.frame()["practice_held"].notna().tolist() == [True, False]
+    assert "in 1 of 1 missions nothing fits with all of good practice" in note.message
+    assert "reserve.snr_db" in note.message and "--hold-practice" in note.message
+    assert "reserve.snr_db" in made.frame()["practice_held"].iloc[0]
+    held = uwopt.solve(asked, top=1, quick=True, hold_practice=True, explain=False)
+    assert held.status == "infeasible" and not given_way(held)
+
+
+def test_kits_are_held_to_what_the_best_is_of_a_mission_of_python_too(tmp_path: Path) -> None:
+    mission = load_mission(survey(brightest_db() - 1.0))
+    job, task = job_of([mission]), SweepTask("key", 0, (), "", gave_way="reserve.snr_db = 0")
+    (kept,) = job_of([mission], ways=SweepWays(hold_practice=True)).tasks()
+    assert kept.key not in {one.key for one in job.tasks()}  # rows of the one are no answers of the other
+    made = uwopt.sweep(mission, out=tmp_path, kits=0, workers=1)
+    assert made.gave_way == {"reserve.snr_db = 0": 1}
+    served = [SweepWorker(job).row(one, made.kits)["served"] for one in (task, replace(task, gave_way=""))]
+    assert served == ["1", "0"]
+
+
+def test_what_has_given_way_is_named_so_that_it_can_be_read_again() -> None:
+    mission = load_mission({**over_frame(20.0), "requirements": over_frame(20.0)["requirements"] | {"refuse": "all"}})
+    for some in (YIELDS[:1], YIELDS[:5], YIELDS[1:6], YIELDS[2:4]):
+        text = ", ".join(one.as_held for one in some)
+        assert yields_named(text) == tuple(some)
+    weaker = with_yields(mission, yields_of(mission)).to_dict()
+    last = {one.path: one for one in yields_of(mission)}
+    assert {one.path for one in gave_way_between(mission, weaker)} <= set(last) and not gave_way_between(
+        mission, mission.to_dict()
+    )
 
 
 def test_a_row_that_holds_less_often_than_is_asked_names_what_would_give_way_for_it() -> None:
@@ -377,7 +478,7 @@ def test_a_row_that_holds_less_often_than_is_asked_names_what_would_give_way_for
     assert with_practice_held(row | {"status": "infeasible"}, bare)["practice_held"] is None
 
 
-def test_a_table_with_certainty_says_that_practice_gives_way_only_so_that_something_fits() -> None:
+def test_a_table_with_certainty_says_that_practice_gives_way_as_for_the_mission_as_it_stands() -> None:
     def notes(mission: dict[str, Any], *points: WhatIfPoint) -> list[str]:
         return [note.message for note in full_practice_notes(points, work_on(mission))]
 
@@ -386,7 +487,7 @@ def test_a_table_with_certainty_says_that_practice_gives_way_only_so_that_someth
 
     seldom = WhatIfPoint([0.3], "infeasible", figures={"held": 0.4})
     (told,) = notes(survey(20.0), seldom)
-    assert told.startswith("good practice gives way here only so that something fits")
+    assert told.startswith("every point is held to what is left of good practice in the mission as it stands")
     assert notes(survey(20.0) | {"practice": "bare"}, seldom) == []
     assert notes(survey(20.0), WhatIfPoint([0.3], "optimal", figures={"held": 0.95})) == []
 
@@ -492,7 +593,7 @@ def test_hardware_that_fitted_is_asked_before_all_other(monkeypatch: pytest.Monk
     for few in (yielding.WITNESSES, 0):
         monkeypatch.setattr(yielding, "WITNESSES", few)
         searched.clear()
-        told.append([one.path for one in gives_way_alone(wanted, NEVER)])
+        told.append([one.path for one in gives_way_alone(wanted, NEVER).yields])
         searches.append(len(searched))
     assert told[0] == told[1] == ["reserve.snr_db"] and searches[0] < searches[1]
 

@@ -51,7 +51,7 @@ DEFECTS = (
     Defect(
         name="what would help is told of a mission that keeps all of good practice",
         file="uwopt/api/solving.py",
-        old="replace(nothing, in_vain=given_way.in_vain)",
+        old="replace(nothing, in_vain=given_way.in_vain, is_in_vain=given_way.is_in_vain)",
         new="nothing",
         test=f"{YIELDING}::test_what_would_help_is_what_solve_answers",
     ),

@@ -144,8 +144,8 @@ DEFECTS = (
     Defect(
         name="hardware that fitted is not asked first",
         file="uwopt/api/yielding.py",
-        old="for problem, found in fitted[:WITNESSES]):",
-        new="for problem, found in fitted[:0]):",
+        old="for problem, found in self.fitted[:WITNESSES]):",
+        new="for problem, found in self.fitted[:0]):",
         test=f"{YIELDING}::test_hardware_that_fitted_is_asked_before_all_other",
     ),
     Defect(

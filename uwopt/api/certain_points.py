@@ -9,9 +9,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from uwopt.api.certainty import with_confidence
+from uwopt.api.choosing import chosen_of, held_by_yielding
 from uwopt.api.counting import Counts
 from uwopt.api.recommending import status_of
 from uwopt.api.searching import SETTINGS_SHARE, Searches
+from uwopt.api.solving import with_less_practice
 from uwopt.api.varied import Systems
 from uwopt.api.watch import Watch
 from uwopt.deadline import Deadline
@@ -19,6 +21,7 @@ from uwopt.forward.assembly import load_catalog
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Value
+from uwopt.mission.yielding import Yield
 from uwopt.objectives.goal import goal_of
 from uwopt.results.certainty import Confidence
 from uwopt.results.design import Design
@@ -70,6 +73,24 @@ class CertainPoints:
             list(values), status, self.systems.place_of(system_of(design)), counted.objective_p50,
             figures=figures_of(counted, design),
         )  # fmt: skip
+
+
+def gives_way_with_certainty(mission: Mission, deadline: Deadline) -> tuple[tuple[Yield, ...], bool]:
+    """What of good practice gives way in `solve`, and whether any of it did so that it holds as often as is asked.
+
+    Raises KeyboardInterrupt where a person wants no more: what had given way by then is not all.
+    """
+    watch = Watch(deadline)
+    searches = Searches(load_catalog(mission), goal_of(mission), LISTED, watch)
+    found = searches.of(mission)
+    if found.proves_nothing_fits:
+        found = with_less_practice(found, searches, watch)
+    if not (found.fits or found.cut):
+        return found.given_way, False
+    chosen = None if found.cut else held_by_yielding(mission, chosen_of(found, watch), searches, watch)
+    if chosen is None or chosen.cut:
+        raise KeyboardInterrupt
+    return chosen.given_way, chosen.to_hold
 
 
 def system_of(design: Design) -> WinningSystem:

@@ -8,7 +8,7 @@ from uwopt.api.common import base_result, selection_warnings
 from uwopt.api.search_notes import cut_warnings, interruption_warnings, on_sale_warnings, patience_warnings
 from uwopt.api.searching import Searched
 from uwopt.api.watch import Watch
-from uwopt.api.yielding import less_practice_note, with_least_practice
+from uwopt.api.yielding import in_vain_note, less_practice_note, with_least_practice
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import processor_s
 from uwopt.mission.yielding import with_yields, yields_of
@@ -80,6 +80,8 @@ def infeasible_result(
         notes = [*notes, less_practice_note(weakest)]
         if weakest.outcome.complete and not weakest.outcome.best:
             used, mission = weakest, with_yields(mission, yields_of(mission))
+    elif found.is_in_vain:
+        notes = [*notes, in_vain_note()]
     proof = certificate(used.selection, used.problem, used.outcome, goal)
     if explain:
         trials = Trials(mission.without_gain_cap, catalog, goal, generic, patience, watch.progress, used)

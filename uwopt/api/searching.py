@@ -34,6 +34,7 @@ class Searched:
     alternative: Sought | None = None  # with parts to be made
     given_way: tuple[Yield, ...] = ()
     in_vain: Sought | None = None  # with as little of good practice as may be: the proof that even so nothing fits
+    is_in_vain: bool = False  # whether that is proven, by this or by missions before
     cut: bool = False  # whether a person wants no more
 
     @property

@@ -18,6 +18,7 @@ from uwopt.api.common import Source, prepared, time_warnings
 from uwopt.api.doubting import ToTell, doubted
 from uwopt.api.explaining import infeasible_result, priced
 from uwopt.api.floats import own_float_rules
+from uwopt.api.practice_known import PracticeKnown
 from uwopt.api.recommending import recommended
 from uwopt.api.risks import with_risks
 from uwopt.api.search_notes import cut_warnings, gain_warnings, interrupted
@@ -62,6 +63,8 @@ def solve(
     first: First | None = None,
     so_far: SoFar = untold,
     explain: bool = True,
+    hold_practice: bool = False,
+    known: PracticeKnown | None = None,
 ) -> Result:
     """The best system for a mission, with a certificate; see the package's documentation.
 
@@ -83,8 +86,10 @@ def solve(
     quick : leave out how firm the answer is, and second opinions
     first : called with the result as soon as its recommendation is proven, before all that is told beyond the proof
     so_far : called with a line whenever something is known that who waits may want to read
-    explain : where nothing fits, let give way what good practice has filled in, as little of it as possible, with a
-        warning; where nothing fits even so, say why and what would help
+    explain : where nothing fits even with as little of good practice as may be, say why and what would help
+    hold_practice : hold what good practice has filled in, where nothing fits with all of it too: else as little of it
+        as possible gives way then, with a warning
+    known : what gave way in missions like this, which is asked first; what does here goes into it
     """
     watch = Watch.begun(seconds, progress, so_far)
     until = watch.deadline.but_for(SETTINGS_SHARE)
@@ -97,11 +102,12 @@ def solve(
         searches = Searches(load_catalog(asked), goal, top, watch.until(until))
     found, measured = found_within(tolerance, asked, searches, watch)
     searches = replace(searches, fineness=found.sought.problem.fineness)
-    may_yield = explain and not every_price and bool(yields_of(asked))
+    may_yield = not hold_practice and not every_price and bool(yields_of(asked))
     if may_yield and found.proves_nothing_fits:
-        found = with_less_practice(found, searches, watch)
+        found = with_less_practice(found, searches, watch, known)
     if not found.fits:
-        result, sought = infeasible_result(found, searches.catalog, watch, explain, every_price), found.sought
+        held, sought = every_price or hold_practice, found.sought
+        result = infeasible_result(found, searches.catalog, watch, explain, held)
         return ended(audited(result, sought, audit, watch), sought, watch)
     if asked.confidence != CENTRAL and found.sought.outcome.complete:
         so_far(central_line(found.sought))
@@ -127,20 +133,23 @@ def found_within(
     )
 
 
-def with_less_practice(nothing: Searched, searches: Searches, watch: Watch) -> Searched:
+def with_less_practice(
+    nothing: Searched, searches: Searches, watch: Watch, known: PracticeKnown | None = None
+) -> Searched:
     """What is found where as little of good practice gives way as has to; what was found before where that is in vain.
 
     nothing : proves that nothing meets all of it
+    known : what gave way in missions like this
     """
     watch.so_far(PRACTICE_LINE)
     mission = nothing.mission
     try:
         with watch.stage("practice"):
-            given_way = gives_way(mission, searches.catalog, nothing.widest.problem, searches.watch.deadline)
+            given_way = gives_way(mission, searches.catalog, nothing.widest.problem, searches.watch.deadline, known)
     except KeyboardInterrupt:
         return replace(nothing, cut=True)
     if not given_way.yields:
-        return replace(nothing, in_vain=given_way.in_vain)
+        return replace(nothing, in_vain=given_way.in_vain, is_in_vain=given_way.is_in_vain)
     found = searches.of(with_yields(mission, given_way.yields))
     return replace(found, given_way=given_way.yields, in_vain=given_way.in_vain)
 

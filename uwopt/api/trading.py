@@ -71,6 +71,7 @@ def pareto(
     seconds: float | None = None,
     seed: int | None = None,
     alternatives: bool = False,
+    hold_practice: bool = False,
     progress: Progress | None = None,
 ) -> FrontResult:
     """The designs of which none is better than another in every objective.
@@ -85,6 +86,7 @@ def pareto(
         solvers after 2 s each, or 30 s where there is no exact front
     seed : of the population solvers; the mission's unless given
     alternatives : also say why systems of other makers are not on the front
+    hold_practice : as of `solve`; else what good practice has filled in gives way where nothing meets all of it
     """
     watch = Watch.begun(seconds, progress)
     deadline = watch.deadline
@@ -108,7 +110,7 @@ def pareto(
 
     run, sought = searched(wanted)
     given_way: tuple[Yield, ...] = ()
-    if is_empty(sought) and sought.front is not None:
+    if is_empty(sought) and sought.front is not None and not hold_practice:
         with watch.stage("practice"):
             given_way = gives_way(wanted, catalog, sought.problem, deadline).yields
         weaker = searched(with_yields(wanted, given_way)) if given_way else (run, sought)

@@ -44,6 +44,7 @@ def whatif(
     physics: str | None = None,
     confidence: float | str | None = None,
     seconds: float | None = None,
+    hold_practice: bool = False,
     progress: Progress | None = None,
 ) -> WhatIf:
     """The optimum at every choice of values of one or two keys, each proven over the whole catalogue.
@@ -55,6 +56,7 @@ def whatif(
     spider : also vary each number that the mission states alone, by 20 % either way
     confidence : share of the scenarios in which hardware must hold at every point, or `ends`; central numbers without
     seconds : for all of it; what is solved by then is kept
+    hold_practice : as of `solve`; else what gives way for the mission as it stands does at every point
 
     Raises
     ------
@@ -71,13 +73,14 @@ def whatif(
     certain = confidence is not None and base.base.confidence != CENTRAL
     if certain and spider:
         raise MissionError("whatif: --spider takes central numbers; leave out --confidence")
-    work = Work(base, goal, systems, watch.deadline, watch.progress, certain)
+    given_way = () if hold_practice else None
+    work = Work(base, goal, systems, watch.deadline, watch.progress, certain, given_way=given_way)
     grid = work.grid_of(keys)
     status, points, switches, lines = "complete", list[WhatIfPoint](), list[Switch](), list[SpiderLine]()
     try:
         if keys:
             check_points(grid)
-            if spider:
+            if spider and work.given_way is None:
                 work.ask_practice(grid)
             with watch.timed("points"):
                 work.solve_all(grid)
@@ -109,8 +112,8 @@ def whatif(
         switches=switches,
         spider=lines,
         warnings=[
-            *yield_notes(work.given_way or ()), *notes_of(points, keys, status), *full_practice_notes(points, work),
-            *unheld, *work.notes, *time_warnings(watch.deadline),
+            *yield_notes(work.given_way or (), to_hold=work.to_hold), *notes_of(points, keys, status),
+            *full_practice_notes(points, work), *unheld, *work.notes, *time_warnings(watch.deadline),
         ],
         timing_s=watch.total(),
         n_searches=work.n_searches,
@@ -133,6 +136,7 @@ class Work:
     n_searches: int = 0
     notes: list[Note] = field(default_factory=list)
     given_way: tuple[Yield, ...] | None = None  # of good practice, for the mission as it stands; None: not asked yet
+    to_hold: bool = False  # whether any of it gives way so that something holds as often as is asked
 
     def grid_of(self, keys: Sequence[Varied]) -> VariedGrid:
         """A grid over keys, with a sweep of its own."""
@@ -169,11 +173,18 @@ class Work:
         if not yields_of(mission):
             return
         self.say(0.0, "what of good practice gives way")
+        if self.certain:
+            from uwopt.api.certain_points import gives_way_with_certainty
+
+            self.given_way, self.to_hold = gives_way_with_certainty(mission, self.deadline)
+            if self.given_way:
+                grid.begin_again(self.given_way)
+            return
         answer = grid.warm.best(mission)
         if answer.interrupted:
             raise KeyboardInterrupt
         if answer.found is None and answer.complete:
-            self.given_way = gives_way_alone(mission, self.deadline)
+            self.given_way = gives_way_alone(mission, self.deadline).yields
         if self.given_way:
             grid.begin_again(self.given_way)
 
@@ -224,13 +235,13 @@ class Work:
 
 
 NOT_FOR_CERTAINTY = (
-    "good practice gives way here only so that something fits; where that holds less often than is asked, uwopt solve "
-    "lets more of it give way: vary the mission-as-solved.yaml that it writes"
+    "every point is held to what is left of good practice in the mission as it stands; where something holds less "
+    "often than is asked, uwopt solve lets more of it give way"
 )
 
 
 def for_certainty(work: Work) -> bool:
-    """Whether `solve` could let more of good practice give way so that something holds as often as is asked."""
+    """Whether `solve` could let more of good practice give way so that something holds as often at another point."""
     return any(one.for_certainty for one in yields_of(with_given_way(work.base.base, work.given_way or ())))
 
 

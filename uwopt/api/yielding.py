@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from uwopt.api.practice_known import PracticeKnown, on_hardware
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import Deadline, effort_s
 from uwopt.errors import MissionError
@@ -26,6 +27,7 @@ from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.infeasible.relaxer import ANY
 from uwopt.solvers.one_hardware import best_of, problem_of
 from uwopt.solvers.recommend import Sought, seek
+from uwopt.solvers.warm.parts import PartIds
 from uwopt.units import ratio_to_db
 
 if TYPE_CHECKING:
@@ -44,21 +46,30 @@ class GivenWay:
     """What of good practice has given way; where nothing fits with as little of it as may be, the proof of that."""
 
     yields: tuple[Yield, ...] = ()
-    in_vain: Sought | None = None
+    in_vain: Sought | None = None  # the search that proves it, where it was made here
+    is_in_vain: bool = False  # whether it is proven
 
 
-def gives_way(mission: Mission, catalog: Catalog, like: Problem, deadline: Deadline) -> GivenWay:
+def gives_way(
+    mission: Mission, catalog: Catalog, like: Problem, deadline: Deadline, known: PracticeKnown | None = None
+) -> GivenWay:
     """What of good practice has to give way so that something fits; nothing where that is not enough.
 
     They give way in their order until something fits; then all but the last come back one by one, the latest first, as
     far as something still fits, with a decibel to spare if anything does: what fits by a hair cannot be set. So no key
     that has given way could be kept beside those that are kept.
+
+    known : of missions like this; what it tells is not searched for, and what is found goes into it
     """
+    known = PracticeKnown() if known is None else known
     patience = patience_of(deadline)
     lifted = mission.without_gain_cap
     roomy = with_room(lifted)
-    with_more = None if roomy is None else _least(roomy, catalog, like, patience)
-    return with_more if with_more is not None and with_more.yields else _least(lifted, catalog, like, patience)
+    if roomy is not None:
+        with_more = _least(roomy, catalog, like, patience, known, roomy=True)
+        if with_more.yields:
+            return with_more
+    return _least(lifted, catalog, like, patience, known, roomy=False)
 
 
 def patience_of(deadline: Deadline) -> Deadline:
@@ -68,11 +79,14 @@ def patience_of(deadline: Deadline) -> Deadline:
     return deadline.or_after(YIELD_S, effort_s)
 
 
-def gives_way_alone(mission: Mission, deadline: Deadline) -> tuple[Yield, ...]:
+def gives_way_alone(mission: Mission, deadline: Deadline, known: PracticeKnown | None = None) -> GivenWay:
     """As `gives_way`, of a mission that no search is known of."""
-    catalog = load_catalog(mission)
-    like = build_problem(mission, selected(mission, catalog, generic=mission.catalog.generic_at_last))
-    return gives_way(mission, catalog, like, deadline).yields
+    known, catalog = PracticeKnown() if known is None else known, load_catalog(mission)
+    scenes = None if known.like is None else known.like.scenes_for(mission)
+    if known.like is None or scenes is None:
+        selection = selected(mission, catalog, generic=mission.catalog.generic_at_last)
+        known.like = build_problem(mission, selection)
+    return gives_way(mission, catalog, known.like, deadline, known)
 
 
 def with_room(mission: Mission) -> Mission | None:
@@ -102,22 +116,80 @@ def _anything(mission: Mission, catalog: Catalog, like: Problem, deadline: Deadl
     )  # fmt: skip
 
 
-def _least(lifted: Mission, catalog: Catalog, like: Problem, patience: Deadline) -> GivenWay:
+def _least(
+    lifted: Mission, catalog: Catalog, like: Problem, patience: Deadline, known: PracticeKnown, *, roomy: bool
+) -> GivenWay:
     """The least that gives way of a mission; nothing where no yielding is enough."""
-    weakest = with_least_practice(lifted, catalog, like, patience)
-    if weakest is None or not weakest.outcome.best:
-        return GivenWay(in_vain=weakest if weakest is not None and weakest.outcome.complete else None)
-    fitted = [(weakest.problem, found) for found in weakest.outcome.best]
+    every = yields_of(lifted)
+    if not every:
+        return GivenWay()
+    asked = YieldTrials(lifted, catalog, like, patience, known)
+    for guess in known.guesses(every, roomy=roomy):
+        asked.fits(guess)
+    if not asked.fits(every):
+        known.last[roomy] = ()
+        return GivenWay(in_vain=asked.in_vain.get(frozenset(every)), is_in_vain=frozenset(every) in asked.missing)
+    known.last[roomy] = _fewest(lifted, every, asked.fits, patience)
+    return GivenWay(known.last[roomy])
 
-    def fits(given_way: Collection[Yield]) -> bool:
-        weaker = with_yields(lifted, given_way)
-        if any(_fits_alone(problem, found, weaker) for problem, found in fitted[:WITNESSES]):
+
+@dataclass
+class YieldTrials:
+    """Questions whether something fits in a mission where some of good practice has given way, and what follows."""
+
+    mission: Mission
+    catalog: Catalog
+    like: Problem
+    patience: Deadline
+    known: PracticeKnown
+    fitting: list[frozenset[Yield]] = field(default_factory=list)
+    missing: list[frozenset[Yield]] = field(default_factory=list)
+    fitted: list[tuple[Problem, Found]] = field(default_factory=list)  # the last first
+    in_vain: dict[frozenset[Yield], Sought] = field(default_factory=dict)  # searches that prove that nothing fits
+    before: list[PartIds] = field(init=False)  # hardware that fitted in earlier missions, the last first
+
+    def __post_init__(self) -> None:
+        self.before = [*self.known.hardware]
+
+    def fits(self, given_way: Collection[Yield]) -> bool:
+        """Whether something fits where these have given way, as far as that is found in time."""
+        some = frozenset(given_way)
+        if any(one <= some for one in self.fitting):
             return True
-        sought = _anything(weaker, catalog, like, patience)
-        fitted[:0] = [(sought.problem, found) for found in sought.outcome.best]
-        return bool(sought.outcome.best)
+        if any(some <= one for one in self.missing):
+            return False
+        weaker = with_yields(self.mission, given_way)
+        found = self.known.fits(weaker)
+        found = self._on_hardware(weaker) or self._anywhere(weaker, some) if found is None else found
+        if found is not None:
+            (self.fitting if found else self.missing).append(some)
+        return bool(found)
 
-    return GivenWay(_fewest(lifted, yields_of(lifted), fits, patience))
+    def _on_hardware(self, weaker: Mission) -> bool | None:
+        """Whether hardware fits that did in this mission or an earlier one; None: other hardware may."""
+        if any(_fits_alone(problem, found, weaker) for problem, found in self.fitted[:WITNESSES]):
+            return True
+        for ids in self.before:
+            sought = on_hardware(ids, weaker, self.catalog, ANY, self.like)
+            if sought is not None and sought.outcome.best:
+                self.before.remove(ids)  # it is among what fitted here
+                self._take(sought)
+                return True
+        return None
+
+    def _anywhere(self, weaker: Mission, some: frozenset[Yield]) -> bool | None:
+        """Whether anything of all parts fits; None where that is not known in time."""
+        sought = _anything(weaker, self.catalog, self.like, self.patience)
+        self._take(sought)
+        if sought.outcome.best:
+            return True
+        if sought.outcome.complete:
+            self.in_vain[some] = sought
+        return False if sought.outcome.complete else None
+
+    def _take(self, sought: Sought) -> None:
+        self.known.take(sought)
+        self.fitted[:0] = [(sought.problem, found) for found in sought.outcome.best]
 
 
 def _fits_alone(problem: Problem, found: Found, mission: Mission) -> bool:
@@ -228,6 +300,11 @@ def less_practice_note(weakest: Sought) -> Note:
         "little of it, and of what then fits uwopt solve keeps as much of it as it can"
     )
     return Note(PRACTICE_IN_VAIN, "practice", text)
+
+
+def in_vain_note() -> Note:
+    """That nothing fits with as little of good practice as may be, where nothing else is told of that."""
+    return Note(PRACTICE_IN_VAIN, "practice", "nothing fits even with as little of good practice as may be")
 
 
 def yield_notes(

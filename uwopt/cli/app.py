@@ -25,6 +25,7 @@ from uwopt.cli.explore import explore_command
 from uwopt.cli.options import (
     AccuracyOption,
     FullOption,
+    HoldPracticeOption,
     JsonOption,
     MissionArgument,
     PhysicsOption,
@@ -130,6 +131,7 @@ def solve_command(
             metavar="N", min=0, max=1_000_000, help="Try N other combinations, half of them discarded."
         ),
     ] = 0,
+    hold_practice: HoldPracticeOption = False,
     seconds: SecondsOption = None,
     accuracy: AccuracyOption = False,
     tolerance: ToleranceOption = None,
@@ -176,6 +178,7 @@ def solve_command(
             quick=quick,
             first=None if as_json or full else first,
             so_far=bar.line,
+            hold_practice=hold_practice,
         )
     hand_over(result, full=full, as_json=as_json, out=out, quiet=quiet, begun=bool(begun), deadline=deadline)
     return result_status(result)

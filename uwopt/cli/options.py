@@ -37,6 +37,10 @@ FullOption = Annotated[
     bool,
     typer.Option("--full", help="Print all there is: proof, every requirement, other choices, assumptions."),
 ]
+HoldPracticeOption = Annotated[
+    bool,
+    typer.Option("--hold-practice", help="Hold all of good practice, where nothing meets it too: none gives way."),
+]
 SecondsOption = Annotated[
     float | None,
     typer.Option(metavar="S", help="Stop after S seconds; the gap and what is left out are told."),

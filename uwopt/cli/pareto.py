@@ -6,7 +6,14 @@ from typing import Annotated
 
 import typer
 
-from uwopt.cli.options import JsonOption, MissionArgument, PhysicsOption, QuietOption, checked_seconds
+from uwopt.cli.options import (
+    HoldPracticeOption,
+    JsonOption,
+    MissionArgument,
+    PhysicsOption,
+    QuietOption,
+    checked_seconds,
+)
 from uwopt.cli.output import hand_over
 from uwopt.cli.status import command, front_status
 from uwopt.deadline import Deadline
@@ -37,6 +44,7 @@ def pareto_command(
     seed: Annotated[
         int | None, typer.Option(metavar="N", help="Seed of pymoo; the mission's unless given.")
     ] = None,
+    hold_practice: HoldPracticeOption = False,
     as_json: JsonOption = False,
     out: Annotated[
         str | None,
@@ -64,6 +72,7 @@ def pareto_command(
             seed=seed,
             physics=physics and physics.value,
             alternatives=out is not None,
+            hold_practice=hold_practice,
             progress=bar.report,
         )
     with cores():

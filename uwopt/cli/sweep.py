@@ -8,7 +8,14 @@ from typing import Annotated
 
 import typer
 
-from uwopt.cli.options import JsonOption, PhysicsOption, QuietOption, checked_seconds, parsed_objective
+from uwopt.cli.options import (
+    HoldPracticeOption,
+    JsonOption,
+    PhysicsOption,
+    QuietOption,
+    checked_seconds,
+    parsed_objective,
+)
 from uwopt.cli.status import DONE, INTERRUPTED, LIMIT_REACHED, command, told
 from uwopt.cli.whatif import by_key
 
@@ -81,6 +88,7 @@ def sweep_command(
             help="Try the K kits that win most often in every mission: few kits for many.",
         ),
     ] = 8,
+    hold_practice: HoldPracticeOption = False,
     seconds: Annotated[
         float | None,
         typer.Option(metavar="S", help="Stop after S seconds; what is done is kept, and a later run goes on."),
@@ -102,7 +110,8 @@ def sweep_command(
         made = sweep(
             missions, varied or None, out=out, system=system, objective=wanted, physics=physics and physics.value,
             confidence=confidence, pareto=pareto.split(",") if pareto else None, workers=workers or processors(),
-            scheduler=scheduler, kits=kits, seconds=checked_seconds(seconds), progress=bar.report,
+            scheduler=scheduler, kits=kits, seconds=checked_seconds(seconds),
+            hold_practice=hold_practice, progress=bar.report,
         )  # fmt: skip
     if as_json:
         print_text(json_text(made, getattr(sys.stdout, "encoding", None) or "utf-8"))

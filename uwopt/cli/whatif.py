@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from uwopt.cli.options import (
+    HoldPracticeOption,
     JsonOption,
     MissionArgument,
     PhysicsOption,
@@ -40,6 +41,7 @@ def whatif_command(
         str | None,
         typer.Option(metavar="P", help="Share of scenarios in which each must hold, such as 0.9; else central."),
     ] = None,
+    hold_practice: HoldPracticeOption = False,
     seconds: Annotated[
         float | None, typer.Option(metavar="S", help="Stop after S seconds; keep what is solved.")
     ] = None,
@@ -66,7 +68,7 @@ def whatif_command(
 
         table = whatif(
             mission, varied, spider=spider, objective=wanted, physics=physics and physics.value,
-            confidence=confidence, seconds=limit_s, progress=bar.report,
+            confidence=confidence, seconds=limit_s, hold_practice=hold_practice, progress=bar.report,
         )  # fmt: skip
     if as_json:
         print_text(json_text(table, getattr(sys.stdout, "encoding", None) or "utf-8"))

@@ -7,7 +7,7 @@ have less than its mean by a few decibels before nothing is asked of it.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -35,6 +35,13 @@ class Yield:
     def path(self) -> str:
         """The key with its section."""
         return f"{self.section}.{self.key}"
+
+    @property
+    def as_held(self) -> str:
+        """The key and what is held instead, which names it among all: `reserve.swath = 0`."""
+        if self.key == "refuse":
+            return f"{self.path} without {WHITE_BALANCE}"
+        return f"{self.path} = {self.instead:g}" if isinstance(self.instead, float) else f"{self.path} = {self.instead}"
 
 
 def _frame_less(less_db: float) -> Yield:
@@ -102,6 +109,23 @@ def with_yields(mission: Mission, given_way: Collection[Yield]) -> Mission:
     if data["requirements"][SNR_AT] == "mean":
         data["requirements"][SNR_LESS] = 0.0  # of no pixels
     return mission.with_changes(**data)
+
+
+def gave_way_between(asked: Mission, held: Mapping[str, Any]) -> tuple[Yield, ...]:
+    """What has given way of a mission where these plain values of it are held."""
+    return tuple(one for one in yields_of(asked) if _is_instead(one, held.get(one.section) or {}))
+
+
+def _is_instead(one: Yield, section: Mapping[str, Any]) -> bool:
+    if one.key == "refuse":
+        return WHITE_BALANCE not in (section.get(one.key) or ())
+    return bool(section.get(one.key) == one.instead)
+
+
+def yields_named(text: str) -> tuple[Yield, ...]:
+    """Those that a text names, `as_held` of each, with commas between."""
+    named = text.split(", ")
+    return tuple(one for one in YIELDS if one.as_held in named)
 
 
 def with_given_way(mission: Mission, given_way: Collection[Yield]) -> Mission:

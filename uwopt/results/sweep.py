@@ -92,6 +92,10 @@ class SweepSummary(FiledRecord):
         default=None, description="of every mission's own best kit, one of each; null where not one currency"
     )
     currency: str = Field(default="", description="of the prices; empty where there are several")
+    gave_way: dict[str, Whole] = Field(
+        default_factory=dict,
+        description="missions by each key of good practice that has given way there, what is held instead beside it",
+    )
     failed: list[FailedMissions] = Field(default_factory=list, description="missions that failed, by why")
     kept: Whole = Field(default=0, description="rows that an earlier run had worked out")
     passed_over: Whole = Field(

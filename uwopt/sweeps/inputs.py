@@ -129,12 +129,13 @@ def base_of(named: Named, ways: SweepWays) -> SweepBase:
     if ways.changes():
         mission.with_changes(**ways.changes())
     folder = mission.base_dir
+    stated = None
     if isinstance(named, Mission):
-        data = named.to_dict()
+        data, stated = named.to_dict(), named.stated
     else:
         data = in_one_form(read_document(named, "mission").data)[0]
     where = "" if folder is None else str(folder)
-    return SweepBase(mission.name, data, where, held_hash(files_named(data, [folder])))
+    return SweepBase(mission.name, data, where, held_hash(files_named(data, [folder])), stated)
 
 
 # ---------------------------------------------------------------- values

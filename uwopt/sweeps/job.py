@@ -32,6 +32,7 @@ class SweepBase:
     data: Mapping[str, Any]
     base_dir: str = ""  # where the files that it names are looked for
     files_hash: str = ""  # of what these hold
+    stated: frozenset[str] | None = None  # what of it is its own words, not practice; None: all that stands there
     fault: str = ""  # why it is no mission
 
 
@@ -45,6 +46,7 @@ class SweepWays:
     confidence: float | str | None = None
     system: Mapping[str, Any] | None = None  # that is evaluated, with absolute paths
     pareto: tuple[str, ...] = ()  # objectives of the trade-off
+    hold_practice: bool = False  # all of it, where nothing fits too
 
     def changes(self) -> dict[str, Any]:
         """Top-level values that replace those of every mission."""
@@ -82,6 +84,7 @@ class SweepTask:
     base: int
     values: tuple[Cell, ...]
     input_hash: str
+    gave_way: str = ""  # of good practice, where kits are tried: they are held to what the best is
 
 
 @dataclass(frozen=True)
@@ -112,10 +115,11 @@ class SweepJob:
     def tasks(self) -> Iterator[SweepTask]:
         """All tasks in their order: bases one after the other, each over all points."""
         identity = {name: self.identity[name] for name in DECIDING}
-        traded = [self.ways.pareto] if self.ways.pareto else []
+        traded = [*([self.ways.pareto] if self.ways.pareto else []), *(["held"] if self.ways.hold_practice else [])]
         ways = hash_of([self.ways.command, self.ways.system, self.system_hash, self.ways.changes(), *traded])
         for index, base in enumerate(self.bases):
-            head = hash_of([ways, base.data, base.files_hash, base.fault])
+            said = [] if base.stated is None else [sorted(base.stated)]
+            head = hash_of([ways, base.data, base.files_hash, base.fault, *said])
             for values in self.points:
                 told = {key: self._told(value) for key, value in zip(self.keys, values, strict=True)}
                 given = hash_of([head, {key: value for key, value in told.items() if value is not None}])

@@ -6,12 +6,12 @@ Names carry their unit. Of several scenes the first stands in plain columns, all
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from uwopt.mission.doubt import ENDS
 from uwopt.mission.mission import Mission
-from uwopt.mission.yielding import yields_of
+from uwopt.mission.yielding import gave_way_between, yields_of
 from uwopt.results.design import Design
 from uwopt.results.result import Result
 
@@ -28,7 +28,8 @@ DIED = "the process that worked on this mission ended"  # begins the message of 
 TEXTS = frozenset({
     "key", "input_hash", "catalogue_hash", "version", "inputs", "mission", "status", "message", "camera", "lens",
     "port", "housing", "complete", "light", "orientation", "lamps", "objective_name", "objective_unit", "currency",
-    "missed", "warnings", "scenes", "confidence_asked", "practice_held", "served", "point", "curve", "front",
+    "missed", "warnings", "scenes", "confidence_asked", "gave_way", "practice_held", "served", "point", "curve",
+    "front",
 })  # fmt: skip
 WHOLES = frozenset({"n", "camera_count", "light_count", "points"})
 FLAGS = frozenset({"generic", "settable", "beyond_gain_cap"})
@@ -37,8 +38,8 @@ FIRST = (
     "key", "mission", "inputs", "status", "message", "points", "point", "curve", "camera", "lens", "port",
     "housing", "complete", "light", "camera_count", "light_count", "orientation", "spacer_mm", "lamps", "generic",
     "objective_name", "objective", "objective_as_set", "objective_unit", "lower_bound", "gap_rel",
-    "confidence_asked", "confidence", "practice_held", "settable", "beyond_gain_cap", "missed", "warnings", "cost",
-    "cost_low", "cost_high", "currency", "power_w", "mass_kg",
+    "confidence_asked", "confidence", "gave_way", "practice_held", "settable", "beyond_gain_cap", "missed", "warnings",
+    "cost", "cost_low", "cost_high", "currency", "power_w", "mass_kg",
 )  # fmt: skip
 LAST = ("scenes", "time_s", "processor_s", "version", "input_hash", "catalogue_hash")
 #: Columns that a result always has, so that an input of the same name gets its section before it.
@@ -64,8 +65,14 @@ def row_of(result: Result) -> Row:
     return row if best is None else row | design_columns(best, best.as_set)
 
 
+def with_gave_way(row: Row, asked: Mission, held: Mapping[str, Any]) -> Row:
+    """The row of a mission in which something fits, with what of good practice is not held: `held`, plain values."""
+    given_way = () if row["status"] == "infeasible" else gave_way_between(asked, held)
+    return row | {"gave_way": ", ".join(one.as_held for one in given_way) or None}
+
+
 def with_practice_held(row: Row, mission: Mission) -> Row:
-    """The row of a mission, with what of good practice is held where `solve` would let some of it give way.
+    """The row of a mission, with what of good practice is held where less of it may do.
 
     That is where nothing fits, or holds as often as is asked.
     """

@@ -25,7 +25,7 @@ from uwopt.sweeps.job import SweepBatch, SweepJob, SweepTask, SweepWays, hash_of
 from uwopt.sweeps.kits import YES
 from uwopt.sweeps.rows import DIED, Row, failed_row
 from uwopt.sweeps.store import SERVED, SweepStore
-from uwopt.sweeps.summary import solved_keys, summary_of, with_portfolio, write_sweep
+from uwopt.sweeps.summary import SolvedMission, solved_keys, summary_of, with_portfolio, write_sweep
 from uwopt.sweeps.work import SweepReply, labels_of
 from uwopt.sweeps.workers import Died, Workers, local_workers
 
@@ -57,6 +57,7 @@ def sweep(
     scheduler: str | None = None,
     kits: int = MOST_KITS,
     seconds: float | None = None,
+    hold_practice: bool = False,
     progress: Progress | None = None,
 ) -> SweepSummary:
     """Many missions solved, or a system evaluated in each: a row a mission, in a folder that a later run goes on with.
@@ -70,6 +71,7 @@ def sweep(
     confidence : share of the scenarios in which hardware must hold, `central` or `ends`, instead of the missions'
     pareto : two or three objectives, as of `pareto`: the trade-off of each mission, a row a point, instead of its best
     kits : how many of the kits that win most often are tried in every mission, for a portfolio; 0 leaves it out
+    hold_practice : as of `solve`; else what good practice has filled in gives way in a mission that nothing meets
     seconds : for all missions; what is worked out by then is kept, a mission under way is left to a later run
     workers : processes of this machine; with more than 1 call it below `if __name__ == "__main__":`
 
@@ -85,7 +87,10 @@ def sweep(
         raise RangeError(f"sweep: workers = {workers}; at least one is needed")
     start, deadline = time.perf_counter(), Deadline.after(seconds)
     several: list[Named] = list(named) if isinstance(named, (list, tuple)) else [named]  # pyrefly: ignore[bad-assignment]
-    ways = SweepWays(objective=objective, physics=physics, confidence=confidence, pareto=tuple(pareto or ()))
+    ways = SweepWays(
+        objective=objective, physics=physics, confidence=confidence, pareto=tuple(pareto or ()),
+        hold_practice=hold_practice,
+    )  # fmt: skip
     job = job_of(several, vary, ways=ways, system=system, with_files=scheduler is not None)
     folder = Path(out)
     with (
@@ -152,17 +157,18 @@ class Trial:
 
     job: SweepJob
     kits: tuple[SweepKit, ...]
-    solved: Mapping[str, int | None]  # by key the index of the kit that wins there
+    solved: Mapping[str, SolvedMission]  # by key
 
     def tasks(self) -> Iterator[SweepTask]:
         """One a mission, under a key of its own."""
         for task in self.job.tasks():
             if task.key in self.solved:
-                yield replace(task, key=self.key(task.key))
+                yield replace(task, key=self.key(task.key), gave_way=self.solved[task.key].gave_way)
 
     def key(self, of_mission: str) -> str:
-        """That of a mission with these kits."""
-        return hash_of([of_mission, [kit.parts for kit in self.kits]])
+        """That of a mission with these kits, held to what its best is."""
+        gave_way = self.solved[of_mission].gave_way
+        return hash_of([of_mission, [kit.parts for kit in self.kits], *([gave_way] if gave_way else [])])
 
     def table(self, store: SweepStore) -> tuple[list[str], int]:
         """A sign a kit for each mission that was tried, its own winner served for certain; and how many kits."""
@@ -171,7 +177,7 @@ class Trial:
             signs = rows.column("served").to_pylist() if "served" in rows.column_names else [None] * len(rows)
             for place, told in zip(found.tolist(), signs, strict=True):
                 if told:
-                    won = self.solved[mine[place]]
+                    won = self.solved[mine[place]].kit
                     made.append(told if won is None or won >= len(told) else told[:won] + YES + told[won + 1 :])
         return made, len(self.kits)
 

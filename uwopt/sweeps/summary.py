@@ -6,14 +6,14 @@ import itertools
 import json
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
 from uwopt.report.write import PAGE_FILE, Writes, json_text, page_text, rows_csv, write_files
-from uwopt.results.design import Note
+from uwopt.results.design import PRACTICE_YIELDS, Note
 from uwopt.results.sweep import SWEEP_PARQUET, FailedMissions, SweepKit, SweepPortfolio, SweepSummary
 from uwopt.sweeps.job import LABEL, SweepJob
 from uwopt.sweeps.kits import YES
@@ -140,14 +140,15 @@ def summary_of(job: SweepJob, store: SweepStore, *, interrupted: bool, kept: int
         failed=[FailedMissions(message, count) for message, count in failed.most_common(MOST_FAILURES)],
         kept=kept,
         passed_over=len(store.keys) - len({row["key"] for row in rows} & store.keys),
-        warnings=[*notes_of(job, store), *practice_notes(rows)],
+        gave_way=dict(gave_way_of(rows).most_common()),
+        warnings=[*notes_of(job, store), *practice_notes(rows, held=job.ways.hold_practice)],
         folder=str(store.folder),
     )
 
 
 def job_rows(job: SweepJob, store: SweepStore) -> Iterator[dict[str, Any]]:
     """What is told of each mission of a job that is worked out, in few columns."""
-    wanted = ["key", "status", "message", *KIT, "generic", "cost", "currency", "practice_held"]
+    wanted = ["key", "status", "message", *KIT, "generic", "cost", "currency", "gave_way", "practice_held"]
     for _, rows in store.pieces((task.key for task in job.tasks()), wanted):
         yield from rows.to_pylist()
 
@@ -185,28 +186,56 @@ def notes_of(job: SweepJob, store: SweepStore) -> list[Note]:
     return notes
 
 
-def practice_notes(rows: Sequence[Mapping[str, Any]]) -> list[Note]:
-    """What of good practice stands in the way of missions that `solve` would answer with less of it."""
-    held = [str(row["practice_held"]) for row in rows if row.get("practice_held")]
-    if not held:
-        return []
-    paths = ", ".join(dict.fromkeys(path for told in held for path in told.split(", ")))
-    text = (
-        f"a sweep holds all of good practice: in {len(held)} of {len(rows)} missions nothing fits with it, or not as "
-        f"often as is asked ({paths}); uwopt solve lets some of it give way: sweep the mission-as-solved.yaml that it "
-        "writes"
-    )
-    return [Note("practice_held", "practice", text)]
+def gave_way_of(rows: Sequence[Mapping[str, Any]]) -> Counter[str]:
+    """In how many missions each key of good practice has given way."""
+    return Counter(one for row in rows if row.get("gave_way") for one in str(row["gave_way"]).split(", "))
+
+
+def practice_notes(rows: Sequence[Mapping[str, Any]], *, held: bool) -> list[Note]:
+    """What of good practice has given way in how many missions, and what is held where less of it may do.
+
+    held : whether all of it is, as was asked
+    """
+    notes = []
+    if counts := gave_way_of(rows):
+        text = (
+            f"in {sum(bool(row.get('gave_way')) for row in rows)} of {len(rows)} missions nothing meets all of good "
+            "practice, and what has given way is named (gave_way): "
+            + "; ".join(f"{one} in {count}" for one, count in counts.most_common())
+        )
+        notes.append(Note(PRACTICE_YIELDS, "practice", text))
+    told = [str(row["practice_held"]) for row in rows if row.get("practice_held")]
+    if told:
+        paths = ", ".join(dict.fromkeys(path for one in told for path in one.split(", ")))
+        less = (
+            "all of good practice is held, as was asked: without --hold-practice some of it gives way there"
+            if held else "that something does with less of it could not be known in time"
+        )
+        text = (
+            f"in {len(told)} of {len(rows)} missions nothing fits with all of good practice, or not as often as is "
+            f"asked ({paths}); {less}"
+        )
+        notes.append(Note("practice_held", "practice", text))
+    return notes
 
 
 # ---------------------------------------------------------------- few kits for many missions
 
 
-def solved_keys(job: SweepJob, store: SweepStore) -> dict[str, int | None]:
-    """Keys of missions in which something fits, with the index of the kit that wins there."""
+@dataclass(frozen=True)
+class SolvedMission:
+    """A mission in which something fits."""
+
+    kit: int | None  # index of the one that wins there
+    gave_way: str  # of good practice
+
+
+def solved_keys(job: SweepJob, store: SweepStore) -> dict[str, SolvedMission]:
+    """Keys of missions in which something fits, with what wins there."""
     rows = [row for row in job_rows(job, store) if row.get("camera") is not None]
     places = {tuple(getattr(kit, name) for name in KIT): index for index, kit in enumerate(kits_of(rows))}
-    return {row["key"]: places.get(tuple(row.get(name) for name in KIT)) for row in rows}
+    won = [places.get(tuple(row.get(name) for name in KIT)) for row in rows]
+    return {row["key"]: SolvedMission(one, row.get("gave_way") or "") for row, one in zip(rows, won, strict=True)}
 
 
 def with_portfolio(made: SweepSummary, signs: Sequence[str], tried: int) -> SweepSummary:

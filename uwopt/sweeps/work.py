@@ -16,18 +16,21 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from uwopt.api.practice_known import PracticeKnown
 from uwopt.api.search_notes import interrupted
 from uwopt.api.solving import solve
 from uwopt.errors import UwoptError
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Value, Varied, VariedMission
+from uwopt.mission.yielding import with_yields, yields_named
+from uwopt.results.design import PRACTICE_IN_VAIN
 from uwopt.results.sweep import SweepKit
 from uwopt.solvers.warm.searches import Warm
 from uwopt.sweeps.identity import differences, program_identity
 from uwopt.sweeps.job import LABEL, SweepBatch, SweepJob, SweepTask
 from uwopt.sweeps.kits import served_by
 from uwopt.sweeps.neighbours import warm_row
-from uwopt.sweeps.rows import Row, failed_row, row_of, row_of_front, with_practice_held
+from uwopt.sweeps.rows import Row, failed_row, row_of, row_of_front, with_gave_way, with_practice_held
 
 MOST_BASES = 64  # missions of files that are kept read
 
@@ -49,6 +52,7 @@ class SweepWorker:
         self.job = job
         self._bases: OrderedDict[int, tuple[VariedMission, tuple[Varied | None, ...]]] = OrderedDict()
         self._warm = Warm()
+        self._practice = None if job.ways.hold_practice else PracticeKnown()
         self._unpacked = None if not job.files else UnpackedFiles(job.files)
         self.refusal = "; ".join(differences(job.identity, program_identity()))
 
@@ -87,7 +91,8 @@ class SweepWorker:
 
     def _served(self, task: SweepTask, kits: Sequence[SweepKit]) -> Row:
         mission = self.mission(task)
-        return {"mission": mission.name, "served": served_by(mission, kits)}
+        held = with_yields(mission, yields_named(task.gave_way))
+        return {"mission": mission.name, "served": served_by(held, kits)}
 
     def _worked_out(self, task: SweepTask) -> Row:
         ways, mission = self.job.ways, self.mission(task)
@@ -100,17 +105,23 @@ class SweepWorker:
         if ways.command == "pareto":
             from uwopt.api.trading import pareto
 
-            front = pareto(mission, objectives=ways.pareto, solver="exact")
+            front = pareto(mission, objectives=ways.pareto, solver="exact", hold_practice=ways.hold_practice)
             if front.status == "interrupted":
                 raise KeyboardInterrupt
-            return row_of_front(front)
-        row = warm_row(mission, self._warm)
-        if row is None:
-            result = solve(mission, top=TOP, quick=True, explain=False)
-            if interrupted(result):
-                raise KeyboardInterrupt
-            row = row_of(result)
-        return with_practice_held(row, mission)
+            return with_gave_way(row_of_front(front), mission, front.mission)
+        return warm_row(mission, self._warm, self._practice) or self._solved(mission)
+
+    def _solved(self, mission: Mission) -> Row:
+        """The row of a mission that is solved by itself."""
+        held = self._practice is None
+        result = solve(
+            mission, top=TOP, quick=True, explain=False, hold_practice=held, known=self._practice
+        )
+        if interrupted(result):
+            raise KeyboardInterrupt
+        row = with_gave_way(row_of(result), mission, result.mission)
+        in_vain = any(note.code == PRACTICE_IN_VAIN for note in result.warnings)
+        return with_practice_held(row, mission) if held or (row["status"] == "infeasible" and not in_vain) else row
 
     def _base(self, index: int) -> tuple[VariedMission, tuple[Varied | None, ...]]:
         """A base and its keys; read again where it was long ago."""
@@ -120,6 +131,8 @@ class SweepWorker:
             if self._unpacked is not None:
                 data, folder = self._unpacked.at_home(data), str(self._unpacked.place(folder))
             made = VariedMission(data, self.job.ways.changes(), base_dir=Path(folder) if folder else None)
+            if given.stated is not None:
+                made.base.stating(given.stated)
             self._bases[index] = (
                 made,
                 tuple(None if key == LABEL else made.named(key) for key in self.job.keys),
