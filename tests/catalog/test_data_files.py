@@ -24,9 +24,9 @@ ALL_FILES = sorted(path.name for path in DATA_DIR.glob("*.csv"))
 ROWS = {
     "cameras.csv": 103 + 7 + 40,
     "lenses.csv": 242 + 8 + 1,
-    "lights.csv": 43 + 3 + 27,  # options of a strobe; those of the second gathering
+    "lights.csv": 43 + 3 + 27 + 1,  # options of a strobe; those of the second gathering; a lamp by its manual
     "ports.csv": 38 + 69,
-    "housings.csv": 10 + 6,  # the 3 in and 5 in series of the third gathering
+    "housings.csv": 10 + 6 + 2,  # the 3 in and 5 in series of the third gathering; two more lengths
     "jerlov_iop.csv": 170,
     "pure_water.csv": 91,
     "photopic_v.csv": 471,
@@ -34,7 +34,7 @@ ROWS = {
     "bottom_reflectance.csv": 2271,
     "refractive_index_coefficients.csv": 63,
     "port_internal_transmittance.csv": 116,
-    "beam_profiles.csv": 2 * 109,  # flood and spot, one below the other
+    "beam_profiles.csv": 2 * 109 + 19,  # flood and spot, one below the other; every 2.5 deg to 45 deg
     "seafloor_flat.csv": 5,
 }
 

@@ -63,6 +63,10 @@ CELLS = [
     ("housings.csv", "blue-robotics-4-in-acrylic-tube-300", "price", 330 + 42),  # tube with flanges, cap
     ("housings.csv", "blue-robotics-3-in-acrylic-tube-150", "price", 115 + 2 * 34 + 32),
     ("housings.csv", "blue-robotics-3-in-acrylic-tube-150", "depth_rating_m", 275),  # the maker's configurator
+    ("housings.csv", "blue-robotics-3-in-acrylic-tube-240", "price", 180 + 2 * 40 + 32),
+    ("housings.csv", "blue-robotics-3-in-aluminium-tube-150", "price", 242 + 2 * 40 + 32),
+    ("housings.csv", "blue-robotics-3-in-aluminium-tube-240", "price", 264 + 2 * 40 + 32),
+    ("lights.csv", "subc-aquorea-mk3", "power_w", 5 * 24),  # "LED 5A @ 20-30V", "120W"
     ("lenses.csv", "raspberry-pi-16-mm-telephoto-hq-camera", "price", 54),  # a shop, as a user copied it
 ]
 
@@ -146,6 +150,15 @@ def test_beam_profile_integrates_to_its_output_factor(light: str):
     intensity_cd = float(row["peak_candela"]) * np.array([float(r["intensity"]) for r in profile])
     flux_lm = 2 * math.pi * np.trapezoid(intensity_cd * np.sin(angle_rad), angle_rad)
     assert flux_lm == pytest.approx(float(row["output_factor"]) * float(row["flux_lm"]), rel=0.02)
+
+
+def test_a_plotted_beam_falls_to_half_at_half_its_angle():
+    # Read off the manual's plot: 50 % at 33 deg, 25 % at 41 deg.
+    profile = [row for row in rows_of("beam_profiles.csv") if row["profile_id"] == "subc-aquorea-mk3"]
+    angle_deg = [float(row["angle_deg"]) for row in profile]
+    at = np.interp([33.0, 41.0], angle_deg, [float(row["intensity"]) for row in profile])
+    assert at == pytest.approx([0.5, 0.25], abs=0.02)
+    assert float(row_of("lights.csv", id="subc-aquorea-mk3")["beam_angle_deg"]) == pytest.approx(2 * 33, abs=2)
 
 
 def test_qe_curves_hold_the_tools_points_and_its_peaks():
