@@ -344,6 +344,10 @@ def test_what_does_not_help_is_told_with_what_stands_in_the_way(make_result: Mak
     assert "moved far: min_snr and cost (even so swath too narrow); power_w (even so no light gives" in told
     assert "wanted signal, or colours too far apart)." in told
     assert "whether it is enough to give way in overlap or water." in told
+    begun = why | {"in_part": {"overlap": 66507}}
+    made = make_result(status="infeasible", recommendation=None, runners_up=[], infeasible=begun)
+    told = " ".join(str(line) for line in infeasible_block(made).lines)
+    assert "in overlap or water (without overlap 66 507 systems were looked at in vain, not yet all)." in told
     assert "Which single change" not in told  # as that says no more
 
 

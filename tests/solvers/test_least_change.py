@@ -6,6 +6,7 @@ import json
 import math
 from itertools import product
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -402,6 +403,24 @@ def test_a_limit_of_cost_that_only_high_prices_break_is_told(parts, catalog, lim
     assert cost.fits_at_central_prices == fits_at_central
     assert cost.needed == pytest.approx(3340.0)
     assert fits(wanted.with_changes(limits={"cost": limit, "cost_basis": "central"}), catalog) == fits_at_central
+
+
+def test_a_budget_that_no_central_prices_keep_is_given_up_among_a_few_imagers_too(parts, catalog, monkeypatch):
+    asked: list[set[str]] = []
+    monkeypatch.setattr(Relaxer, "among_few", lambda self, mission, goal, freed, *_, **more: asked.append(set(freed)))
+    base = mission(parts)
+    wanted = base.with_changes(limits={"cost": 2300.0}, catalog=base.to_dict()["catalog"] | {"rest": "estimate"})
+    one = Singles(Trials(wanted, catalog, POWER, "never"))
+    one._ask_suspect("cost", 0.5)
+    assert one.dear == {"cost"} and {"cost"} in asked[1:]  # the first is for the central prices
+
+
+def test_what_was_looked_at_in_vain_but_not_to_the_end_is_told_apart(parts, catalog, monkeypatch):
+    cut = SimpleNamespace(best=[], complete=False, interrupted=False, account=SimpleNamespace(evaluated=7))
+    monkeypatch.setattr(Relaxer, "seek", lambda self, *_, **more: SimpleNamespace(outcome=cut))
+    one = Singles(Trials(mission(parts), catalog, POWER, "never"))
+    assert not one._is_known("overlap", 0.6, NEVER)
+    assert one.in_part == {"overlap": 7} and not one.useless
 
 
 def test_the_least_limit_of_cost_is_proven_for_high_prices(parts, catalog):

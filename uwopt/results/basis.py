@@ -236,6 +236,10 @@ class WhyNothing(Record):
     not_known: list[str] = Field(
         default_factory=list, description="requirements and keys of which there was no time to know whether they help"
     )
+    in_part: dict[str, int] = Field(
+        default_factory=dict,
+        description="of these requirements, without which systems were looked at in vain before time ended: how many",
+    )
     unmet: list[str] = Field(
         default_factory=list,
         description="requirements that nothing meets even where no other is asked, as the scene and the vehicle are: "

@@ -86,7 +86,7 @@ def not_known_lines(result: Result | FrontResult) -> list[Line]:
     told = []
     if why.not_known:
         names = words.listed([formats.one_line(name, 40) for name in why.not_known]).replace(" and ", " or ")
-        told.append(f"whether it is enough to give way in {names}")
+        told.append(f"whether it is enough to give way in {names}{in_part_text(why.in_part)}")
     if unsure:
         names = words.listed([formats.one_line(name, 40) for name in unsure])
         told.append(f"whether less than what is told of {names} is enough")
@@ -95,6 +95,14 @@ def not_known_lines(result: Result | FrontResult) -> list[Line]:
     spent_s = result.timing_s.get("explanation", 0.0)
     more_s = next((one for one in MORE_S if one > 1.5 * spent_s), MORE_S[-1])
     return [sentence(f"Not known yet: {'; '.join(told)}. uwopt explain with --seconds {more_s} goes on.")]
+
+
+def in_part_text(looked_at: Mapping[str, int]) -> str:
+    """` (without cost 66 507 systems were looked at in vain, not all)`; "" where nothing was looked at."""
+    if not looked_at:
+        return ""
+    each = [f"without {formats.one_line(name, 40)} {formats.count_text(count)}" for name, count in looked_at.items()]
+    return f" ({words.listed(each)} systems were looked at in vain, not yet all)"
 
 
 def depth_lines(result: Result | FrontResult) -> list[Line]:

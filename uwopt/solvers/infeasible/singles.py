@@ -47,6 +47,7 @@ class Singles:
     suspects: Sequence[str] = ()  # without all of which something fits
     hopes: dict[str, float] = field(default_factory=dict)  # of those dropped among a few imagers, as `relaxer.hope`
     useless: dict[str, tuple[str, ...]] = field(default_factory=dict)  # known not to help: `freed_rules.in_the_way`
+    in_part: dict[str, int] = field(default_factory=dict)  # how many systems were looked at in vain, not all
     dear: set[str] = field(default_factory=set)  # limits of cost that central prices do not keep either
     in_vain: dict[str, int] = field(default_factory=dict)  # among how many imagers, all of them looked at
     together: tuple[list[str], Sought] | None = None  # that give together, and a design without them
@@ -79,10 +80,10 @@ class Singles:
         """Drop one that likely stands in the way, in a share of the time left: among a few imagers, then among all."""
         trials = self.trials
         try:
-            if name in MAY_PASS and not trials.relaxer.is_soon_known():
-                self._try_among(name, FEW_IMAGERS, trials.deadline.at_most(share * trials.deadline.left_s))
             if self._asks_central_first(name):
                 self._is_known_at_central_prices(name, trials.limits[name])
+            if name in self._open(trials.limits) and name in MAY_PASS and not trials.relaxer.is_soon_known():
+                self._try_among(name, FEW_IMAGERS, trials.deadline.at_most(share * trials.deadline.left_s))
             if name in self._open(trials.limits) and not trials.interrupted:
                 self._is_known(name, trials.limits[name], trials.deadline.at_most(share * trials.deadline.left_s))
         except KeyboardInterrupt:
@@ -191,8 +192,8 @@ class Singles:
         return share * (HELPED if self.helpful or len(self.unmet) > 1 else 1.0)
 
     def _asks_central_first(self, name: str) -> bool:
-        """Whether a limit is of cost at high prices, which central ones might keep."""
-        return name == "cost" and self.trials.mission.limits.cost_basis == "high"
+        """Whether a limit is of cost at high prices, which central ones might keep, as far as is known."""
+        return name == "cost" and self.trials.mission.limits.cost_basis == "high" and name not in self.dear
 
     def _open(self, limits: Mapping[str, float]) -> dict[str, float]:
         """Those of which it is not known whether they help."""
@@ -318,6 +319,8 @@ class Singles:
             self.helpful.append(Without(name, limit, relaxed, found))
         elif found.outcome.complete:
             self.useless[name] = trials.relaxer.why_not(found, name)
+        elif found.outcome.account.evaluated:
+            self.in_part[name] = max(found.outcome.account.evaluated, self.in_part.get(name, 0))
         if found.outcome.interrupted:
             raise KeyboardInterrupt
         return found.outcome.complete or bool(found.outcome.best)

@@ -73,6 +73,7 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
         none_left=[*none_left(trials.mission, trials.relaxer.selection)],
         no_help=[NoHelp(name, [*rules]) for name, rules in (singles.useless | mover.useless).items()],
         not_known=[*singles.left, *mover.not_known],
+        in_part={name: singles.in_part[name] for name in singles.left if name in singles.in_part},
         unmet=[*singles.unmet],
     )
 
