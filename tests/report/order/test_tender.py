@@ -91,7 +91,7 @@ def book(result: Result) -> bytes:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(tender_lines, "specification", lambda *_, kinds, **__: {k: found.get(k, []) for k in kinds})
         lines = lines_of(result, "r")
-    assert "(pulsed: while on) in lumens: at least 18 800 lm" in letter(result, lines)
+    assert "(of a pulsed one while it is on): at least 18 800 lm" in letter(result, lines)
     assert "shortest pulse" not in letter(result, lines)  # 4 ms, where the named lamp has 0.1
     return tender_book(result, lines)
 

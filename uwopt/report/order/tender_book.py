@@ -14,8 +14,9 @@ from uwopt.report.text import formats
 from uwopt.results.result import Result
 
 BOOK_FILE, LETTER_FILE = "tender.xlsx", "letter.txt"
-HEADS = ("key", "what", "unit", "needed, all else as named", "to stay the best buy", "enough, all of these together",
-         "the named part has", "known how")  # fmt: skip
+HEADS = ("key", "what", "unit", "needed, if all else is as in the named part",
+         "beyond this we would prefer another part", "enough, if it has all of these together",
+         "the named part has", "known from")  # fmt: skip
 WIDTHS = (20, 44, 18, 26, 26, 28, 18, 13, *[24] * MAKERS)
 FIRST_ANSWER = len(HEADS) + 1
 
@@ -49,8 +50,9 @@ def read_me(book: Any, result: Result, lines: Sequence[TenderLine]) -> None:
 HOW = (
     "Fill in the yellow cells, one column a maker. Numbers only, in the unit beside them; a number with its own unit "
     "behind it, such as 27.4 klm, is read too. Leave empty what is not known. No formulas.",
-    "Needed: what the part must have to do its work when every other number is as the named part has it. To stay the "
-    "best buy: beyond that another system would be preferred. Enough: values that may hold all at once.",
+    "Needed: the least that does our work if every other number of the part is as the named part has it. Beyond this "
+    "we would prefer another part: it would still do, but no longer be our first choice. Enough: a part that has all "
+    "of these together does our work.",
     "A part that is better in one number may be worse in another: every answer is worked through as a whole.",
     "Give the price of one piece with its currency, the day of the quote, until when it holds, and the lead time.",
 )
@@ -113,15 +115,19 @@ def letter(result: Result, lines: Sequence[TenderLine]) -> str:
         + (" (to be made)" if line.generic else "")
         for line in lines
     )
-    hard = [
-        f"- {line.kind}: {fact.words}: {fact.together or fact.needed}"
-        for line in lines
-        for fact in line.facts
-        if (fact.together or fact.needed) and not fact.loose
-    ]
+    hard = "\n\n".join(filter(None, map(asked_of, lines)))
     short = falls_short(result)
     first = f"[{short}. {MAKERS_ARE_NOT_TOLD}]\n\n" if short else ""
-    return first + LETTER.format(name=name, wanted=wanted, hard="\n".join(hard))
+    return first + LETTER.format(name=name, wanted=wanted, hard=hard)
+
+
+def asked_of(line: TenderLine) -> str:
+    """What is enough of one part, below its name; empty where nothing is asked that parts of its kind do not have."""
+    facts = [
+        f"- {fact.words}: {fact.together or fact.needed}" for fact in line.facts
+        if (fact.together or fact.needed) and not fact.loose
+    ]  # fmt: skip
+    return "\n".join([f"{line.kind.capitalize()}:", *facts]) if facts else ""
 
 
 LETTER = """\
@@ -133,14 +139,16 @@ for an underwater imaging system we ask for your quotation for any of
 
 {wanted}
 
-Please fill in the column of a maker on the sheet of each part that you offer in tender.xlsx: price with currency, the
-day of the quote, until when it holds, lead time, and the facts that are asked for. An empty cell counts as not known.
-What is enough of each part, all of it together:
+The named parts are examples; equivalent ones are welcome. Please fill in one of the yellow columns on the sheet of
+each part that you offer in the attached tender.xlsx: price of one piece with its currency, date and validity of the
+quotation, lead time, and the technical data that are asked for. Please leave a cell empty where a value is not known.
+
+A part that meets all points below its name is suitable:
 
 {hard}
 
-A part that falls short in one point may be offered all the same when it is better in another: every offer is worked
-through as a whole.
+If a part falls short in one point but is better in another, please offer it all the same: we assess each offer as a
+whole.
 
 With kind regards,
 

@@ -16,6 +16,7 @@ from uwopt.errors import ResultError
 from uwopt.evaluation.recompute import replay
 from uwopt.objectives.goal import goal_of
 from uwopt.objectives.objective import Objective
+from uwopt.report.order.maker_words import NOT_THEIRS, words_for
 from uwopt.report.order.other_parts import AS_GOOD, other_systems
 from uwopt.report.text import words
 from uwopt.report.text.certainty import held_text
@@ -36,7 +37,7 @@ COMMERCIAL = (
     ("currency", "currency of the price", "three letters"), ("price_date", "day of the quote", "YYYY-MM-DD"),
     ("valid_until", "the quote holds until", "YYYY-MM-DD"), ("lead_time_weeks", "lead time", "weeks"),
 )  # fmt: skip
-NOT_ASKED = ("id", "price", "price_low", "price_high", "manufacturer", "model", "currency")
+NOT_ASKED = ("id", "price", "price_low", "price_high", "manufacturer", "model", "currency", *NOT_THEIRS)
 ALWAYS = ("depth_rating_m", "mass_g", "trigger_delay_us", "trigger_jitter_us")
 #: Facts without which no search uses a part of its own, or which tell whether it fits.
 VITAL: dict[str, tuple[str, ...]] = {
@@ -171,9 +172,8 @@ def facts_of(result: Result, kind: Kind, part_id: str, limits: Sequence[Property
         )  # fmt: skip
         if beside := needed_beside(result, kind, key):
             needed = together = beside
-        meaning = column.meaning or key.replace("_", " ")
         loose = bool(ends) and all(abs(math.log(one.together / one.value)) > math.log(LOOSE) for one in ends)
-        yield AskedFact(key, meaning, unit_of(column), needed, best, together, value, known, loose)
+        yield AskedFact(key, words_for(column), unit_of(column), needed, best, together, value, known, loose)
 
 
 def needed_beside(result: Result, kind: Kind, key: str) -> str:
