@@ -14,18 +14,21 @@ from typer.testing import CliRunner
 
 from uwopt.api.evaluating import evaluate
 from uwopt.cli.app import app
-from uwopt.evaluation.setting_limits import SettingEnd
+from uwopt.evaluation.setting_limits import LEVEL, SettingEnd, SettingLimit
 from uwopt.report.card.blocks import (
     ROUND_CEILING,
     ROUND_FLOOR,
     SettingsCard,
+    breaks,
     end_text,
+    focus_sentences,
+    limit_texts,
     settings_card,
     short_text,
     work_rows,
 )
 from uwopt.report.card.page import card_html
-from uwopt.report.card.water import change_text
+from uwopt.report.card.water import change_text, water_text
 from uwopt.report.text.layout import Facts, Grid
 from uwopt.report.write import json_text
 from uwopt.results.result import Result
@@ -68,9 +71,40 @@ def rows(card: SettingsCard, title: str) -> dict[str, list[str]]:
 def test_every_setting_has_its_limits_and_what_breaks_there(card: SettingsCard) -> None:
     # 26.72 dB may fall by 0.22 dB: to 0.950 of the light where shot noise is all, to 0.974 where read noise is
     told = rows(card, "Set")
-    assert told["light pulse"] == ["1 ms", "0.952 ms", "signal to noise", "1.5 ms", "motion blur", ""]
+    assert told["light pulse"] == ["1 ms", "0.952 ms", "signal to noise", "1.5 ms", "motion blur"]
     assert told["frame rate"][1:5] == ["1.67 Hz", "overlap along track", "10 Hz", "frame rate of the camera"]
     assert told["exposure"][3] == "any"
+
+
+def test_a_setting_s_own_end_is_told_by_which_end_it_is() -> None:
+    assert breaks(SettingEnd(1.0, "min_exposure_ms")) == "shortest"
+    assert breaks(SettingEnd(1.0, "f_number_min")) == "widest of the lens"
+    assert breaks(SettingEnd(1.0, "max_white_balance")) == "white balance"
+
+
+def focus_said(nearer: float, farther: float) -> str:
+    low, high = SettingEnd(1.0 - nearer, "dof_far_m"), SettingEnd(1.0 + farther, "dof_near_m")
+    return " ".join(focus_sentences({"focus_distance_m": 0.15}, SettingLimit("focus_distance_m", low, high, low, high)))
+
+
+def test_a_focus_finer_than_a_scale_is_set_says_how_to_reach_it_and_what_widens_it() -> None:
+    said = focus_said(0.02, 0.03)
+    assert said.startswith("Focus: 3.0 mm nearer or 4.5 mm farther than 0.15 m is all there is")
+    assert "live view on a chart at that distance" in said and "takes twice the light" in said
+    assert focus_said(0.08, 0.09) == ""
+
+
+def test_brightness_that_no_end_breaks_holds_over_the_whole_range() -> None:
+    free, level = SettingEnd(2.0, "dof_far_m"), SettingEnd(1.5, LEVEL)
+    assert limit_texts("gain_db", 6.0, SettingLimit("gain_db", free, free, free, free))[4] == "all of that"
+    assert limit_texts("exposure_ms", 2.0, SettingLimit("exposure_ms", free, level, free, free))[4] == "up to 3 ms"
+
+
+def test_readings_of_water_are_told_in_words_with_their_unit() -> None:
+    assert [water_text(f"{key} 2") for key in ("c_per_m", "visibility_m", "secchi_m", "turbidity_ntu")] == [
+        "beam attenuation 2 per metre", "visibility 2 m", "Secchi depth 2 m", "turbidity 2 NTU"
+    ]  # fmt: skip
+    assert water_text("Jerlov III") == "Jerlov III"
 
 
 @pytest.mark.parametrize(

@@ -27,6 +27,10 @@ from uwopt.units import ratio_to_db
 
 WATER_S = 5.0  # for worse waters
 AS_SET = "as set"  # nothing to spare
+WHOLE_RANGE = "all of that"  # between both ends
+SCALE_READ_FRAC = 0.05  # of a distance: as well as a lens's scale is read and set (assumed)
+#: Settings whose own ends are told by which end it is.
+SETTINGS_OWN = ("f-number", "exposure", "pulse", "gain as a ratio", "light level")
 DECIBELS = Decimal("0.1")  # as finely as a gain is set
 NARROW = 5e-4  # share of a setting: what is nearer to it than this, nobody sets
 NAMES = {name: text for name, (text, _) in vocabulary.SETTINGS.items()} | {BOTH_TIMES: "exposure and pulse together"}
@@ -62,6 +66,7 @@ def card_blocks(result: Result, design: Design) -> Iterator[Block]:
         limits = limits_of(made, index, scene) if made is not None else {}
         lines: list[Line] = [settings_grid(made, index, scene, limits)]
         if made is not None:
+            lines += [sentence(text) for text in focus_sentences(as_set(scene), limits.get("focus_distance_m"))]
             lines += [sentence(text) for text in trigger_sentences(made.model, scene, limits)]
         yield block(title, lines)
     if len(design.scenes) > 1:
@@ -103,10 +108,12 @@ def limits_of(made: Replay, index: int, scene: SceneResult) -> dict[str, Setting
 
 def settings_grid(made: Replay | None, index: int, scene: SceneResult, limits: dict[str, SettingLimit]) -> Grid:
     """What to set, how far it may be off, and what breaks there."""
-    table = columns(
+    heads = [
         ("setting", "left"), ("set to", "right"), ("not below", "right"), ("for", "left"),
-        ("not above", "right"), ("for", "left"), ("brightness holds within", "left"),
-    )  # fmt: skip
+        ("not above", "right"), ("for", "left"),
+    ]  # fmt: skip
+    has_level = any(end.requirement == LEVEL for limit in limits.values() for end in (limit.low, limit.high))
+    table = columns(*heads, *([("brightness holds within", "left")] if has_level else []))
     settings = as_set(scene)
     for name in SHOWN:
         value = settings.get("exposure_ms" if name == BOTH_TIMES else name)
@@ -114,11 +121,12 @@ def settings_grid(made: Replay | None, index: int, scene: SceneResult, limits: d
             continue
         told = "" if name == BOTH_TIMES else short_text(name, value)
         cells = [NAMES[name], told, *limit_texts(name, value, limits.get(name))]
-        table.add_row(*(Text(cell) for cell in cells))
+        table.add_row(*(Text(cell) for cell in cells[: len(table.heads)]))
         if name == "focus_distance_m" and settings.get("focus_scale_m") is not None:
             scale = formats.setting_text("focus_scale_m", settings["focus_scale_m"])
             ends = scale_ends(made, index, value, limits.get(name)) if made is not None else ("", "")
-            table.add_row(*map(Text, (NAMES["focus_scale_m"], scale, ends[0], "", ends[1], "", "")))
+            row = (NAMES["focus_scale_m"], scale, ends[0], "", ends[1], "", "")
+            table.add_row(*map(Text, row[: len(table.heads)]))
     return table
 
 
@@ -149,12 +157,30 @@ def limit_texts(name: str, value: float, limit: SettingLimit | None) -> tuple[st
     from_ = end_text(name, value, limit.low, ROUND_CEILING) if limit.low.requirement == LEVEL else ""
     up_to = end_text(name, value, limit.high, ROUND_FLOOR) if limit.high.requirement == LEVEL else ""
     within = f"{from_} to {up_to}" if from_ and up_to else f"from {from_}" if from_ else up_to and f"up to {up_to}"
-    return low, why_low, high, why_high, within
+    return low, why_low, high, why_high, within or WHOLE_RANGE
 
 
 def breaks(end: SettingEnd) -> str:
-    """The requirement that breaks, in its first words."""
-    return words.requirement_name(end.requirement).partition(",")[0] if end.requirement else ""
+    """The requirement that breaks, in its first words; of an end of a setting's own which end that is."""
+    first, _, own = words.requirement_name(end.requirement).partition(",") if end.requirement else ("", "", "")
+    return own.strip() if own and first in SETTINGS_OWN else first
+
+
+def focus_sentences(settings: dict[str, float | None], limit: SettingLimit | None) -> Iterator[str]:
+    """How to reach a focus that is finer than a lens's scale can be read, and what widens it."""
+    focus_m = settings.get("focus_distance_m")
+    if limit is None or not focus_m or limit.low_dark.factor is None or limit.high_bright.factor is None:
+        return
+    nearer_m, farther_m = focus_m * (1.0 - limit.low_dark.factor), focus_m * (limit.high_bright.factor - 1.0)
+    if nearer_m + farther_m > 2.0 * SCALE_READ_FRAC * focus_m:
+        return
+    ends = [formats.quantity(1e3 * max(one, 0.0), "mm", 2) for one in (nearer_m, farther_m)]
+    yield (
+        f"Focus: {ends[0]} nearer or {ends[1]} farther than {formats.setting_text('focus_distance_m', focus_m)} is all "
+        f"there is, finer than the scale of a lens is set ({100 * SCALE_READ_FRAC:g} %, assumed). Focus in live view "
+        "on a chart at that distance from the port under water, lock the ring, and look again once it is warm or cold "
+        "as it will be. An iris closed by one stop more widens this by about 1.4 times and takes twice the light."
+    )
 
 
 def end_text(name: str, value: float, end: SettingEnd, rounding: str) -> str:

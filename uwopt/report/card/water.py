@@ -13,6 +13,11 @@ from uwopt.results.design import Design
 from uwopt.solvers.explain.worse_water import InWorseWater, in_worse_water
 
 CHANGED = ("f_number", "focus_distance_m", "exposure_ms", "pulse_ms", "gain_db", "dim_frac", "frame_rate_hz")
+#: Readings of how clear water is, as they are spoken of.
+READINGS = {
+    "c_per_m": ("beam attenuation", "per metre"), "visibility_m": ("visibility", "m"),
+    "secchi_m": ("Secchi depth", "m"), "turbidity_ntu": ("turbidity", "NTU"),
+}  # fmt: skip
 SAME_REL = 0.005  # a setting that moves by less stays as it is
 
 
@@ -24,9 +29,18 @@ def water_block(model: DesignModel, given: list[SceneSettings], planned: Design,
         return block("If the water is worse than planned", [sentence(said)])
     table = columns(("water", "left"), ("if nothing is changed", "left"), ("what to change", "left"))
     for item in found:
-        cells = (formats.one_line(item.water, 40), missed_text(item.as_planned), change_text(item, planned))
+        cells = (water_text(item.water), missed_text(item.as_planned), change_text(item, planned))
         table.add_row(*map(Text, cells))
     return block("If the water is worse than planned", [table])
+
+
+def water_text(water: str) -> str:
+    """`visibility 2 m` of `visibility_m 2`; a type of water as it is."""
+    key, _, value = water.partition(" ")
+    if key not in READINGS:
+        return formats.one_line(water, 40)
+    name, unit = READINGS[key]
+    return f"{name} {formats.one_line(value, 20)} {unit}"
 
 
 def missed_text(design: Design) -> str:
