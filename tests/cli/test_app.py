@@ -24,6 +24,7 @@ from uwopt.api import solving as api
 from uwopt.api.evaluating import evaluate
 from uwopt.catalog.edition import AS_OF, EDITION
 from uwopt.cli.app import app
+from uwopt.cli.explore import ended_by_signals
 from uwopt.errors import SolverError
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.short import short_text_blocks
@@ -623,6 +624,19 @@ def test_ctrl_c_ends_with_status_130(tmp_path: Path) -> None:
         child.kill()
     assert (child.returncode, stdout) == (130, "")
     assert "interrupted" in stderr and "Traceback" not in stderr
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals differ")
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_page_in_a_script_s_background_ends_by_signals(number: signal.Signals) -> None:
+    before = signal.signal(number, signal.SIG_IGN)  # as a shell leaves it to what it starts with &
+    try:
+        with pytest.raises(KeyboardInterrupt), ended_by_signals():
+            os.kill(os.getpid(), number)
+            time.sleep(5.0)
+        assert signal.getsignal(number) == signal.SIG_IGN
+    finally:
+        signal.signal(number, before)
 
 
 def test_solve_finds_a_system_end_to_end(tmp_path: Path) -> None:

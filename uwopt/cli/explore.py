@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib.util import find_spec
 from typing import Annotated
 
@@ -44,7 +47,19 @@ def explore_command(
 
             webbrowser.open(page.url)
         try:
-            page.serve_forever()
+            with ended_by_signals():
+                page.serve_forever()
         except KeyboardInterrupt:
             return DONE
     return DONE
+
+
+@contextmanager
+def ended_by_signals() -> Iterator[None]:
+    """SIGINT and SIGTERM end what runs as Ctrl-C does, also where a script's background has the former ignored."""
+    before = {one: signal.signal(one, signal.default_int_handler) for one in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for one, handler in before.items():
+            signal.signal(one, handler)
