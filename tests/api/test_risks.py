@@ -131,6 +131,28 @@ def test_missed_requirement_has_value_and_limit(calm: Result) -> None:
     assert (risk.what, risk.figure) == ("motion blur is not as asked for", "2.00 px against 1.00 px")
 
 
+@pytest.mark.parametrize(("end", "sense", "figure"), [
+    ("dof_near_m", "<=", "sharp only from 1.42 m, not from 1.00 m"),
+    ("dof_far_m", ">=", "sharp only to 1.42 m, not to 1.60 m"),
+])  # fmt: skip
+def test_an_end_of_the_depth_of_field_that_is_missed_says_what_is_sharp(
+    calm: Result, end: str, sense: str, figure: str
+) -> None:
+    risk = only(with_margin(calm, margin(end, 1.42, 1.0 if sense == "<=" else 1.6, sense, "m")))
+    assert (risk.what, risk.figure) == ("depth of field is not as asked for", figure)
+
+
+def test_images_that_are_noise_are_told_where_no_signal_to_noise_is_asked(calm: Result) -> None:
+    scene = design_of(calm).scenes[0]
+    unasked = with_scene(calm, replace(scene, margins=[m for m in scene.margins if m.requirement != "min_snr_db"]))
+    risk = only(with_figures(unasked, snr_db=-6.9))
+    assert risk.what == "the images show nothing but noise" and risk.figure == "signal to noise -6.90 dB"
+    assert "requirements.min_snr_db: 20 asks" in risk.because
+    assert only(with_figures(unasked, snr_db=12.0)).what == "the images are noisy"
+    assert risks_of(with_figures(unasked, snr_db=25.0)) == []
+    assert risks_of(with_figures(with_margin(unasked, margin("min_snr_db", 12.0, 10.0, ">=", "dB")), snr_db=12.0)) == []
+
+
 def test_a_requirement_that_is_just_missed_does_not_look_met(calm: Result) -> None:
     risk = only(with_margin(calm, margin("min_snr_db", 24.997, 25.0, ">=", "dB")))
     assert risk.figure == "24.997 dB against 25.000 dB"

@@ -6,6 +6,49 @@ from planted.defect import Defect
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="images that are noise are no risk",
+        file="uwopt/api/risks.py",
+        old="    if scene is None or snr_db >= USABLE_SNR_DB:",
+        new="    if True:",
+        test="tests/api/test_risks.py::test_images_that_are_noise_are_told_where_no_signal_to_noise_is_asked",
+    ),
+    Defect(
+        name="a near end of sharp depth that is missed reads as a depth",
+        file="uwopt/api/risks.py",
+        old="    if stem_of(margin.requirement) not in OFF_FOCUS or margin.value is None:",
+        new="    if True:",
+        test="tests/api/test_risks.py::test_an_end_of_the_depth_of_field_that_is_missed_says_what_is_sharp",
+    ),
+    Defect(
+        name="a page in a script's background cannot be ended",
+        file="uwopt/cli/explore.py",
+        old="signal.signal(one, signal.default_int_handler) for",
+        new="signal.getsignal(one) for",
+        test="tests/cli/test_app.py::test_a_page_in_a_script_s_background_ends_by_signals[SIGINT]",
+    ),
+    Defect(
+        name="a maker is asked in the keys of a file",
+        file="uwopt/report/order/maker_words.py",
+        old="    if column.name in WORDS:",
+        new="    if False:",
+        test="tests/report/order/test_maker_words.py::test_what_each_maker_is_asked_is_worded",
+    ),
+    Defect(
+        name="a card tells the water by its key",
+        file="uwopt/report/card/water.py",
+        old="    if key not in READINGS:",
+        new="    if True:",
+        test="tests/report/card/test_card.py::test_readings_of_water_are_told_in_words_with_their_unit",
+    ),
+    Defect(
+        name="a card keeps how a narrow focus is reached to itself",
+        file="uwopt/report/card/blocks.py",
+        old="    if nearer_m + farther_m > 2.0 * SCALE_READ_FRAC * focus_m:",
+        new="    if True:",
+        test="tests/report/card/test_card.py"
+        "::test_a_focus_finer_than_a_scale_is_set_says_how_to_reach_it_and_what_widens_it",
+    ),
+    Defect(
         name="exact numbers are given as settings to type in", file="uwopt/report/text/short.py",
         old="if design.rounded is None or not design.is_settable:", new="if not design.is_settable:",
         test="tests/report/test_short.py::test_settings_that_were_not_rounded_are_no_settings_to_type_in",

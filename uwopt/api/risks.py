@@ -12,6 +12,7 @@ from dataclasses import replace
 
 from uwopt.evaluation.breathing import BREATHING
 from uwopt.mission.reserves import RECOMMENDED_RESERVE, REFUSED
+from uwopt.mission.weakened import LEAST_SNR_DB
 from uwopt.model.sharpness import RESOLVED_CONTRAST
 from uwopt.results.basis import Risk
 from uwopt.results.design import AS_CENTRAL, PRACTICE_MISSED, Design, Margin, Note, SceneResult
@@ -61,6 +62,8 @@ OFF_FOCUS = {
     "dof_near_m": "a floor that is any nearer, or a focus set any farther, is not sharp",
     "dof_far_m": "a floor that is any farther, or a focus set any nearer, is not sharp",
 }
+OF_NOISE = ("min_snr", "min_snr_db", "min_snr_mean_db", "min_snr_red_db", "resolve_mm")
+USABLE_SNR_DB = 20.0  # below which noise covers detail of a tenth of the signal, as `resolve_mm` implies
 EVEN, VERY_UNEVEN = 0.3, 0.1  # darkest place against the mean
 TELLING_PX = 1.0  # a blur this wide is a cause of detail that is lost
 SEEN_PX = 2.0  # a blur, skew or coloured edge wider than this is seen
@@ -100,7 +103,7 @@ def risks_of(result: Result) -> list[Risk]:
 def missed(result: Result, design: Design) -> Weighed:
     """Requirements that fail as it stands."""
     for name, margin in {asked_name(m): m for m in margins(design) if not m.satisfied}.items():
-        yield 100.0, Risk(f"{name} is not as asked for", "the requirement is missed", against_limit(margin))
+        yield 100.0, Risk(f"{name} is not as asked for", "the requirement is missed", missed_figure(margin))
 
 
 def uncertain(result: Result, design: Design) -> Weighed:
@@ -199,6 +202,20 @@ def lamps_off(result: Result, design: Design) -> Weighed:
         because += f"; with light, exposure and gain set anew up to {helped:.1f}° can be borne"
     weight = 70.0 if helped is None or helped < STEADY_DEG else 45.0
     yield weight, Risk("a lamp slightly off its aim spoils the images", because, f"{held:.1f}° as set")
+
+
+def noisy(result: Result, design: Design) -> Weighed:
+    """Images that drown in noise, as the mission asks for no signal to noise: light is then saved on."""
+    if any(stem_of(margin.requirement) in OF_NOISE for margin in margins(design)):
+        return
+    scene, snr_db = worst(design, "snr_db", least=True)
+    if scene is None or snr_db >= USABLE_SNR_DB:
+        return
+    what = "the images show nothing but noise" if snr_db < LEAST_SNR_DB else "the images are noisy"
+    because = "no signal to noise is asked for, so light is saved on" + in_scene(design, scene)
+    because += f"; requirements.min_snr_db: {USABLE_SNR_DB:g} asks for images that can be used"
+    figure = f"signal to noise {format_quantity(snr_db, 'dB')}"
+    yield (96.0 if snr_db < LEAST_SNR_DB else 60.0), Risk(what, because, figure)
 
 
 def uneven(result: Result, design: Design) -> Weighed:
@@ -407,7 +424,7 @@ def noted(result: Result, design: Design) -> Weighed:
 
 
 RULES: Sequence[Callable[[Result, Design], Weighed]] = (
-    missed, uncertain, at_bad_ends, nothing_in_hand, shallow, floats, in_other_water, lamps_off, uneven,
+    missed, uncertain, at_bad_ends, nothing_in_hand, shallow, floats, in_other_water, lamps_off, noisy, uneven,
     lost_in_corners, seen_in_the_image, smeared_subjects, must_stand_still, weak_colours, wide_open, high_gain,
     held_back, price, to_be_made, maybe_withdrawn, idle_lamps, better_elsewhere, noted,
 )  # fmt: skip
@@ -443,6 +460,15 @@ def room(margin: Margin) -> float | None:
         return None
     left = margin.margin + margin.reserve
     return float(db_to_ratio(left)) - 1.0 if margin.unit == "dB" else left / abs(asked)
+
+
+def missed_figure(margin: Margin) -> str:
+    """Value and limit of what is missed; of an end of the depth of field what is sharp, and what should be."""
+    if stem_of(margin.requirement) not in OFF_FOCUS or margin.value is None:
+        return against_limit(margin)
+    value, limit = ends_of(margin)
+    side = "from" if margin.sense == "<=" else "to"
+    return f"sharp only {side} {value}, not {side} {limit}"
 
 
 def tight_figure(margin: Margin) -> str:

@@ -31,7 +31,7 @@ SHOWN: Mapping[str, str] = {
     "fov_x_m": "Field of view, image width", "fov_y_m": "Field of view, image height",
     "fov_x_deg": "Field of view, image width, seen from the port",
     "fov_y_deg": "Field of view, image height, seen from the port",
-    "dof_near_m": "Depth of field, near end", "dof_far_m": "Depth of field, far end",
+    "dof_near_m": "Nearest that is sharp", "dof_far_m": "Farthest that is sharp",
     "exposure_max_ms": "Longest exposure by blur", "effective_focal_length_mm": "Effective focal length",
     "snr": "Signal to noise, a ratio", "snr_db": "Signal to noise", "mean_dn": "Mean response",
     "mean_level": "Mean image level", "frame_rate_min_hz": "Least frame rate",
