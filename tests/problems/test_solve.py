@@ -134,7 +134,7 @@ def test_settings_to_set_keep_the_information_that_was_asked_for() -> None:
     mission = prepared(PROBLEMS / "reef-mosaic.yaml", None, "information").with_changes(catalog=some)
     goal = Objective.of(mission.objective)
     sought = seek(mission, load_catalog(mission), goal, generic="never", top=1)
-    best = design_of(sought, sought.outcome.best[0], goal)
+    best = design_of(sought, sought.outcome.best[0])
     assert best.rounded is not None and best.objective_value
     assert best.rounded["feasible"]
     exact, marked = best.scenes[0].settings, best.scenes[0].settings_to_set

@@ -34,7 +34,7 @@ def sought() -> Sought:
 
 def test_listed_imagers_change_no_makers_best_system(sought: Sought, monkeypatch: pytest.MonkeyPatch) -> None:
     goal = goal_of(sought.problem.mission)
-    best = design_of(sought, sought.outcome.best[0], goal, with_rounding=False)
+    best = design_of(sought, sought.outcome.best[0], with_rounding=False)
     assert sought.search.every_imager is not None
     listed = beside_best(sought.selection, sought.search, goal, best)
     monkeypatch.setattr(sought.search, "every_imager", None)
@@ -48,7 +48,7 @@ def test_listed_imagers_change_no_makers_best_system(sought: Sought, monkeypatch
 def test_makers_are_held_against_the_best_by_the_same_numbers(sought: Sought) -> None:
     # what was chosen over scenarios has 10 W where it is set; by central numbers it is as the makers' systems are
     goal = goal_of(sought.problem.mission)
-    best = design_of(sought, sought.outcome.best[0], goal, with_rounding=False)
+    best = design_of(sought, sought.outcome.best[0], with_rounding=False)
     plain = beside_best(sought.selection, sought.search, goal, best)
     chosen = replace(best, objective_value=10.0)
     listed = beside_best(sought.selection, sought.search, goal, chosen, central=best.objective_value)

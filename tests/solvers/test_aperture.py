@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
@@ -93,4 +94,4 @@ def test_a_wrong_aperture_is_not_confirmed() -> None:
 def test_no_aperture_for_information_is_told_where_power_counts() -> None:
     """It takes more light than is worth its power: a quadrat frame is worth 2.4 % less so."""
     image = Objective.best_image("information", per_w=0.01, per_money=0.0)
-    assert aperture_opinions(cast(Any, None), cast(Any, None), image) == []
+    assert aperture_opinions(cast(Any, SimpleNamespace(goal=image)), cast(Any, None)) == []

@@ -188,7 +188,7 @@ def test_what_more_buys_is_the_best_within_it(name: str, monkeypatch: pytest.Mon
     monkeypatch.setattr(knee, "MORE_USD", 1600.0)
     search, outcome = catalogue(wanted(name)).solve(top=1)
     each, found = seen(name), outcome.best[0]
-    told = knee.knee(Sought(None, search.problem, search, outcome), search.objective)  # type: ignore[arg-type]
+    told = knee.knee(Sought(None, search.problem, search, outcome))  # type: ignore[arg-type]
     assert told is not None
     per_w, per_100_usd = GAINS[name]
     mine = math.exp(-found.minimised) * (1 + per_w) ** found.power_w * (1 + per_100_usd) ** (found.cost / 100.0)

@@ -23,13 +23,13 @@ def price(ends: Ends) -> dict[str, Any]:
     return {"price": Quantity(value, low, high, "estimated" if high > low else "published")}
 
 
-def of_three(*rivals: Ends) -> tuple[Any, Any]:
-    """A search among a camera of 900 to 1500 and these, and its objective."""
+def of_three(*rivals: Ends) -> Sought:
+    """A search among a camera of 900 to 1500 and these."""
     cameras = [price(rival) for rival in rivals]
     case_ = with_parts(one("cost", wanted=FAST, camera=price((900.0, 1000.0, 1500.0))), cameras=cameras)
     search, outcome = case_.solve(top=3)
     assert len(outcome.best) == 3
-    return Sought(None, search.problem, search, outcome), case_.objective  # type: ignore[arg-type]
+    return Sought(None, search.problem, search, outcome)  # type: ignore[arg-type]
 
 
 def told(winner: Ends, rival: Ends, objective: str = "cost") -> list[dict[str, Any]]:
@@ -37,7 +37,7 @@ def told(winner: Ends, rival: Ends, objective: str = "cost") -> list[dict[str, A
     case_ = with_parts(one(objective, wanted=FAST, camera=price(winner)), cameras=[price(rival)])
     search, outcome = case_.solve(top=2)
     assert len(outcome.best) == 2
-    return equals(Sought(None, search.problem, search, outcome), case_.objective)  # type: ignore[arg-type]
+    return equals(Sought(None, search.problem, search, outcome))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
@@ -61,8 +61,8 @@ def test_the_ends_are_those_of_the_parts_that_differ() -> None:
 
 
 def test_what_time_does_not_reach_is_told_and_what_it_reached_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
-    sought, goal = of_three((950.0, 1100.0, 1200.0), (950.0, 1200.0, 1300.0))
-    assert [item["runner_up"] for item in equals(sought, goal)] == [0, 1]
+    sought = of_three((950.0, 1100.0, 1200.0), (950.0, 1200.0, 1300.0))
+    assert [item["runner_up"] for item in equals(sought)] == [0, 1]
     whole, asked = module.with_ends, []
 
     def two_of_four(*given: Any) -> float:
@@ -73,12 +73,12 @@ def test_what_time_does_not_reach_is_told_and_what_it_reached_is_kept(monkeypatc
 
     monkeypatch.setattr(module, "with_ends", two_of_four)
     deadline = Deadline()
-    assert [item["runner_up"] for item in equals(sought, goal, deadline)] == [0]
+    assert [item["runner_up"] for item in equals(sought, deadline)] == [0]
     assert deadline.left_out == [module.UNREACHED]
 
 
 def test_what_was_chosen_over_scenarios_is_tied_with_what_these_cannot_tell_apart() -> None:
-    sought, goal = of_three((950.0, 1100.0, 1200.0), (950.0, 1200.0, 1300.0))
+    sought = of_three((950.0, 1100.0, 1200.0), (950.0, 1200.0, 1300.0))
     second = sought.outcome.best[1]
-    assert [item["runner_up"] for item in equals(sought, goal, tied=lambda found: found is second)] == [0]
-    assert equals(sought, goal, tied=lambda found: False) == []
+    assert [item["runner_up"] for item in equals(sought, tied=lambda found: found is second)] == [0]
+    assert equals(sought, tied=lambda found: False) == []

@@ -100,8 +100,8 @@ def test_signal_to_noise_of_mean_and_frame_has_its_price_by_either(reef, less_db
     wanted = reef.with_changes(requirements=asked)
     goal = goal_of(wanted)
     sought = Searches(load_catalog(wanted), goal, 5).of(wanted).sought
-    winner = design_of(sought, sought.outcome.best[0], goal)
-    told = {price.name: price for price in prices(sought, goal, winner, (), NEVER)}
+    winner = design_of(sought, sought.outcome.best[0])
+    told = {price.name: price for price in prices(sought, winner, (), NEVER)}
     before, snr_db = sought.outcome.best[0].power_w, 1.0 + told["min_snr_db"].asked
     more = optimum(wanted.with_changes(requirements=asked | {"min_snr": None, "min_snr_db": snr_db}))
     assert told["min_snr_db"].change == pytest.approx(more - before, rel=1e-3) and more > before
@@ -109,7 +109,7 @@ def test_signal_to_noise_of_mean_and_frame_has_its_price_by_either(reef, less_db
     if frame_binds:
         all_of_it = optimum(wanted.with_changes(requirements=asked | {"snr_at_less_db": 0.0}))
         assert told["snr_at_less_db"].change == pytest.approx(all_of_it - before, rel=1e-3) and all_of_it > before
-    every = {price.name: price for price in prices(sought, goal, winner, (), NEVER, every=True)}
+    every = {price.name: price for price in prices(sought, winner, (), NEVER, every=True)}
     free_db = every["snr_at_less_db"].free_until
     assert (free_db is None) is frame_binds
     if free_db is not None:

@@ -66,7 +66,7 @@ def recommended(off_deg: float, lights: tuple[Any, ...]) -> tuple[Design, list[s
     """What is recommended of lamps that burn as they do, with the codes of its warnings."""
     made = case(lights, off_deg, min_snr_db=20.0)
     search, outcome = made.solve(top=2)
-    design = best_settable(Sought(None, search.problem, search, outcome), made.objective)[1]  # type: ignore[arg-type]
+    design = best_settable(Sought(None, search.problem, search, outcome))[1]  # type: ignore[arg-type]
     return design, [note.code for note in design.warnings]
 
 

@@ -71,7 +71,7 @@ def test_the_same_water_by_three_readings_gives_one_answer():
 def test_the_ends_of_a_reading_are_solved_again():
     # 4.1 / 10 m = 0.41, 5.5 / 10 m = 0.55
     found = sought("visibility_m", 10.0)
-    told = in_other_waters(found, case(visibility_m=10.0).objective)[:2]
+    told = in_other_waters(found)[:2]
     ends = [entry["case"]["reading"] for entry in told]
     assert ends[0] == "clearest water that fits visibility_m 10 (c = 0.41 1/m at 530 nm)"
     assert ends[1] == "murkiest water that fits visibility_m 10 (c = 0.55 1/m at 530 nm)"
@@ -82,11 +82,11 @@ def test_the_ends_of_a_reading_are_solved_again():
 def test_a_type_has_no_ends_of_a_reading():
     search, outcome = case(water="II").solve(top=1)
     found = Sought(None, search.problem, search, outcome)  # type: ignore[arg-type]
-    assert not [w for w in in_other_waters(found, case(water="II").objective) if "reading" in w["case"]]
+    assert not [w for w in in_other_waters(found) if "reading" in w["case"]]
 
 
 def test_the_other_table_is_tried_with_the_same_reading():
-    cases = [entry["case"] for entry in in_other_waters(sought("c_per_m", 0.5), case(c_per_m=0.5).objective)]
+    cases = [entry["case"] for entry in in_other_waters(sought("c_per_m", 0.5))]
     assert {"solonenko-mobley", "measured"} == {one["water_table"] for one in cases}
 
 
@@ -127,7 +127,7 @@ def test_the_assumptions_hold_relation_range_and_what_is_measured_best():
 def test_the_text_says_what_to_measure():
     found = sought("visibility_m", 10.0)
     result = base_result("solve", found.problem.mission, case(visibility_m=10.0).objective, found.problem)
-    doubts = {"waters": in_other_waters(found, case(visibility_m=10.0).objective)[:1]}
+    doubts = {"waters": in_other_waters(found)[:1]}
     assert "transmissometer" in repr(robustness_block(replace(result, robustness=doubts)))
 
 

@@ -92,7 +92,7 @@ def test_rivals_stand_at_their_good_end_and_the_winner_at_its_bad_one() -> None:
 
 def test_the_regret_is_what_a_rival_saves_at_worst() -> None:
     """The winner at 1500, its rival at 950: 550 USD."""
-    doubt = robustness(sought(), sought().search.objective)
+    doubt = robustness(sought())
     assert doubt is not None
     assert doubt["max_regret"] == pytest.approx(550.0)
     assert doubt["value_at_bad_end"] == pytest.approx(1500.0 + 500.0 + 300.0 + 500.0)
@@ -101,7 +101,7 @@ def test_the_regret_is_what_a_rival_saves_at_worst() -> None:
 
 def test_the_quotes_that_matter_are_those_that_change_the_choice() -> None:
     """The winner at 1500 loses against 1100; the rival at 950 wins against 1000."""
-    doubt = robustness(sought(), sought().search.objective)
+    doubt = robustness(sought())
     assert doubt is not None
     assert {(quote["part"], quote["field"]) for quote in doubt["quotes_that_matter"]} == {
         ("camera", "price"), ("camera-0", "price"),
@@ -139,7 +139,7 @@ def test_a_rival_keeps_its_housing_among_the_catalogue() -> None:
 
 def test_a_price_does_not_matter_where_none_is_asked_for() -> None:
     """Least power knows no money."""
-    doubt = robustness(sought("power"), sought("power").search.objective)
+    doubt = robustness(sought("power"))
     assert doubt is not None and doubt["quotes_that_matter"] == []
 
 
@@ -161,7 +161,7 @@ def doubt_of_a_dome(wanted: dict[str, Any], lens: dict[str, Any]) -> tuple[Sough
     )
     search, outcome = case_.solve(top=2)
     sought_ = Sought(None, search.problem, search, outcome)  # type: ignore[arg-type]
-    doubt = robustness(sought_, search.objective)
+    doubt = robustness(sought_)
     assert doubt is not None
     return sought_, doubt
 

@@ -145,7 +145,7 @@ def test_rounding_ends_with_the_time() -> None:
     search, outcome = case.solve(top=1)
     sought, clock = Sought(cast(Any, None), search.problem, search, outcome), count(1)
     late = Deadline(1.5, clock.__next__)  # its clock counts readings: time is over at the second, within the rounding
-    _, design = best_settable(sought, case.objective, late)
+    _, design = best_settable(sought, late)
     assert design.rounded is None and late.left_out == [SETTINGS_TO_SET]
     assert next(clock) < 6  # and is not asked again by every setting that might be tried
 

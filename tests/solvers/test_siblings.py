@@ -17,17 +17,17 @@ FAST = {"max_blur_px": 1.0, "min_snr_db": 26.0}
 OWN: dict[str, Any] = {"chip": "IMX000", "interface": "USB3"}
 
 
-def sought_among(others: list[dict[str, Any]], **wanted: Any) -> tuple[Any, Any]:
+def sought_among(others: list[dict[str, Any]], **wanted: Any) -> Sought:
     """A search among a camera of 1000 USD and 3 W with a named sensor and these, each changed from it."""
     dearer = [{"price": exact(1100.0 + n), **OWN, **other} for n, other in enumerate(others)]
     case_ = with_parts(one("cost", wanted=FAST | wanted, camera=OWN), cameras=dearer)
     search, outcome = case_.solve(top=1)
-    return Sought(None, search.problem, search, outcome), case_.objective  # type: ignore[arg-type]
+    return Sought(None, search.problem, search, outcome)  # type: ignore[arg-type]
 
 
 def told(others: list[dict[str, Any]], **wanted: Any) -> list[dict[str, Any]]:
     """What is said of them."""
-    return siblings(*sought_among(others, **wanted))
+    return siblings(sought_among(others, **wanted))
 
 
 def test_the_same_chip_in_another_case_is_told_with_what_it_costs() -> None:
@@ -48,7 +48,7 @@ def test_what_takes_other_images_is_no_sibling(other: dict[str, Any]) -> None:
 def test_cameras_without_a_named_chip_have_no_siblings() -> None:
     case_ = with_parts(one("cost", wanted=FAST), cameras=[{"price": exact(1100.0)}])
     search, outcome = case_.solve(top=1)
-    assert siblings(Sought(None, search.problem, search, outcome), case_.objective) == []  # type: ignore[arg-type]
+    assert siblings(Sought(None, search.problem, search, outcome)) == []  # type: ignore[arg-type]
 
 
 def test_a_few_columns_less_of_the_same_chip_are_a_sibling() -> None:
@@ -65,8 +65,8 @@ def test_what_time_does_not_reach_is_told(monkeypatch: pytest.MonkeyPatch) -> No
     def too_late(*given: Any) -> list[float]:
         raise OutOfTimeError
 
-    sought, goal = sought_among([{}])
+    sought = sought_among([{}])
     monkeypatch.setattr(module, "best_of_each", too_late)
     deadline = Deadline()
-    assert siblings(sought, goal, deadline) == []
+    assert siblings(sought, deadline) == []
     assert deadline.left_out == [module.UNREACHED]

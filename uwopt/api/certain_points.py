@@ -58,7 +58,7 @@ class CertainPoints:
             return WhatIfPoint(list(values), "infeasible" if sought.outcome.complete else "stopped")
         winner = None
         if math.isfinite(self.deadline.end_s):
-            sought, winner = best_settable(sought, goal, self.deadline)
+            sought, winner = best_settable(sought, self.deadline)
         made = with_confidence(sought, winner, watch, self.last)
         counted, design = made.counted, made.design
         if counted is None:

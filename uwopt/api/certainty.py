@@ -119,7 +119,7 @@ def as_central(
     """The best by central numbers, where none was counted that fits by them, and in how many scenarios it holds."""
     goal, deadline, proven = sought.goal, watch.deadline, sought.outcome
     if winner is None:
-        sought, winner = best_settable(sought, goal, deadline)
+        sought, winner = best_settable(sought, deadline)
     design, found = winner, sought.outcome.best[0]
     problem, first = sought.problem.with_mount(found.lighting.mount), winner.scenes[0]
     asked, given = problem.mission.confidence, settings_of(first.settings_to_set or first.settings)
@@ -148,7 +148,7 @@ def as_settable(sought: Sought, certain: Certain, deadline: Deadline) -> tuple[C
         if found is None:
             continue
         at = problem if one.f_number is None else problem.at_f_number(one.f_number)
-        design = design_of(replace(sought, problem=at), found, goal, deadline=deadline)
+        design = design_of(replace(sought, problem=at), found, deadline=deadline)
         chosen = certain if one is certain.best else replace(certain, best=one, central=found)
         tried.append((chosen, design))
         if design.is_settable:
@@ -165,7 +165,7 @@ def of_known(sought: Sought, certain: Certain, design: Design, deadline: Deadlin
     had = {names(problem, one.found) for one in certain.tried}
     others = [one for one in sought.outcome.best if names(problem, one) not in had]
     for found in others if not deadline.passed() else ():
-        made = design_of(sought, found, goal, deadline=deadline)
+        made = design_of(sought, found, deadline=deadline)
         if not made.is_settable:
             continue
         outcomes = outcomes_of_each(problem, [found], goal, certain.scenarios)[0]

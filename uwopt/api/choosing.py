@@ -85,18 +85,18 @@ def chosen_of(searched: Searched, watch: Watch, before: Counts | None = None) ->
     mission, sought, alternative, given_way = (
         searched.mission, searched.sought, searched.alternative, searched.given_way
     )  # fmt: skip
-    goal, deadline = sought.goal, watch.deadline
+    deadline = watch.deadline
     cut = alternative is not None and alternative.outcome.interrupted
     others: list[Design] = []
     central, winner = mission.confidence == CENTRAL, None
     with watch.timed("evaluation"):
         try:
             if central or math.isfinite(deadline.end_s):  # else what is recommended is still to be counted
-                sought, winner = best_settable(sought, goal, deadline)
+                sought, winner = best_settable(sought, deadline)
             runners_up = sought.outcome.best[1:]
-            others = [design_of(sought, found, goal, with_rounding=False) for found in runners_up]
+            others = [design_of(sought, found, with_rounding=False) for found in runners_up]
         except KeyboardInterrupt:  # what is proven is not lost; asked again, it is
-            cut, winner = True, design_of(sought, sought.outcome.best[0], goal)
+            cut, winner = True, design_of(sought, sought.outcome.best[0])
     if not cut and not central:
         from uwopt.api.certainty import with_confidence
 
@@ -109,7 +109,7 @@ def chosen_of(searched: Searched, watch: Watch, before: Counts | None = None) ->
             )
         except KeyboardInterrupt:
             cut = True
-    winner = winner or design_of(sought, sought.outcome.best[0], goal)
+    winner = winner or design_of(sought, sought.outcome.best[0])
     return Recommendation(mission, sought, alternative, sought.outcome, winner, others, given_way=given_way, cut=cut)
 
 

@@ -48,11 +48,11 @@ def doubted(made: Result, chosen: Recommendation, wanted: ToTell, watch: Watch) 
     from uwopt.solvers.explain.prices import prices
 
     sought, winner, cut = chosen.sought, chosen.design, False
-    goal, none = sought.goal, list[dict[str, Any]]()
+    none = list[dict[str, Any]]()
     patient = watch.until(watch.deadline.or_after(DOUBTS_S, processor_s))
     try:
-        if wanted.doubts and goal.quality:
-            made = replace(made, knee=watch.within("knee", lambda limit: knee(sought, goal, limit), None))
+        if wanted.doubts and sought.goal.quality:
+            made = replace(made, knee=watch.within("knee", lambda limit: knee(sought, limit), None))
         if wanted.doubts:
             slow = watch if wanted.solver != "exact" else patient  # what is asked for by name takes its time
             opinions = slow.within(
@@ -60,7 +60,7 @@ def doubted(made: Result, chosen: Recommendation, wanted: ToTell, watch: Watch) 
             )
             made = replace(made, solvers=opinions)
             costs = patient.within(
-                "prices", lambda limit: prices(sought, goal, winner, opinions, limit), list[Price]()
+                "prices", lambda limit: prices(sought, winner, opinions, limit), list[Price]()
             )
             made = replace(made, prices=costs)
         if wanted.doubts:
@@ -126,16 +126,16 @@ def doubts_of(
     from uwopt.solvers.explain.same_sensor import UNREACHED, siblings
     from uwopt.solvers.explain.ties import equals
 
-    goal, none = sought.goal, list[dict[str, Any]]()
+    none = list[dict[str, Any]]()
     tied = None if choice is None else partial(tied_with_best, sought.problem, choice)
     each: dict[str, tuple[str, Callable[[], Any], Any]] = {
-        "robustness": (STAGES["robustness"], lambda: robustness(sought, goal, deadline=deadline), None),
-        "equal": (EQUAL, lambda: equals(sought, goal, deadline, tied), none),
-        "siblings": (UNREACHED, lambda: siblings(sought, goal, deadline), none),
-        "waters": ("other waters", lambda: in_other_waters(sought, goal, deadline), none),
-        "tilt": ("how far lamps may lean", lambda: tilt_tolerance(sought, winner, goal, deadline), None),
+        "robustness": (STAGES["robustness"], lambda: robustness(sought, deadline=deadline), None),
+        "equal": (EQUAL, lambda: equals(sought, deadline, tied), none),
+        "siblings": (UNREACHED, lambda: siblings(sought, deadline), none),
+        "waters": ("other waters", lambda: in_other_waters(sought, deadline), none),
+        "tilt": ("how far lamps may lean", lambda: tilt_tolerance(sought, winner, deadline), None),
         "outside_certificate": (
-            "lamps between the grid's places", lambda: polished_mount(sought, goal, deadline), None
+            "lamps between the grid's places", lambda: polished_mount(sought, deadline), None
         ),
     }  # fmt: skip
     return {name: partial(deadline.within, *of) for name, of in each.items()}
@@ -161,16 +161,15 @@ def second_opinions(sought: Sought, solver: str, deadline: Deadline) -> list[dic
     """The winner's settings solved again by continuous solvers, compared by objective."""
     from uwopt.solvers.continuous import opinions
 
-    goal = sought.goal
     if solver == "bonmin":
-        return [opinions.mixed_opinion(sought, goal, max_seconds=min(opinions.BONMIN_S, deadline.left_s))]
+        return [opinions.mixed_opinion(sought, max_seconds=min(opinions.BONMIN_S, deadline.left_s))]
     methods = {"exact": ("casadi",), "casadi": ("casadi",), "nlopt": ("slsqp", "cobyla", "global")}[solver]
-    if not opinions.smooth(sought, goal):
-        return opinions.aperture_opinions(sought, sought.outcome.best[0], goal)
+    if not opinions.smooth(sought):
+        return opinions.aperture_opinions(sought, sought.outcome.best[0])
     few = sought.outcome.best[:1] if solver == "exact" else sought.outcome.best
     made = []
     for found in few:
         for method in methods:
             deadline.check()
-            made.append(opinions.opinion(sought, found, goal, method, deadline))
+            made.append(opinions.opinion(sought, found, method, deadline))
     return made

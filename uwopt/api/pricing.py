@@ -78,11 +78,11 @@ def every_price(
         return told, True
     generic = sought.selection.generic
     try:
-        told = prices(sought, sought.goal, result.recommendation, (), deadline, every=True)
+        told = prices(sought, result.recommendation, (), deadline, every=True)
         keys = {price.name: place for place, price in enumerate(told)}
         progress(0.0, "what would be best without each requirement")
         phase = deadline.at_most(WITHOUT_SHARE * deadline.left_s)
-        for key, value in without_each(sought, sought.goal, list(keys), generic, phase):
+        for key, value in without_each(sought, list(keys), generic, phase):
             told[keys[key]] = replace(told[keys[key]], without=value)
         told = range_prices(
             mission, replace(result, prices=told), deadline=deadline, progress=progress, sought=sought, every=True

@@ -29,7 +29,7 @@ def recommended(chosen: Recommendation, deadline: Deadline) -> Result:
     other, generic = chosen.alternative, None
     problem, goal, best = sought.problem, sought.goal, sought.outcome.best[0]
     if other is not None and other.outcome.best:
-        generic = design_of(other, other.outcome.best[0], goal, deadline=deadline)
+        generic = design_of(other, other.outcome.best[0], deadline=deadline)
     hardware = hardware_of(best)
     influences = influences_of(problem, hardware, given_of(problem, hardware, best.settings))
     proof = certificate(sought.selection, problem, chosen.proven, goal)

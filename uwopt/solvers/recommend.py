@@ -92,10 +92,10 @@ def scene_rows_of(search: Search, found: Found) -> list[SceneRows]:
 
 
 def design_of(
-    sought: Sought, found: Found, objective: Objective, *, with_rounding: bool = True, deadline: Deadline = NEVER
+    sought: Sought, found: Found, *, with_rounding: bool = True, deadline: Deadline = NEVER
 ) -> Design:
     """A found design as a result: evaluated again, checked, and rounded as far as there is time."""
-    problem = sought.problem
+    problem, objective = sought.problem, sought.goal
     hardware, design = hardware_of(found), evaluated(problem, found, objective)
     check_claim(design, found, objective)
     design = replace(design, warnings=[*part_warnings(problem, hardware), *design.warnings])
@@ -112,7 +112,7 @@ def with_tilt(problem: Problem, hardware: Hardware, design: Design) -> Design:
     return replace(design, warnings=[*design.warnings, *tilt_notes(problem, hardware, given)])
 
 
-def best_settable(sought: Sought, objective: Objective, deadline: Deadline = NEVER) -> tuple[Sought, Design]:
+def best_settable(sought: Sought, deadline: Deadline = NEVER) -> tuple[Sought, Design]:
     """The best design as a person can set it, and the search with it at the head of those it found.
 
     By exact numbers the first is best. Where it cannot be set, or not so that lamps may lean as far as the mission's
@@ -120,13 +120,14 @@ def best_settable(sought: Sought, objective: Objective, deadline: Deadline = NEV
     numbers, so few are tried, and the bound of the search holds for all. Where none can be set, the first is
     recommended all the same, with a warning. What the deadline does not reach is not tried.
     """
+    objective = sought.goal
     found = sought.outcome.best
-    first = chosen = design_of(sought, found[0], objective, deadline=deadline)
+    first = chosen = design_of(sought, found[0], deadline=deadline)
     place, value, much = 0, value_as_set(first, objective), objective.step(WORTH_REL, found[0].minimised)
     for index, other in enumerate(found[1:], 1):
         if other.minimised >= value - much or deadline.passed():
             break
-        design = design_of(sought, other, objective, deadline=deadline)
+        design = design_of(sought, other, deadline=deadline)
         own = value_as_set(design, objective)
         if own < value - much:
             place, value, chosen = index, own, design

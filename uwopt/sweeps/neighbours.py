@@ -71,7 +71,7 @@ def row_of_best(
     """The row of a mission with its best system; None where another might be recommended."""
     assert answer.found is not None
     goal, best = goal_of(mission), answer.found
-    winner = design_of(sought, best, goal)
+    winner = design_of(sought, best)
     if best.minimised < value_as_set(winner, goal) - goal.step(WORTH_REL, best.minimised):
         return None  # the next may be better as it can be set
     gap = goal.share(max(best.minimised - answer.lower_bound, 0.0), best.minimised)

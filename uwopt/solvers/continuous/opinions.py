@@ -25,9 +25,9 @@ MOST_CANDIDATES = 12  # open to Bonmin's choice
 BONMIN_S = 10.0  # of processor time
 
 
-def smooth(sought: Sought, objective: Objective) -> bool:
+def smooth(sought: Sought) -> bool:
     """Whether the continuous solvers' program holds what the mission asks."""
-    return not why_not_smooth(sought.problem, objective)
+    return not why_not_smooth(sought.problem, sought.goal)
 
 
 def why_not_smooth(problem: Problem, objective: Objective) -> str:
@@ -44,11 +44,12 @@ def why_not_smooth(problem: Problem, objective: Objective) -> str:
     return ""
 
 
-def aperture_opinions(sought: Sought, found: Found, objective: Objective) -> list[dict[str, Any]]:
+def aperture_opinions(sought: Sought, found: Found) -> list[dict[str, Any]]:
     """CasADi's word on the aperture of a winner chosen for its information, one a scene.
 
     None where power counts too: the best aperture for information alone takes more light than is worth its power.
     """
+    objective = sought.goal
     if not objective.weight("information") or objective.weight("power"):
         return []
     from uwopt.solvers.continuous.aperture import confirmed
@@ -83,9 +84,10 @@ def aperture_opinions(sought: Sought, found: Found, objective: Objective) -> lis
 
 
 def opinion(
-    sought: Sought, found: Found, objective: Objective, method: str, deadline: Deadline = NEVER
+    sought: Sought, found: Found, method: str, deadline: Deadline = NEVER
 ) -> dict[str, Any]:
     """What a continuous solver finds for one hardware, beside the search's value."""
+    objective = sought.goal
     answer = solve_settings(
         scene_rows_of(sought.search, found),
         **fixed_of(sought, found),
@@ -117,8 +119,9 @@ def opinion(
 # ---------------------------------------------------------------- hardware and settings together
 
 
-def mixed_opinion(sought: Sought, objective: Objective, *, max_seconds: float = BONMIN_S) -> dict[str, Any]:
+def mixed_opinion(sought: Sought, *, max_seconds: float = BONMIN_S) -> dict[str, Any]:
     """What Bonmin chooses of the best systems, their numbers of lamps and steps of light, settings included."""
+    objective = sought.goal
     best = sought.outcome.best[0]
     told: dict[str, Any] = {
         "method": "bonmin", "hardware": [], "status": "not applicable", "objective_value": None, "difference_rel": None,

@@ -26,8 +26,9 @@ MORE_W, MORE_USD = 1.0, 100.0
 TOLD_REL = 2e-4  # of a gain: twice what settings are searched to
 
 
-def knee(sought: Sought, goal: Objective, deadline: Deadline = NEVER) -> Knee | None:
+def knee(sought: Sought, deadline: Deadline = NEVER) -> Knee | None:
     """What more power and money buy beside the best of a search; None where the objective has no knee."""
+    goal = sought.goal
     mission, found = sought.problem.mission, sought.outcome.best[0]
     wanted = mission.objective
     if not goal.quality or not isinstance(wanted, BestImageGoal):
@@ -41,7 +42,7 @@ def knee(sought: Sought, goal: Objective, deadline: Deadline = NEVER) -> Knee | 
     ):  # fmt: skip
         more = {"power_w": power_w, "cost": cost}
         more[what] += amount
-        gain, parts = best_within(sought, goal, more, deadline)
+        gain, parts = best_within(sought, more, deadline)
         bought.append(Bought(what, amount, unit, gain, parts, limit is not None and more[what] > limit))
     log_quality = log_quality_of(goal, found)
     unit = goal.unit(limits.currency)
@@ -54,9 +55,10 @@ def log_quality_of(goal: Objective, found: Found) -> float:
 
 
 def best_within(
-    sought: Sought, goal: Objective, limits: dict[str, float], deadline: Deadline
+    sought: Sought, limits: dict[str, float], deadline: Deadline
 ) -> tuple[float, dict[str, str]]:
     """The share by which the best within other limits is better, and its parts; 0 and none where nothing is."""
+    goal = sought.goal
     quality = Objective.best_image(goal.quality, per_w=0.0, per_money=0.0)
     mine = -log_quality_of(goal, sought.outcome.best[0])
     problem = with_limits(sought.problem, limits)

@@ -35,12 +35,13 @@ FIRST_STEP = (0.025, 1.25)  # half a grid step of baseline [m] and tilt [deg]
 
 
 def tilt_tolerance(
-    sought: Sought, design: Design, objective: Objective, deadline: Deadline = NEVER
+    sought: Sought, design: Design, deadline: Deadline = NEVER
 ) -> dict[str, Any] | None:
     """How far the lamps' tilt may be off, outward and inward, before a requirement breaks [deg].
 
     Once with the settings held as they are to be set, once with light, exposure and gain set anew.
     """
+    objective = sought.goal
     if sought.problem.paper:
         return None
     found = sought.outcome.best[0]
@@ -112,11 +113,12 @@ def by_mount(own: Problem, objective: Objective, deadline: Deadline) -> Callable
     return lambda mount: best_of(own.standing_at(mount), objective, deadline, imagers())
 
 
-def polished_mount(sought: Sought, objective: Objective, deadline: Deadline = NEVER) -> dict[str, Any] | None:
+def polished_mount(sought: Sought, deadline: Deadline = NEVER) -> dict[str, Any] | None:
     """Baseline and tilt between the grid's points that do better for the winner's parts, if any.
 
     A pattern search from the winner's mount within the mission's ranges; None where nothing may vary.
     """
+    objective = sought.goal
     vehicle = sought.problem.mission.vehicle
     found = sought.outcome.best[0]
     ranges = (vehicle.light_baseline_range_m, vehicle.light_tilt_range_deg)

@@ -19,7 +19,6 @@ from uwopt.catalog.curves.spectra import water_types
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.scene import LampLeg, SceneOptics, scene_optics
 from uwopt.mission.mission import Mission
-from uwopt.objectives.objective import Objective
 from uwopt.solvers.one_hardware import best_of, pieces_of, problem_of
 from uwopt.solvers.recommend import Sought
 from uwopt.solvers.settings.best import scenes_need_cells
@@ -35,13 +34,13 @@ OTHER: dict[str, Literal["measured", "solonenko-mobley"]] = {
 }
 
 
-def in_other_waters(sought: Sought, objective: Objective, deadline: Deadline = NEVER) -> list[dict[str, Any]]:
+def in_other_waters(sought: Sought, deadline: Deadline = NEVER) -> list[dict[str, Any]]:
     """The systems shown, solved again with the water's range, the other table and both bounds of K on the lamp leg."""
     problem = sought.problem
     if problem.paper or not sought.outcome.best:
         return []
     return [
-        {"case": name, **verdict(sought, objective, scenes, deadline)}
+        {"case": name, **verdict(sought, scenes, deadline)}
         for name, scenes in (
             *ends_of_readings(problem.mission, problem.scenes),
             *variants(problem.mission, problem.scenes),
@@ -112,10 +111,10 @@ def changed_scene(
 
 
 def verdict(
-    sought: Sought, objective: Objective, scenes: list[SceneOptics], deadline: Deadline
+    sought: Sought, scenes: list[SceneOptics], deadline: Deadline
 ) -> dict[str, Any]:
     """How the systems shown do in other waters, and whether another of them would be chosen."""
-    problem = sought.problem
+    problem, objective = sought.problem, sought.goal
     slow = scenes_need_cells(problem.scenes, objective)
     shown = sought.outcome.best[: 1 if slow else MOST_SHOWN]
     values = [best_of(problem_of(problem, found, scenes=scenes), objective, deadline) for found in shown]

@@ -121,7 +121,7 @@ def step_of(key: str, asked: float) -> float:
 
 
 def prices(
-    sought: Sought, goal: Objective, winner: Design, opinions: Sequence[Mapping[str, Any]], deadline: Deadline, *,
+    sought: Sought, winner: Design, opinions: Sequence[Mapping[str, Any]], deadline: Deadline, *,
     every: bool = False,
 ) -> list[Price]:  # fmt: skip
     """What a step more of each binding requirement costs with this system, as far as there is time.
@@ -134,7 +134,7 @@ def prices(
         deadline.check()
 
         def at(more: float, key: Varied = key, asked: float = asked) -> float | None:
-            return reached(sought, found, base, goal, key, rounded(asked + more), solved)
+            return reached(sought, found, base, key, rounded(asked + more), solved)
 
         here = at(0.0)
         if here is None:
@@ -151,7 +151,7 @@ def prices(
             continue
         there = at(step)
         slope = 0.0 if free is not None else slope_at(at, SMALL * abs(step))
-        told = snr_slope(opinions, goal) if key.name == SNR else None
+        told = snr_slope(opinions, sought.goal) if key.name == SNR else None
         change = None if there is None else 0.0 if costs_nothing(here, there) else there - here
         made.append(Price(key.name, unit, asked, step, change, slope, told, free_until=free))
     return made
@@ -179,13 +179,14 @@ def costs_nothing(here: float, there: float | None) -> bool:
 
 
 def reached(
-    sought: Sought, found: Found, base: VariedMission, goal: Objective, key: Varied, value: float,
+    sought: Sought, found: Found, base: VariedMission, key: Varied, value: float,
     solved: list[tuple[Mission, float | None]],
 ) -> float | None:  # fmt: skip
     """The objective, as it is reported, of one system where a key has another value; None where it does not fit.
 
     solved : what missions reached before: what is asked of one key is asked of all, so that its mission comes again
     """
+    goal = sought.goal
     try:
         mission = base.with_values({key: value})
     except MissionError:

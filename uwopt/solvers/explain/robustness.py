@@ -61,7 +61,7 @@ Variant = tuple[str, str, str]  # kind, field ("" for all), end
 
 
 def values_with(
-    sought: Sought, found: Found, objective: Objective, variants: Sequence[Variant | None],
+    sought: Sought, found: Found, variants: Sequence[Variant | None],
     deadline: Deadline = NEVER,
 ) -> list[float]:  # fmt: skip
     """Best objective of one hardware with one number, or all, of one part changed; inf where infeasible.
@@ -81,17 +81,18 @@ def values_with(
             place[slot] = len(lists[slot])
             lists[slot].append(made(lists[slot][0], end, only=name or None))
         places.append(place)
-    return best_of_each(problem_of(base, found, lists=lists), objective, places, deadline)
+    return best_of_each(problem_of(base, found, lists=lists), sought.goal, places, deadline)
 
 
 def robustness(
-    sought: Sought, objective: Objective, *, top: int = 3, deadline: Deadline = NEVER
+    sought: Sought, *, top: int = 3, deadline: Deadline = NEVER
 ) -> dict[str, Any] | None:
     """Regret, rival, and the quotes that could change the answer.
 
     The search for a rival ends after half of the time left, or after a while where settings have no closed form
     (`complete` says so); then single quotes are not tried.
     """
+    objective = sought.goal
     if not sought.outcome.best:
         return None
     winner = sought.outcome.best[0]
@@ -119,7 +120,7 @@ def robustness(
         else deadline.within(
             "which quotes matter",
             lambda: quotes_that_matter(
-                sought, objective, outcome_rivals(sought, outcome.best, mixed), top=top, deadline=deadline
+                sought, outcome_rivals(sought, outcome.best, mixed), top=top, deadline=deadline
             ),
             list[dict[str, Any]](),
         ),
@@ -166,7 +167,7 @@ def outcome_rivals(sought: Sought, good: Sequence[Found], mixed: Problem) -> lis
 
 
 def quotes_that_matter(
-    sought: Sought, objective: Objective, rivals: Sequence[Found], *, top: int, deadline: Deadline = NEVER
+    sought: Sought, rivals: Sequence[Found], *, top: int, deadline: Deadline = NEVER
 ) -> list[dict[str, Any]]:
     """Single numbers whose bad end for the winner, or good end for a rival, would change the answer."""
     problem = sought.problem
@@ -178,11 +179,11 @@ def quotes_that_matter(
             for design, end in ((winner, "bad"), (rival, "good"))
             for kind, part in pieces_of(problem, design)
             for name, doubt in doubtful(part)
-            if matters(name, problem, objective)
+            if matters(name, problem, sought.goal)
             for end in (("low", "high") if name in EITHER else (end,))
         ]
-        ours = with_changes(sought, winner, objective, asked, deadline)
-        theirs = with_changes(sought, rival, objective, asked, deadline)
+        ours = with_changes(sought, winner, asked, deadline)
+        theirs = with_changes(sought, rival, asked, deadline)
         for (kind, part, name, doubt, _), mine, other in zip(asked, ours, theirs, strict=True):
             known = any(q["part"] == part.id and q["field"] == name for q in matter)
             if not known and other < mine and other < mine - 1e-9 * abs(other):
@@ -197,7 +198,7 @@ def quotes_that_matter(
 
 
 def with_changes(
-    sought: Sought, design: Found, objective: Objective, asked: Sequence[tuple[str, Part, str, Quantity, str]],
+    sought: Sought, design: Found, asked: Sequence[tuple[str, Part, str, Quantity, str]],
     deadline: Deadline = NEVER,
 ) -> list[float]:  # fmt: skip
     """A design's objective under each change in turn; changes of parts it does not have leave it as it is."""
@@ -205,4 +206,4 @@ def with_changes(
     variants: list[Variant | None] = [
         (kind, name, end) if own.get(kind) == part.id else None for kind, part, name, _, end in asked
     ]
-    return values_with(sought, design, objective, variants, deadline)
+    return values_with(sought, design, variants, deadline)

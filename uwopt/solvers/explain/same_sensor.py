@@ -11,7 +11,6 @@ from typing import Any
 
 from uwopt.catalog.parts.camera import Camera
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError
-from uwopt.objectives.objective import Objective
 from uwopt.solvers.one_hardware import KINDS, best_of_each, parts_of, problem_of
 from uwopt.solvers.recommend import Sought
 
@@ -20,10 +19,10 @@ SAME_SIZE = 0.02  # of the pixels along a side: makers read out a few columns mo
 UNREACHED = "whether other cameras with the same sensor would do"
 
 
-def siblings(sought: Sought, objective: Objective, deadline: Deadline = NEVER) -> list[dict[str, Any]]:
+def siblings(sought: Sought, deadline: Deadline = NEVER) -> list[dict[str, Any]]:
     """Other cameras of the search with the sensor of the first system's that meet the mission in its place, the best
     first: `part`, `name`, `interface` and the objective's `value`."""
-    problem, winner = sought.problem, sought.outcome.best[0]
+    problem, objective, winner = sought.problem, sought.goal, sought.outcome.best[0]
     own = problem.parts.cameras[winner.camera]
     alike = [camera for camera in problem.parts.cameras if has_sensor_of(own, camera)]
     if not alike:

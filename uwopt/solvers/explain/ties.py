@@ -29,13 +29,14 @@ UNREACHED = "whether some of the runners-up are equal within the estimates"
 
 
 def equals(
-    sought: Sought, objective: Objective, deadline: Deadline = NEVER,
+    sought: Sought, deadline: Deadline = NEVER,
     tied: Callable[[Found], bool] | None = None,
 ) -> list[dict[str, Any]]:
     """Runners-up that cannot be told from the first, by their place in the result, with their ranges.
 
     tied : tells of hardware whether the scenarios cannot, where the first was chosen over these
     """
+    objective = sought.goal
     winner, *others = sought.outcome.best
     if tied is not None:
         return [

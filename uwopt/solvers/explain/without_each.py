@@ -11,7 +11,6 @@ from collections.abc import Iterator, Sequence
 from uwopt.catalog.choose import ToBeMade
 from uwopt.deadline import Deadline
 from uwopt.mission.weakened import RELAXABLE, without
-from uwopt.objectives.objective import Objective
 from uwopt.solvers.explain.prices import SAME_REL
 from uwopt.solvers.infeasible.relaxer import Relaxer
 from uwopt.solvers.recommend import Sought
@@ -20,12 +19,13 @@ TURN = 0.4  # of the time left: what one search may take of it
 
 
 def without_each(
-    sought: Sought, goal: Objective, keys: Sequence[str], generic: ToBeMade, deadline: Deadline
+    sought: Sought, keys: Sequence[str], generic: ToBeMade, deadline: Deadline
 ) -> Iterator[tuple[str, float]]:
     """Requirements by their keys, and the objective as it is reported of the best system without each, as time allows.
 
     sought : a complete search, whose parts, light and imagers are known
     """
+    goal = sought.goal
     mission, best = sought.problem.mission, sought.outcome.best[0].minimised
     relaxer, ceiling = Relaxer(mission, sought.selection.catalog, generic, sought), best - goal.step(SAME_REL, best)
     for name, (section, key, _) in RELAXABLE.items():
