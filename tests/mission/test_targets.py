@@ -9,6 +9,7 @@ import pytest
 from uwopt.errors import MissionError
 from uwopt.forward.scene_checks import check_physical
 from uwopt.mission.mission import Mission, load_mission
+from uwopt.mission.varying import VariedMission
 
 
 def mission(target: str, vehicle: dict[str, Any] | None = None, limits: dict[str, Any] | None = None,
@@ -52,6 +53,11 @@ def test_an_unknown_key_is_held_against_these_names_too() -> None:
     for key in ("distance_mm", "distance_metres"):
         with pytest.raises(MissionError, match=r"is unknown; .*\bdistance_m\b"):
             load_mission({"scene": {}, "vehicle": {key: 1200}})
+
+
+def test_a_slip_in_a_varied_key_is_held_against_these_names_too() -> None:
+    with pytest.raises(MissionError, match=r"did you mean distance_m\?"):
+        VariedMission(mission("wall"), {}).named("distance_mm")
 
 
 @pytest.mark.parametrize(("asked", "told"), [

@@ -6,6 +6,20 @@ from planted.defect import Defect
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="files of one name are numbered in a comparison",
+        file="uwopt/api/comparing.py",
+        old="if folder and names.count(name) > 1 else name",
+        new="if False else name",
+        test="tests/report/compare/test_compare.py::test_files_of_one_name_are_told_by_their_folders",
+    ),
+    Defect(
+        name="a slip in a varied distance is held against altitudes alone",
+        file="uwopt/mission/varying.py",
+        old='known += OTHER_NAMES if "vehicle" in of_head else ()',
+        new="known += ()",
+        test="tests/mission/test_targets.py::test_a_slip_in_a_varied_key_is_held_against_these_names_too",
+    ),
+    Defect(
         name="images that are noise are no risk",
         file="uwopt/api/risks.py",
         old="    if scene is None or snr_db >= USABLE_SNR_DB:",

@@ -40,7 +40,7 @@ def compare(
         raise MissionError(f"compare: {len(systems)} systems are too many for a page; give {MOST_SYSTEMS} at most.")
     wanted = prepared(mission, physics, None)
     loaded = [load_system(system) for system in systems]
-    names = apart([shown_name(system) for system in loaded])
+    names = apart(with_folders([shown_name(system) for system in loaded], loaded))
     best, gave_way = None, ""
     if recommended:
         from uwopt.api.solving import solve
@@ -61,6 +61,15 @@ def shown_name(system: System) -> str:
     """A system's own name, or that of its file."""
     given = system.name != System.model_fields["name"].default
     return system.name if given else Path(system.source_name).name.removesuffix(".yaml").removesuffix(".system")
+
+
+def with_folders(names: Sequence[str], systems: Sequence[System]) -> list[str]:
+    """Names that occur again with the folder of their file before them, as `solve --out` writes each by one name."""
+    folders = [Path(system.source_name).parent.name for system in systems]
+    return [
+        f"{folder}/{name}" if folder and names.count(name) > 1 else name
+        for name, folder in zip(names, folders, strict=True)
+    ]
 
 
 def apart(names: Sequence[str]) -> list[str]:

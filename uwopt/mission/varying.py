@@ -118,6 +118,7 @@ class VariedMission:
             found = [section for section in found if section in ("scene", *OF_SCENES)]
         if not found:
             known = [one for names in of_head.values() for one in names]
+            known += OTHER_NAMES if "vehicle" in of_head else ()
             near = nearest(name, known)
             mend = f"did you mean {near}?" if near else "uwopt schema lists the keys of a mission"
             raise MissionError(f"{told}: {name!r} is no key that can be varied; {mend}")

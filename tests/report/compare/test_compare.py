@@ -14,9 +14,10 @@ import yaml
 from priced_system import PRICED
 from typer.testing import CliRunner
 
-from uwopt.api.comparing import apart, compare
+from uwopt.api.comparing import apart, compare, shown_name, with_folders
 from uwopt.cli.app import app
 from uwopt.errors import MissionError
+from uwopt.mission.system import load_system
 from uwopt.report.compare.page import comparison_blocks, comparison_csv, comparison_html
 from uwopt.report.compare.rows import facts, margins_of, requirement_rows, sentences
 from uwopt.report.text.layout import Grid
@@ -115,6 +116,16 @@ def test_compare_is_a_function_of_the_package() -> None:
     import uwopt
 
     assert uwopt.compare is compare
+
+
+def test_files_of_one_name_are_told_by_their_folders(tmp_path: Path) -> None:
+    files = [tmp_path / folder / "system.yaml" for folder in ("reef", "wreck")]
+    for file in files:
+        file.parent.mkdir()
+        file.write_text(yaml.safe_dump(PRICED), encoding="utf-8")
+    loaded = [load_system(file) for file in files]
+    assert with_folders([shown_name(one) for one in loaded], loaded) == ["reef/system", "wreck/system"]
+    assert with_folders(["rig", "system"], loaded) == ["rig", "system"]
 
 
 def test_names_that_occur_twice_are_told_apart() -> None:

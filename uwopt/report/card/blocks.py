@@ -224,9 +224,10 @@ def trigger_sentences(model: DesignModel, scene: SceneResult, limits: dict[str, 
         limit = limits.get("pulse_ms")
         factor = None if limit is None else limit.low_dark.factor
         spare_ms = 0.0 if factor is None else (1.0 - factor) * light_ms
-        late = "nothing may be lost by delay"
+        late = "none is to spare"
         if limit is not None and spare_ms > NARROW * light_ms:
-            late = f"{formats.quantity(spare_ms, 'ms', 2)} late, {breaks(limit.low_dark)} breaks"
+            first = words.requirement_name(limit.low_dark.requirement).partition(",")[0]
+            late = f"{formats.quantity(spare_ms, 'ms', 2)} late, {first} breaks"
         yield f"{said}; all of the exposure is lit, so delay costs light: {late}."
     yield "Ask the lamp's maker for its own delay, and allow for it in the strobe delay of the camera."
 
