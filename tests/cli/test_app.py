@@ -225,7 +225,7 @@ def test_options_reach_the_search(solving: Callable[..., list[dict[str, Any]]]) 
         {"mission": str(MISSION), "solver": "nlopt", "objective": {"power": 1.0, "cost": 0.01}, "physics": "full",
          "confidence": None, "top": 3, "audit": 7, "seconds": 2.5, "alternatives": False, "ranges": False,
          "accuracy": True, "tolerance": 0.001, "progress": None, "quick": False, "first": calls[0]["first"],
-             "so_far": calls[0]["so_far"]},
+             "so_far": calls[0]["so_far"], "hold_practice": False},
     ]  # fmt: skip
 
 

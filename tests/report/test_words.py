@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from types import SimpleNamespace
@@ -74,6 +75,19 @@ def test_unknown_prices_are_not_passed_over(make_design: Callable[..., Design]) 
 def test_information_is_read_with_a_prefix(value: float | None, text: str) -> None:
     assert formats.quantity(value, "bit/m2") == text
     assert formats.quantity(2e6, "lm") == "2 000 000 lm"
+
+
+@pytest.mark.parametrize(("lengths", "texts"), [
+    ((0.000774,), ("0.774 mm",)), ((-0.0131,), ("-13.1 mm",)), ((0.0999,), ("99.9 mm",)), ((0.1,), ("0.100 m",)),
+    ((0.0,), ("0 m",)), ((None,), ("–",)), ((math.inf,), ("infinite m",)),
+    ((0.0131, 0.01), ("13.1 mm", "10.0 mm")), ((0.0131, None, 2.0), ("0.0131 m", "–", "2.00 m")),
+])  # fmt: skip
+def test_short_lengths_are_read_in_mm_all_that_stand_together_in_one_unit(
+    lengths: tuple[float | None, ...], texts: tuple[str, ...]
+) -> None:
+    assert formats.quantities_apart(*lengths, unit="_m") == texts
+    if len(lengths) == 1:
+        assert formats.quantity(lengths[0], "m") == texts[0]
 
 
 def test_small_shares_are_not_printed_as_powers_of_ten() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from functools import partial
 
 from uwopt.report.text.vocabulary import SETTINGS
 from uwopt.results.design import BillRow, Cost, Margin
@@ -35,6 +36,7 @@ WITHIN_NUMBER = re.compile(r"(?<=\d) (?=\d{3}\b|[A-Z]{3}\b)")
 #: Information per area of floor, as objectives and figures name it, and the prefixes that it is read with.
 BITS = ("bit/m2", "bit/m²", "bit_per_m2", "_bit_per_m2")
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
+SHORT_M = 0.1  # lengths below it are read in mm
 
 
 def in_encoding(text: str, encoding: str) -> str:
@@ -70,18 +72,26 @@ def tied(text: str, blank: str = NO_BREAK) -> str:
 
 
 def quantity(value: float | None, unit: str = "", digits: int = 3) -> str:
-    """A number with its unit, or a dash; bits get the prefix that keeps the number short."""
-    per, unit = prefixed(unit, value or 0.0)
+    """A number with its unit, or a dash; bits and lengths get the prefix that keeps the number short."""
+    return in_step(prefixed(unit, value or 0.0), value, digits)
+
+
+def in_step(step: tuple[float, str], value: float | None, digits: int) -> str:
+    """A number in a unit of `prefixed`, or a dash."""
+    per, unit = step
     return format_quantity(None if value is None else value / per, unit, digits)
 
 
 def quantities_apart(*values: float | None, unit: str = "", digits: int = 3) -> tuple[str, ...]:
-    """Quantities that stand side by side, with as many digits as tell them apart."""
-    return texts_apart(*values, text=lambda value, more: quantity(value, unit, more), digits=digits)
+    """Quantities that stand side by side, in one unit and with as many digits as tell them apart."""
+    step = prefixed(unit, max((abs(value) for value in values if value is not None), default=0.0))
+    return texts_apart(*values, text=partial(in_step, step), digits=digits)
 
 
 def prefixed(unit: str, largest: float) -> tuple[float, str]:
-    """What to divide by and the unit then: 2.5e6 bit/m2 are read as 2.5 Mbit/m²; other units stay."""
+    """What to divide by and the unit then: 2.5e6 bit/m2 are read as 2.5 Mbit/m², 0.013 m as 13 mm; others stay."""
+    if symbol(unit) == "m" and 0.0 < abs(largest) < SHORT_M:
+        return 1e-3, "mm"
     if unit not in BITS:
         return 1.0, unit
     per, prefix = next((step for step in PREFIXES if abs(largest) >= step[0]), (1.0, ""))

@@ -47,6 +47,7 @@ from uwopt.results.design import (
 from uwopt.results.result import Result
 from uwopt.units import format_within
 
+LONGEST_NAME = 90  # letters of what a maker calls a part
 MOST_RISKS = 3
 MOST_TOLD = 1000  # letters of what may go wrong: what gave way is told whole
 MOST_QUESTIONS = 4
@@ -232,8 +233,8 @@ def buy_block(design: Design, title: str) -> Block:
 def bought_name(row: BillRow) -> str:
     """Maker and model; of a class of parts its name and that it is to be made."""
     if row.generic:
-        return f"{formats.one_line(row.model or row.id, 90)} (to be made)"
-    return formats.one_line(f"{row.manufacturer} {row.model}".strip() or row.id, 60)
+        return f"{formats.one_line(row.model or row.id, LONGEST_NAME)} (to be made)"
+    return formats.one_line(f"{row.manufacturer} {row.model}".strip() or row.id, LONGEST_NAME)
 
 
 def focused_before_the_sharp(design: Design) -> bool:
