@@ -322,7 +322,7 @@ def test_a_higher_wanted_snr_never_improves_the_front():
 ))  # fmt: skip
 def test_pymoo_never_finds_more_than_the_bound(seed, names):
     search, front = fc.front_of(seed, names)
-    peer = population_front(search.search, names, pop_size=40, generations=25, seed=1)
+    peer = population_front(search.search, names, pop_size=24, generations=12, seed=1)
     assert hypervolume(peer.values, front.frame) <= 1.001 * front.hypervolume_bound
     assert hypervolume(peer.values, front.frame) >= 0.9 * front.hypervolume
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from uwopt.objectives.axes import Axes, Frame
 from uwopt.objectives.dominance import distinct, hypervolume, near, nondominated
 from uwopt.objectives.objective import Objective
 from uwopt.objectives.own import OwnObjective
+from uwopt.solvers.exact.search import Search
 from uwopt.solvers.population.pymoo_front import ALGORITHMS, PymooRun, population_front
 
 PAIR, TRIPLE = ("power", "cost"), ("power", "cost", "snr_db")
@@ -25,6 +27,12 @@ SEEDS = drawn((22, 24), cases.FEASIBLE)  # one scene and two, physics full and p
 ONE_SCENE = drawn((17,), (3, 7, 8, 9, 13, 17, 22, 24))
 FEW: dict[str, Any] = {"pop_size": 24, "generations": 6}  # where any front will do
 CURVE_REL = 2e-4  # how near the enumeration's grids come to the best settings
+
+
+@cache
+def kept_search(*names: str) -> Search:
+    """One search for all runs that ask for nothing of their own: it keeps the light of what was looked at before."""
+    return cases.search_of(rc.case(9), names)
 
 
 def assert_front(search, front, names):
@@ -96,7 +104,7 @@ def test_front_is_empty_where_enumeration_finds_nothing(seed):
 def test_front_of_information_is_feasible_with_every_kind_of_lamp(kind, names):
     case = rc.planted("power", (cases.LAMPS[kind],), {"min_snr_db": 10.0, "max_blur_px": 2.0})
     search = cases.search_of(case, names)
-    assert_front(search, population_front(search, names, **cases.SMALL), names)
+    assert_front(search, population_front(search, names, **FEW), names)
 
 
 def test_front_of_information_reaches_that_of_enumeration():
@@ -117,7 +125,7 @@ def test_front_with_sun_and_wanted_sharpness_is_feasible():
     sunny = rc.Case(case.parts, case.mission.model_copy(update={"scenes": scenes}), case.objective)
     names = ("power", "cost", "snr_db")
     search = cases.search_of(sunny, names)
-    front = population_front(search, names, **cases.SMALL)
+    front = population_front(search, names, **FEW)
     assert_front(search, front, names)
 
 
@@ -142,7 +150,7 @@ def test_same_seed_gives_the_same_front():
 
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
 def test_every_algorithm_gives_a_feasible_front(algorithm):
-    search = cases.search_of(rc.case(9), TRIPLE)
+    search = kept_search(*TRIPLE)
     front = population_front(search, TRIPLE, algorithm=algorithm, **FEW)
     assert front.algorithm == algorithm
     assert_front(search, front, TRIPLE)
@@ -173,16 +181,15 @@ def test_run_out_of_time_is_stopped_and_keeps_what_was_found():
 
 
 def test_run_ends_when_the_hypervolume_stagnates():
-    search = cases.search_of(rc.case(9), PAIR)
-    front = population_front(search, PAIR, pop_size=20)
+    front = population_front(kept_search(*PAIR), PAIR, pop_size=8)
     assert front.status == "complete"
     assert front.generations < 200
 
 
 def test_progress_is_told_and_history_grows():
-    search, told = cases.search_of(rc.case(9), TRIPLE), []
+    told = []
     front = population_front(
-        search, TRIPLE, progress=lambda share, text: told.append((share, text)), **cases.SMALL
+        kept_search(*TRIPLE), TRIPLE, progress=lambda share, text: told.append((share, text)), **cases.SMALL
     )
     shares = [share for share, _ in told]
     assert shares == sorted(shares)
@@ -202,24 +209,24 @@ def test_progress_is_told_and_history_grows():
 
 def test_unknown_algorithm_names_the_nearest():
     with pytest.raises(MissionError, match=r"'nsga22' is not known; did you mean nsga2\?"):
-        population_front(cases.search_of(rc.case(9), PAIR), PAIR, algorithm="nsga22")
+        population_front(kept_search(*PAIR), PAIR, algorithm="nsga22")
 
 
 def test_unknown_and_repeated_objectives_are_all_told():
     with pytest.raises(MissionError, match=r"(?s)did you mean power\?.*cost is named twice"):
-        population_front(cases.search_of(rc.case(9), PAIR), ("pwoer", "cost", "cost"))
+        population_front(kept_search(*PAIR), ("pwoer", "cost", "cost"))
 
 
 # ---------------------------------------------------------------- objectives of the user's own
 
 
 def test_own_function_is_an_axis_and_agrees_with_figures():
-    search = cases.search_of(rc.case(9), ("power",))
+    search = kept_search("power")
 
     def megabytes_per_watt(figures):
         return -figures["data_rate_mb_s"] / figures["power_w"]
 
-    front = population_front(search, ("power", megabytes_per_watt), **cases.SMALL)
+    front = population_front(search, ("power", megabytes_per_watt), **FEW)
     assert front.axes[1] == OwnObjective("megabytes_per_watt", megabytes_per_watt)
     best = front.found[int(front.values[:, 1].argmin())]
     figures = cases.evaluated(search, best, Objective.of("power")).scenes[0].figures
@@ -228,9 +235,8 @@ def test_own_function_is_an_axis_and_agrees_with_figures():
 
 
 def test_own_objective_by_name_may_be_maximised():
-    search = cases.search_of(rc.case(9), ("power",))
     sharp_depth = OwnObjective("near", lambda f: f["dof_near_m"], "maximise", "m")
-    front = population_front(search, ("power", "near"), functions=[sharp_depth], **cases.SMALL)
+    front = population_front(kept_search("power"), ("power", "near"), functions=[sharp_depth], **FEW)
     assert (front.values[:, 1] < 0).all()
     assert nondominated(front.values).all()
 
@@ -244,8 +250,7 @@ def test_own_objective_sees_every_named_figure_of_each_design():
         seen.update(figures)
         return figures["power_w"]
 
-    search = cases.search_of(rc.case(9), ("cost",))
-    population_front(search, ("cost", look), **cases.SMALL)
+    population_front(kept_search("cost"), ("cost", look), **FEW)
     assert set(seen) == {*FIGURES, *PARTS, *(f"{part}_id" for part in PARTS)}
     assert len({len(column) for column in seen.values()}) == 1
     assert all(np.isfinite(seen[name]).all() for name in set(FIGURES) - {"dof_far_m"})
@@ -266,10 +271,9 @@ def raises(figures):
     ],
 )
 def test_fault_of_an_own_function_names_it(function, message):
-    search = cases.search_of(rc.case(9), ("power",))
     own = OwnObjective("wishful", function)
     with pytest.raises(MissionError, match=f"objective wishful: {message}"):
-        population_front(search, ("power", own), **cases.SMALL)
+        population_front(kept_search("power"), ("power", own), **FEW)
 
 
 def test_own_objective_has_a_known_direction():
@@ -298,6 +302,5 @@ def test_distinct_points_stand_for_all_that_were_left_out(points):
 def test_catalogue_of_one_design_has_a_front_of_one_curve():
     lamp = rc.lamp("one", kind="continuous", flux_lm=20_000.0, power_w=200.0, dim_levels=(1.0,))
     case = rc.planted("power", (lamp,), {"min_snr_db": 5.0}, camera={"price": exact(1000.0)})
-    search = cases.search_of(case, PAIR)
-    front = population_front(search, PAIR, **cases.SMALL)
+    front = population_front(cases.search_of(case, PAIR), PAIR, **FEW)
     assert len(front.values) == 1
