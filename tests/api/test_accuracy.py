@@ -251,7 +251,8 @@ def test_evaluation_within_a_tolerance_is_that_near_to_the_finest(tolerance: flo
 def test_a_search_tells_gap_and_residual_and_within_a_tolerance_errors(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(doubting, "doubts_of", lambda *given: {})  # the residual is that of a second opinion
     monkeypatch.setattr(prices, "prices", lambda *given: [])
-    mission = load_mission(REEF).with_changes(physics="full")
+    few = {"cameras": ["avt-alvium*"], "lenses": ["kowa-lm6", "kowa-lm8", "thorlabs"]}
+    mission = load_mission(REEF).with_changes(physics="full", catalog=few)
     plain = uwopt.solve(mission, top=1)
     assert plain.accuracy.keys() == {"gap_abs", "gap_rel", "kkt_residual"}
     assert plain.accuracy["gap_rel"] == 0.0 and 0.0 <= plain.accuracy["kkt_residual"] < 1e-8

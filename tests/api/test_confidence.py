@@ -135,7 +135,8 @@ def test_central_is_as_without_doubt() -> None:
     assert result.confidence is None and result.status == "optimal"
 
 
-def test_a_given_system_is_counted_with_its_iris_where_it_stands() -> None:
+def test_a_given_system_is_counted_with_its_iris_where_it_stands(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(certainty, "OF_A_SYSTEM", 1000)
     system = ROOT / "problems" / "paper-tank.system.yaml"
     result = uwopt.evaluate(TANK, system, confidence=0.9)
     known, design = result.confidence, result.design

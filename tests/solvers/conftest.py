@@ -9,7 +9,7 @@ from uwopt.solvers.exact import search as exact_search
 
 
 @pytest.fixture(params=["as shipped", "bounds at work", "as if large"])
-def batches(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+def batches(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
     """Batches as shipped are larger than a small catalogue; batches of one make every bound count.
 
     A large catalogue is searched from pairs of camera and lens on; here with few at a time.
@@ -26,3 +26,4 @@ def batches(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> 
             ("FIRST_CHUNK", 2),
         ):
             monkeypatch.setattr(exact_search, name, value)
+    return str(request.param)

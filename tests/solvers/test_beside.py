@@ -154,7 +154,10 @@ PARTS: dict[str, Any] = {
     "scene": {"water": "II", "seafloor": 0.2, "depth_m": 30}, "practice": "bare",
     "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.3, "light_count": [1, 4]},
     "requirements": {"overlap": 0.3, "max_blur_px": 1.0, "min_snr_db": 10},
-    "catalog": {"cameras": ["flir-bfs-u3-120s4m"], "lenses": ["kowa-lm8"], "lights": ["bigblue"], "generic": "never"},
+    "catalog": {
+        "cameras": ["flir-bfs-u3-120s4m"], "lenses": ["kowa-lm8"], "ports": ["blue-robotics-4*"], "lights": ["bigblue"],
+        "generic": "never",
+    },
 }  # fmt: skip
 
 

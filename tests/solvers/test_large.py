@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import front_cases
@@ -45,6 +46,12 @@ def as_if_large(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(port_groups, "BRANCHES", 2)
     for name, value in (("FIRST_ROWS", 1), ("LARGEST_ROWS", 4), ("FIRST_LEAVES", 1), ("LARGEST_LEAVES", 2)):
         monkeypatch.setattr(large, name, value)
+
+
+@cache
+def solved_large(seed: int) -> Outcome:
+    """What the search of a large catalogue, forced as here, finds in a case."""
+    return case(seed).solve()[1]
 
 
 @pytest.mark.parametrize("seed", drawn(CHOSEN[::2], tuple(range(100))))
@@ -161,7 +168,7 @@ def test_audit_passes(seed: int) -> None:
 @pytest.mark.parametrize("seed", FEW)
 def test_without_time_it_claims_nothing(seed: int) -> None:
     """A deadline of zero leaves a bound that the optimum respects, and an account that adds up."""
-    full, outcome = case(seed).solve()[1], case(seed).solve(deadline=Deadline.after(0.0))[1]
+    full, outcome = solved_large(seed), case(seed).solve(deadline=Deadline.after(0.0))[1]
     assert outcome.account.adds_up() and full.complete
     assert not outcome.complete or outcome.account.discarded.get("not_reached", 0) == 0
     if full.best:
@@ -173,7 +180,7 @@ def test_without_time_it_claims_nothing(seed: int) -> None:
 @pytest.mark.parametrize("calls", [0, 2])
 def test_account_adds_up_when_interrupted(seed: int, calls: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Ctrl-C in the middle of an evaluation: nothing is counted twice and the bound stays valid."""
-    full, search = case(seed).solve()[1], case(seed).searcher()
+    full, search = solved_large(seed), case(seed).searcher()
     honest, made = Search._evaluate_pairs, []
 
     def stopping(self: Search, *given: object) -> None:

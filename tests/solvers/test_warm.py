@@ -66,11 +66,12 @@ def alone(mission: Mission) -> tuple[Any, ...]:
     return told(WarmAnswer(sought, found, True, 0.0, False, True, False), mission)
 
 
-def agree(warm: Warm, mission: Mission, *, ahead: bool = True) -> None:
-    """Fail where an answer is another than that of a search of its own."""
+def agree(warm: Warm, mission: Mission, *, ahead: bool = True) -> tuple[Any, ...]:
+    """Fail where an answer is another than that of a search of its own, which is returned."""
     (value, *system), (truth, *best) = told(warm.best(mission, ahead=ahead), mission), alone(mission)
     assert value == (None if truth is None else pytest.approx(truth, rel=1e-6))  # a search's claim agrees so nearly
     assert system == best
+    return truth, *best
 
 
 @pytest.fixture
@@ -125,8 +126,7 @@ def test_parts_to_be_made_are_taken_where_none_on_sale_fits_any_more():
     warm, base, seen = Warm(), reef(catalog=parts, scenes=scenes), list[Any]()
     for speed in (0.5, 0.7, 0.8, 0.95, 1.3):
         mission = varied(base, speed_m_s=speed, water="1C")
-        agree(warm, mission)
-        seen.append(alone(mission)[1:])
+        seen.append(agree(warm, mission)[1:])
     assert [generic for _, generic in seen] == [False, False, True, True, False]
     assert seen[-1][0] is None
 
