@@ -627,7 +627,7 @@ def test_ctrl_c_ends_with_status_130(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals differ")
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])
 def test_a_page_in_a_script_s_background_ends_by_signals(number: signal.Signals) -> None:
     before = signal.signal(number, signal.SIG_IGN)  # as a shell leaves it to what it starts with &
     try:

@@ -410,6 +410,7 @@ def test_a_budget_that_no_central_prices_keep_is_given_up_among_a_few_imagers_to
     monkeypatch.setattr(Relaxer, "among_few", lambda self, mission, goal, freed, *_, **more: asked.append(set(freed)))
     base = mission(parts)
     wanted = base.with_changes(limits={"cost": 2300.0}, catalog=base.to_dict()["catalog"] | {"rest": "estimate"})
+    monkeypatch.setattr(Singles, "_is_known", lambda self, *_: False)  # among all, which begins with a few too
     one = Singles(Trials(wanted, catalog, POWER, "never"))
     one._ask_suspect("cost", 0.5)
     assert one.dear == {"cost"} and {"cost"} in asked[1:]  # the first is for the central prices
