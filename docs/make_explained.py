@@ -51,6 +51,7 @@ from uwopt.mission.weakened import (  # noqa: E402
     with_limit,
     without,
 )
+from uwopt.mission.yielding import with_yields, yields_of  # noqa: E402
 from uwopt.objectives.objective import Objective  # noqa: E402
 from uwopt.results.basis import Relaxed  # noqa: E402
 from uwopt.results.result import Result  # noqa: E402
@@ -147,9 +148,10 @@ def requirements_of(mission: Mission) -> dict[str, float]:
 
 
 def fits(mission: Mission) -> bool | None:
-    """Whether something fits, of all parts that `solve` would come to; None where that is not known."""
+    """Whether something fits, as `solve` lets it: of all parts, with as little of practice as may be; else None."""
     try:
         wanted = prepared(mission, None, None, "central").without_gain_cap
+        wanted = with_yields(wanted, yields_of(wanted))
         deadline = Deadline.after(TRY_S, time.process_time)
         generic = wanted.catalog.generic_at_last
         found = seek(wanted, load_catalog(wanted), ANY, generic=generic, top=1, deadline=deadline, enough=True)

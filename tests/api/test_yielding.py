@@ -551,6 +551,9 @@ def test_what_would_help_is_what_solve_answers(every_price: bool) -> None:
     needed_db = {one.name: one.needed for one in nothing.infeasible.relaxations}["min_snr"]
     assert needed_db is not None and needed_db > best_db - 0.1  # 3 dB less with all that practice keeps in hand
     answer = uwopt.solve(survey(needed_db), top=1, quick=True)
+    (change,) = (one for one in nothing.infeasible.relaxations if one.name == "min_snr")
+    gave_way = gave_way_between(load_mission(survey(needed_db)), answer.mission)
+    assert change.gives_up == [one.as_held for one in gave_way] and gave_way[0].words in " ".join(said.split())
     assert answer.best is not None and "reserve.snr_db" in given_way(answer)[0]
     assert uwopt.solve(survey(needed_db + 1.0), top=1, quick=True, explain=False).best is None
 

@@ -125,6 +125,11 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/api/test_yielding.py::test_a_sweep_that_is_to_holds_practice_in_full_and_says_so",
     ),
     Defect(
+        name="what a change gives up is told otherwise than solve has it", file="uwopt/api/practice_left.py",
+        old="[each.as_held for each in made.yields] if", new="[each.as_held for each in made.yields] * 2 if",
+        test="tests/api/test_yielding.py::test_what_would_help_is_what_solve_answers[solve]",
+    ),
+    Defect(
         name="a sweep holds what gives way in solve", file="uwopt/sweeps/work.py",
         old="None if job.ways.hold_practice else", new="None if not job.ways.hold_practice else",
         test="tests/api/test_yielding.py::test_a_sweep_lets_give_way_what_solve_does_and_names_it",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from uwopt.api.common import base_result, selection_warnings
+from uwopt.api.practice_left import with_practice_left
 from uwopt.api.search_notes import cut_warnings, interruption_warnings, on_sale_warnings, patience_warnings
 from uwopt.api.searching import Searched
 from uwopt.api.watch import Watch
@@ -19,6 +20,7 @@ from uwopt.solvers.recommend import Sought
 EXPLAIN_S = 9.0  # of the processor, for a mission that nothing meets and what would help, where no time is given
 EXPLAIN_SHARE = 0.4  # of the time that the search took, where that is more
 YIELD_SHARE = 0.3  # of the time for all that would help, for whether less of good practice would do
+LEFT_SHARE = 0.2  # of the time, for what of good practice gives way where a told change is made
 LEAST_EXPLAIN_S = 5.0  # for what would help, however long the search took: in less hardly any is found
 NOT_TRIED = "that nothing fits is proven, but not all that may help was tried"
 
@@ -84,9 +86,13 @@ def infeasible_result(
         notes = [*notes, in_vain_note()]
     proof = certificate(used.selection, used.problem, used.outcome, goal)
     if explain:
-        trials = Trials(mission.without_gain_cap, catalog, goal, generic, patience, watch.progress, used)
+        in_vain = mission is not found.mission
+        first = patience.but_for(LEFT_SHARE) if in_vain else patience
+        trials = Trials(mission.without_gain_cap, catalog, goal, generic, first, watch.progress, used)
         with watch.timed("explanation"):
             why = why_nothing(trials, proof)
+            if in_vain and not trials.interrupted:
+                why = with_practice_left(why, found.mission, catalog, used.problem, patience)
         if trials.interrupted:
             notes += cut_warnings(NOT_TRIED)
         if patience is not watch.deadline:

@@ -48,6 +48,7 @@ class GivenWay:
     yields: tuple[Yield, ...] = ()
     in_vain: Sought | None = None  # the search that proves it, where it was made here
     is_in_vain: bool = False  # whether it is proven
+    is_least: bool = True  # whether less is known not to do; else time was over
 
 
 def gives_way(
@@ -130,7 +131,7 @@ def _least(
         known.last[roomy] = ()
         return GivenWay(in_vain=asked.in_vain.get(frozenset(every)), is_in_vain=frozenset(every) in asked.missing)
     known.last[roomy] = _fewest(lifted, every, asked.fits, patience)
-    return GivenWay(known.last[roomy])
+    return GivenWay(known.last[roomy], is_least=not patience.passed())
 
 
 @dataclass
@@ -297,7 +298,7 @@ def less_practice_note(weakest: Sought) -> Note:
         return Note(PRACTICE_UNTRIED, "practice", text)
     text = (
         "nothing fits even with as little of good practice as may be; what would help is told of the mission with so "
-        "little of it, and of what then fits uwopt solve keeps as much of it as it can"
+        "little of it; where a change is made uwopt solve keeps as much of it as it can"
     )
     return Note(PRACTICE_IN_VAIN, "practice", text)
 

@@ -128,6 +128,11 @@ class Relaxed(Record):
     nearest: Flag = Field(
         default=False, description="whether nothing fits where this alone gives a little less; false: not known"
     )
+    gives_up: list[str] | None = Field(
+        default=None,
+        description="what of good practice has to give way too, with what is held instead, where it did in vain; null: "
+        "not looked for",
+    )
 
 
 @dataclass(frozen=True, config=RECORD)
@@ -196,6 +201,11 @@ class Moved(Record):
     needed: Number | str = Field(description="where something fits, which has been solved")
     unit: str = Field(description="of both; empty for words")
     nearest: Flag = Field(description="whether nothing fits a little nearer to what is asked")
+    gives_up: list[str] | None = Field(
+        default=None,
+        description="what of good practice has to give way too, with what is held instead, where it did in vain; null: "
+        "not looked for",
+    )
 
 
 @dataclass(frozen=True, config=RECORD)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from uwopt.mission.reserves import REFUSED
+from uwopt.mission.yielding import yields_named
 from uwopt.report.text import formats, vocabulary, words
 from uwopt.report.text.helps import (
     KEYS,
@@ -73,7 +74,25 @@ def helpful_lines(result: Result | FrontResult) -> list[Line]:
         lines += [sentence(SMALLER if alone else TOGETHER), relaxation_table(result, together)]
     if far:
         lines += [sentence(FAR), change_table(result, far)]
-    return [*lines, *depth_lines(result)]
+    return [*lines, *practice_lines(result), *depth_lines(result)]
+
+
+def practice_lines(result: Result | FrontResult) -> list[Line]:
+    """What of good practice is given up too with each change, where as little of it as may be was in vain."""
+    if not any(note.code == PRACTICE_IN_VAIN for note in result.warnings):
+        return []
+    made, unknown = [], list[str]()
+    for item in [*relaxations_of(result), *moves_of(result)]:
+        name, asked, possible = change_texts(result, item)
+        if item.gives_up is None:
+            unknown.append(formats.one_line(item.name, 40))
+        else:
+            told = "; ".join(one.words for one in yields_named(", ".join(item.gives_up)))
+            made.append(sentence(f"With {possible} instead of {asked} of {name} something fits, and then {told}."))
+    if unknown:
+        left = words.listed(unknown)
+        made.append(sentence(f"How much of good practice is given up then was not looked for: {left}."))
+    return made
 
 
 def no_change_helps(result: Result | FrontResult) -> str:
