@@ -11,6 +11,22 @@ SHOWN = "tests/results/test_as_set.py::"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="hardware that can be set is not looked for beyond what is listed", file="uwopt/solvers/recommend.py",
+        old="if better is None and not first.is_settable:", new="if False:",
+        test=f"{TESTS}test_hardware_that_can_be_set_is_looked_for_beyond_what_is_listed[1.0-True]",
+    ),
+    Defect(
+        name="whatever can be set is taken, however much worse", file="uwopt/solvers/recommend.py",
+        old="FARTHER, FARTHER_REL = 20, 0.25", new="FARTHER, FARTHER_REL = 20, 25.0",
+        test=f"{TESTS}test_hardware_that_can_be_set_is_looked_for_beyond_what_is_listed[100.0-False]",
+    ),
+    Defect(
+        name="sure hardware that can be set is not looked for beyond what is listed",
+        file="uwopt/solvers/recommend.py",
+        old="    yield from farther(sought, deadline)\n", new="",
+        test="tests/solvers/test_confidence.py::test_what_is_known_and_can_be_set_stands_in_for_what_cannot[500.0-1]",
+    ),
+    Defect(
         name="settings stand at an edge where the objective does not care", file=SCENE,
         old="told_apart(self.power_w), *crowded, value,", new="told_apart(self.power_w), value,",
         test="tests/solvers/test_middle_settings.py::test_no_other_exposure_has_more_in_hand",
@@ -58,8 +74,8 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="what settings to set cost is nothing", file="uwopt/solvers/recommend.py",
-        old="place, value, much = 0, value_as_set(first, objective),",
-        new="place, value, much = 0, found[0].minimised if first.is_settable else math.inf,",
+        old="found[1:], value_as_set(first, objective), deadline)",
+        new="found[1:], found[0].minimised if first.is_settable else math.inf, deadline)",
         test=f"{TESTS}test_what_is_better_as_set_is_recommended",
     ),
     Defect(

@@ -552,9 +552,10 @@ def test_what_was_chosen_is_kept_when_time_is_over() -> None:
     assert not record.fresh and record.scenarios == certain.scenarios.count
 
 
-@pytest.mark.parametrize("dearest", [500.0, 4000.0])
-def test_what_is_known_and_can_be_set_stands_in_for_what_cannot(dearest: float) -> None:
-    """One camera was counted, and its settings cannot be set; the other is taken if it is sure to be cheap enough."""
+@pytest.mark.parametrize(("dearest", "listed"), [(500.0, 5), (4000.0, 5), (500.0, 1)])
+def test_what_is_known_and_can_be_set_stands_in_for_what_cannot(dearest: float, listed: int) -> None:
+    """One camera was counted, and its settings cannot be set; the other is taken if it is sure to be cheap enough,
+    and looked for where the search by central numbers has not listed it."""
     case_ = one("cost", wanted=FAST, limits={"cost": 3000.0, "cost_basis": "central"})
     sought = sought_of(with_parts(case_, cameras=[{"price": between(450.0, 500.0, dearest)}]), scenarios=FEW)
     objective = sought.search.objective
@@ -563,6 +564,9 @@ def test_what_is_known_and_can_be_set_stands_in_for_what_cannot(dearest: float) 
     first = next(one for one in certain.tried if one.found.camera == 0)
     alone = replace(certain, best=first, central=at_its_stop(sought.problem, objective, first) or first.found,
                     tried=[first], ranked=[first])  # fmt: skip
+    if listed == 1:
+        sought.search.top = 1
+        sought = replace(sought, outcome=replace(sought.outcome, best=[first.found]))
     _, design = as_settable(sought, alone, NEVER)
     kept, taken = of_known(sought, alone, design, NEVER)
     assert [taken is design, kept.best.found.camera] == ([False, 1] if dearest == 500.0 else [True, 0])

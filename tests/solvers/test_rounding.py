@@ -308,6 +308,25 @@ def test_next_best_that_can_be_set_is_recommended() -> None:
     assert result.certificate.gap_abs == pytest.approx(1.0, rel=1e-6)
 
 
+@pytest.mark.parametrize(("more_w", "taken"), [(1.0, True), (100.0, False)])
+def test_hardware_that_can_be_set_is_looked_for_beyond_what_is_listed(more_w: float, taken: bool) -> None:
+    """As above behind five lamps more that fall between two microseconds; not where it draws much more power."""
+    case = between_two_microseconds()
+    best = case.parts.lights[0]
+    assert best.flux_lm is not None and best.power_w is not None
+    power_w = best.power_w.value
+    between = [replace(best, id=f"between {n}", power_w=exact(power_w + 0.1 * n)) for n in range(6)]
+    settable = replace(
+        best, id="settable", flux_lm=exact(best.flux_lm.value * 10.5 / 11.0), power_w=exact(power_w + more_w)
+    )
+    result = solved_with(replace(case, parts=replace(case.parts, lights=(*between, settable))))
+    assert result.best is not None and result.best.is_settable is taken
+    assert result.best.hardware["light"]["id"] == ("settable" if taken else "between 0")
+    assert [design.hardware["light"]["id"] for design in result.runners_up][-1] == "between 4"
+    assert result.certificate is not None
+    assert result.certificate.gap_abs == pytest.approx(1.0 if taken else 0.0, abs=1e-5)
+
+
 def test_what_is_better_as_set_is_recommended() -> None:
     # A reaches the SNR at half its 200 W in 10.5 us, no less: set in whole microseconds it takes full power. B draws
     # 130 W and gives a fifth more light than half of A, so that 10 us are enough.

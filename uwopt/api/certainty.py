@@ -35,7 +35,7 @@ from uwopt.solvers.confidence.summary import told
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.recommend import Sought, best_settable, design_of, hardware_of
+from uwopt.solvers.recommend import Sought, best_settable, design_of, hardware_of, within_reach
 
 MADE_IS_SURER = "made_is_surer"  # code of the warning that more parts to be made were taken, for they hold more often
 NOT_CERTAIN = "not_certain"  # code of the warning that nothing holds as often as asked
@@ -157,14 +157,17 @@ def as_settable(sought: Sought, certain: Certain, deadline: Deadline) -> tuple[C
 
 
 def of_known(sought: Sought, certain: Certain, design: Design, deadline: Deadline) -> tuple[Certain, Design]:
-    """Where nothing that was counted can be set: what the search by central numbers found that can, counted as well.
+    """Where nothing that was counted can be set: what the search by central numbers finds that can, counted as well.
 
     Taken where it holds as often as the choice does, or as often as is asked for; else the choice, with its warning.
     """
     problem, goal, least = sought.problem, sought.goal, min(certain.asked, certain.best.held)
     had = {names(problem, one.found) for one in certain.tried}
-    others = [one for one in sought.outcome.best if names(problem, one) not in had]
-    for found in others if not deadline.passed() else ():
+    for found in within_reach(sought, deadline):
+        if deadline.passed():
+            break
+        if names(problem, found) in had:
+            continue
         made = design_of(sought, found, deadline=deadline)
         if not made.is_settable:
             continue

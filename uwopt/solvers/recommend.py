@@ -7,6 +7,7 @@ the forward model, and a claim that does not hold there is a defect, not a resul
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -38,6 +39,7 @@ from uwopt.units import format_quantity, texts_apart
 GENERIC_GAIN = 0.10
 SETTINGS_TO_SET = "settings that can be set"  # where there is no time for them
 WORTH_REL = 0.05  # of the objective: what settings to set must cost the best before the next are tried
+FARTHER, FARTHER_REL = 20, 0.25  # more designs, and how much worse, that are looked at where none listed can be set
 BETTER_UNSETTABLE = "better_unsettable"  # code of the warning that better parts cannot be set
 
 
@@ -117,26 +119,62 @@ def best_settable(sought: Sought, deadline: Deadline = NEVER) -> tuple[Sought, D
 
     By exact numbers the first is best. Where it cannot be set, or not so that lamps may lean as far as the mission's
     reserve, or what can be set costs it much, the next may be better as set; none can be better as set than by exact
-    numbers, so few are tried, and the bound of the search holds for all. Where none can be set, the first is
-    recommended all the same, with a warning. What the deadline does not reach is not tried.
+    numbers, so few are tried, and the bound of the search holds for all. Where none can be set, those farther
+    off are tried, and where none of them can, the first is recommended all the same, with a warning. What the deadline
+    does not reach is not tried.
     """
     objective = sought.goal
     found = sought.outcome.best
-    first = chosen = design_of(sought, found[0], deadline=deadline)
-    place, value, much = 0, value_as_set(first, objective), objective.step(WORTH_REL, found[0].minimised)
-    for index, other in enumerate(found[1:], 1):
+    first = design_of(sought, found[0], deadline=deadline)
+    better = best_as_set(sought, found[1:], value_as_set(first, objective), deadline)
+    if better is None and not first.is_settable:
+        better = best_as_set(sought, farther(sought, deadline), math.inf, deadline)
+    if better is None:
+        return sought, first
+    one, chosen = better
+    best = [one, *(other for other in found if other is not one)]
+    note = better_but_unsettable(first, chosen, objective, sought.problem.mission.limits.currency)
+    chosen = replace(chosen, warnings=[note, *chosen.warnings])
+    return replace(sought, outcome=replace(sought.outcome, best=best)), chosen
+
+
+def best_as_set(
+    sought: Sought, others: Sequence[Found], value: float, deadline: Deadline
+) -> tuple[Found, Design] | None:
+    """Of some designs, the best first, the one that is better as set than a value by much; None: none is."""
+    objective = sought.goal
+    chosen, much = None, objective.step(WORTH_REL, sought.outcome.best[0].minimised)
+    for other in others:
         if other.minimised >= value - much or deadline.passed():
             break
         design = design_of(sought, other, deadline=deadline)
         own = value_as_set(design, objective)
         if own < value - much:
-            place, value, chosen = index, own, design
-    if place == 0:
-        return sought, first
-    best = [found[place], *found[:place], *found[place + 1 :]]
-    note = better_but_unsettable(first, chosen, objective, sought.problem.mission.limits.currency)
-    chosen = replace(chosen, warnings=[note, *chosen.warnings])
-    return replace(sought, outcome=replace(sought.outcome, best=best)), chosen
+            value, chosen = own, (other, design)
+    return chosen
+
+
+def within_reach(sought: Sought, deadline: Deadline) -> Iterator[Found]:
+    """What a search has listed, the best first, then what is farther off, which is looked for only then."""
+    yield from sought.outcome.best
+    yield from farther(sought, deadline)
+
+
+def farther(sought: Sought, deadline: Deadline) -> list[Found]:
+    """The next best hardware after what a search has listed, the best first: few, and not much worse than the best.
+
+    None of a catalogue so large that its imagers are not listed. Raises KeyboardInterrupt.
+    """
+    search, listed, objective = sought.search, sought.outcome.best, sought.goal
+    if search.every_imager is None or len(listed) < search.top or deadline.passed():
+        return []
+    known = {(one.camera, one.lens, one.port, one.light) for one in listed}
+    worst = listed[0].minimised + objective.step(FARTHER_REL, listed[0].minimised)
+    more = Search(
+        sought.problem, objective, top=search.top + FARTHER, deadline=deadline, ceiling=worst, only=search.only,
+        imagers=search.every_imager,
+    ).whole()  # fmt: skip
+    return [one for one in more.best if (one.camera, one.lens, one.port, one.light) not in known]
 
 
 def value_as_set(design: Design, objective: Objective) -> float:
