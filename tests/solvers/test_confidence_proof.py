@@ -308,7 +308,7 @@ def test_where_nothing_fits_no_worse_numbers_are_searched(monkeypatch: pytest.Mo
     monkeypatch.setattr(search_module, "worse_problem", worse_problem)
     never = dict(done=lambda: False, hopeful=lambda: False)
     seen = search_module.Looked(SHARE, certain.scenarios, [], True)
-    found = list(search_module.candidates(sought, sought.search.objective, seen, NEVER, **never))
+    found = list(search_module.candidates(sought, seen, NEVER, **never))
     assert worse == [search_module.WORSE[0], *search_module.LESS_WORSE]
     assert [len(some) for some in found] == [min(len(sought.outcome.best), search_module.OF_CENTRAL)]
 
