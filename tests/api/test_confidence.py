@@ -302,6 +302,24 @@ def test_more_parts_to_be_made_must_be_surer_by_enough(generic: Any, held: float
     assert counting.worth_making(sought, seen) == pytest.approx(least)
 
 
+@pytest.mark.parametrize(("near", "made"), [(0.95, []), (0.8, ["made"])])
+def test_what_is_near_the_best_of_what_is_sold_is_counted_before_parts_are_made(
+    monkeypatch: pytest.MonkeyPatch, near: float, made: list[str]
+) -> None:
+    """An under-ice camera drew three parts to be made, where sold ones that a look misses hold in 95 %."""
+    holding = [cast(Counted, SimpleNamespace(held=held)) for held in (0.78, near)]
+    seen, asked = Looked(0.9, cast(Scenarios, None), holding[:1], True), list[str]()
+    monkeypatch.setattr(counting, "look", lambda *_, **__: seen)
+    monkeypatch.setattr(counting, "leaves_out_generic", lambda _: True)
+    monkeypatch.setattr(counting, "count_near", lambda *_: seen.tried.append(holding[1]))
+    monkeypatch.setattr(counting, "surer_or_surest", lambda *_: asked.append("made") or (None, seen))
+    problem = SimpleNamespace(mission=SimpleNamespace(confidence=0.9))
+    sought = cast(Sought, SimpleNamespace(problem=problem, goal=None))
+    counts = counting.counts_of(sought, Watch())
+    assert counts is not None and counts.seen.held == near
+    assert asked == made
+
+
 def test_the_surest_of_what_is_sold_is_the_same_whoever_looks_for_it(monkeypatch: pytest.MonkeyPatch) -> None:
     """While parts to be made are searched, or once none of them is surer; light in waters is known after either."""
     monkeypatch.setattr(beside, "usable_cores", lambda: 2)

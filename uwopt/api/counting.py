@@ -13,7 +13,7 @@ from uwopt.forward.problem import Problem
 from uwopt.solvers.beside import ahead
 from uwopt.solvers.confidence.counted import Counted, rank
 from uwopt.solvers.confidence.scenarios import Scenarios
-from uwopt.solvers.confidence.search import Looked, look
+from uwopt.solvers.confidence.search import Looked, count_near, look
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.one_hardware import among
@@ -22,6 +22,7 @@ from uwopt.solvers.recommend import Sought
 ALL_PARTS = "parts to be made that may hold more often"  # where there is no time for them
 CERTAINTY_S = 15.0  # of work, where no time is given
 SOLD_SHARE = 0.7  # of it, until parts to be made are looked at where those that are sold do not hold
+NEAR_SHARE = 0.5  # of what is left then, for what differs by a part from what is sold, before parts are made
 MADE_SHARE = 0.6  # of what is left then, for these: the rest is for the most certain of what is sold
 MORE_OFTEN = 0.05  # of the scenarios, in which more parts to be made must hold where some have to be made anyway
 KNOWN = 4  # hardware of a mission like this that is counted first
@@ -53,6 +54,8 @@ def counts_of(sought: Sought, watch: Watch, before: Counts | None = None) -> Cou
     seen = watch.within("certainty", of_sold, None)
     if seen is None:
         return None
+    if others and seen.held < seen.share:
+        count_near(sought.problem, sought.goal, seen, watch.deadline, NEAR_SHARE)
     if others and seen.held < seen.share:
         surer, seen = surer_or_surest(sought, seen, watch, before)
         if surer is not None:

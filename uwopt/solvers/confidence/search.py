@@ -146,15 +146,8 @@ def chosen(
 ) -> Certain | None:
     """The best of what was counted, compared with what is near it, and proven as far as there is time."""
     scenarios, share, tried = seen.scenarios, seen.share, seen.tried
-    timed = math.isfinite(deadline.left_s)
-    if seen.complete and scenarios.is_drawn:
-        rest = PROVEN_REST if can_be_proven(problem, objective) else UNPROVEN_REST
-        most_s, a_round_s = ((1.0 - rest) * deadline.left_s, POLISH_S) if timed else (math.inf, math.inf)
-        patience = deadline.at_most(most_s)
-        polish(problem, objective, scenarios, share, tried, patience, a_round_s)
-        serves, best = partial(fits_centrally, problem, objective, {}), best_of(tried, share)
-        if best is not None and best.held < share and not serves(best):  # what is surest cannot be told settings of
-            polish(problem, objective, scenarios, share, tried, patience, a_round_s, serves)
+    rest = PROVEN_REST if can_be_proven(problem, objective) else UNPROVEN_REST
+    count_near(problem, objective, seen, deadline, 1.0 - rest)
     proof = None
     if seen.complete and can_be_proven(problem, objective):
         patience = deadline.at_most(PROOF_SHARE * deadline.left_s)
@@ -166,6 +159,19 @@ def chosen(
     if best is None or central is None:
         return None
     return Certain(share, scenarios, best, central, tried, seen.complete, ranked, proof=proof)
+
+
+def count_near(problem: Problem, objective: Objective, seen: Looked, deadline: Deadline, part: float) -> None:
+    """Count what differs by a part from the best of what was counted, in a part of the time that is left."""
+    if not (seen.complete and seen.scenarios.is_drawn):
+        return
+    timed, (scenarios, share, tried) = math.isfinite(deadline.left_s), (seen.scenarios, seen.share, seen.tried)
+    most_s, a_round_s = (part * deadline.left_s, POLISH_S) if timed else (math.inf, math.inf)
+    patience = deadline.at_most(most_s)
+    polish(problem, objective, scenarios, share, tried, patience, a_round_s)
+    serves, best = partial(fits_centrally, problem, objective, {}), best_of(tried, share)
+    if best is not None and best.held < share and not serves(best):  # what is surest cannot be told settings of
+        polish(problem, objective, scenarios, share, tried, patience, a_round_s, serves)
 
 
 def without_luck(
