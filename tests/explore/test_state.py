@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import math
+import signal
 import threading
 import zlib
 from collections.abc import Iterator
@@ -482,6 +483,7 @@ def test_map_is_drawn_and_what_is_no_input_is_told() -> None:
 def test_a_map_that_is_stopped_keeps_its_points(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(jobs, "GOOD_BYE_S", math.inf)  # however slow the machine
     many = jobs.Jobs()
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)  # as of what a script starts in the background
     try:
         name = many.start("map", state.OPENING["mission"], state.OPENING["systems"][0],
                           "snr_db\naltitude_m=1:4:100\nf_number=2:8:100")  # fmt: skip
@@ -497,6 +499,7 @@ def test_a_map_that_is_stopped_keeps_its_points(monkeypatch: pytest.MonkeyPatch)
         assert job.done[0] == "done"
         assert "stopped before all of the 10000 points" in job.done[1].caption
     finally:
+        signal.signal(signal.SIGINT, before)
         many.close()
 
 

@@ -158,6 +158,7 @@ def run(kind: str, mission: Any, system: Any, vary: str, line: Any) -> None:
             last = time.monotonic()
             line.send(("progress", share, what))
 
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a script's background has it ignored
     line.send(("progress", 0.0, "begun"))
     try:
         made = JOBS[kind][1](mission, system, vary, progress)
