@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, get_args
 
+import numpy as np
 import pytest
 
 from uwopt.errors import MissionError
@@ -11,6 +12,7 @@ from uwopt.mission.keys import Refusal
 from uwopt.mission.mission import Mission, load_mission, sections
 from uwopt.mission.practice import RECOMMENDED_KEYS, with_practice
 from uwopt.mission.reserves import RECOMMENDED_RESERVE, Reserve
+from uwopt.mission.yielding import with_yields, yields_of
 
 
 def mission(practice: str | None = None, **given: dict[str, Any]) -> Mission:
@@ -52,6 +54,33 @@ def test_what_a_mission_says_stays() -> None:
 def test_a_key_left_empty_is_left_out() -> None:
     assert load_mission({**mission().to_dict(), "practice": None}).practice == "recommended"
     assert mission(requirements={"snr_at": None}).requirements.snr_at == "worst"
+
+
+@pytest.mark.parametrize(("given", "in_db"), [
+    ({"min_snr_db": None}, 20.0), ({"min_snr_db": 6}, 6.0),
+    ({"min_snr_db": None, "min_snr": 3.0}, 20.0 * np.log10(3.0)),
+])  # fmt: skip
+def test_images_are_to_be_of_use_unless_a_mission_says_how_much(given: dict[str, Any], in_db: float) -> None:
+    asked = mission(requirements=given).requirements
+    assert asked.min_snr is not None
+    assert 20.0 * np.log10(asked.min_snr) == pytest.approx(in_db)
+    assert mission("bare", requirements={"min_snr_db": None}).requirements.min_snr is None
+
+
+def test_a_scene_may_ask_for_its_own_ratio() -> None:
+    scene = {"name": "a", "water": "II", "seafloor": "sand", "depth_m": 20}
+    plain = {
+        "scenes": [{**scene, "requirements": {"min_snr": 3.0}}, {**scene, "name": "b"}],
+        "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.5}, "requirements": {"overlap": 0.6},
+    }
+    assert [view.asked.min_snr for view in load_mission(plain).views] == [pytest.approx(3.0), pytest.approx(10.0)]
+
+
+def test_an_snr_of_good_practice_gives_way_to_what_is_still_seen() -> None:
+    filled, said = mission(requirements={"min_snr_db": None}), mission(requirements={"min_snr_db": 20})
+    assert {one.instead for one in yields_of(filled) if one.key == "min_snr_db"} == {14.0}
+    assert all(one.key != "min_snr_db" for one in yields_of(said))
+    assert with_yields(filled, yields_of(filled)).requirements.min_snr_db == 14.0
 
 
 def test_where_no_lamp_is_allowed_none_must_shine_evenly() -> None:

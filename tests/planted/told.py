@@ -20,9 +20,16 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/mission/test_targets.py::test_a_slip_in_a_varied_key_is_held_against_these_names_too",
     ),
     Defect(
+        name="good practice takes noise for images",
+        file="uwopt/mission/practice.py",
+        old="if all(requirements.get(key) is None for key in SNR_KEYS):",
+        new="if False:",
+        test="tests/mission/test_practice.py::test_images_are_to_be_of_use_unless_a_mission_says_how_much",
+    ),
+    Defect(
         name="images that are noise are no risk",
         file="uwopt/api/risks.py",
-        old="    if scene is None or snr_db >= USABLE_SNR_DB:",
+        old="    if scene is None or snr_db >= ACCEPTABLE_SNR_DB:",
         new="    if True:",
         test="tests/api/test_risks.py::test_images_that_are_noise_are_told_where_no_signal_to_noise_is_asked",
     ),

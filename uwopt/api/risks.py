@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 from uwopt.evaluation.breathing import BREATHING
+from uwopt.mission.practice import ACCEPTABLE_SNR_DB
 from uwopt.mission.reserves import RECOMMENDED_RESERVE, REFUSED
 from uwopt.mission.weakened import LEAST_SNR_DB
 from uwopt.model.sharpness import RESOLVED_CONTRAST
@@ -63,7 +64,6 @@ OFF_FOCUS = {
     "dof_far_m": "a floor that is any farther, or a focus set any nearer, is not sharp",
 }
 OF_NOISE = ("min_snr", "min_snr_db", "min_snr_mean_db", "min_snr_red_db", "resolve_mm")
-USABLE_SNR_DB = 20.0  # below which noise covers detail of a tenth of the signal, as `resolve_mm` implies
 EVEN, VERY_UNEVEN = 0.3, 0.1  # darkest place against the mean
 TELLING_PX = 1.0  # a blur this wide is a cause of detail that is lost
 SEEN_PX = 2.0  # a blur, skew or coloured edge wider than this is seen
@@ -209,11 +209,11 @@ def noisy(result: Result, design: Design) -> Weighed:
     if any(stem_of(margin.requirement) in OF_NOISE for margin in margins(design)):
         return
     scene, snr_db = worst(design, "snr_db", least=True)
-    if scene is None or snr_db >= USABLE_SNR_DB:
+    if scene is None or snr_db >= ACCEPTABLE_SNR_DB:
         return
     what = "the images show nothing but noise" if snr_db < LEAST_SNR_DB else "the images are noisy"
     because = "no signal to noise is asked for, so light is saved on" + in_scene(design, scene)
-    because += f"; requirements.min_snr_db: {USABLE_SNR_DB:g} asks for images that can be used"
+    because += f"; requirements.min_snr_db: {ACCEPTABLE_SNR_DB:g} asks for images that can be used"
     figure = f"signal to noise {format_quantity(snr_db, 'dB')}"
     yield (96.0 if snr_db < LEAST_SNR_DB else 60.0), Risk(what, because, figure)
 

@@ -24,6 +24,9 @@ RECOMMENDED_KEYS: Mapping[str, Mapping[str, Any]] = {
 }
 RECOMMENDED_CONFIDENCE = 0.9  # share of the scenarios of what is uncertain in which hardware must hold
 LEAST_UNIFORMITY = 0.3  # darkest over mean illuminance of the floor, where there are lamps
+#: Signal to noise of 10:1, the first acceptable one of ISO 12232: noise then covers detail of a tenth of the signal.
+ACCEPTABLE_SNR_DB = 20.0
+SNR_KEYS = ("min_snr", "min_snr_db")  # by which a mission says what it wants itself
 SHARP_OVER_THE_BAND = 0.0  # least depth of field: no length of its own, but every altitude of the band is sharp
 HOUSING_WORDS = ("hous", "enclos", "hull", "pressure case", "canister")  # in the names of extras
 SLOW_LAMP_S, SLOW_CAMERA_S = 10.0, 60.0  # between images; from here on what is switched off between them saves much
@@ -40,6 +43,8 @@ def with_practice(data: Mapping[str, Any]) -> dict[str, Any]:
     vehicle, requirements, catalog = (_section(made, name) for name in ("vehicle", "requirements", "catalog"))
     if _most_lamps(vehicle.get("light_count")) > 0:
         filled["requirements"]["min_uniformity"] = LEAST_UNIFORMITY
+    if all(requirements.get(key) is None for key in SNR_KEYS):
+        filled["requirements"]["min_snr_db"] = ACCEPTABLE_SNR_DB
     if _leaves_its_altitude(made):
         filled["requirements"]["min_dof_m"] = SHARP_OVER_THE_BAND
     if catalog.get("extras"):

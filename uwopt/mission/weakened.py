@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from uwopt.mission.mission import Mission
-from uwopt.mission.practice import LEAST_UNIFORMITY, RECOMMENDED_KEYS, SHARP_OVER_THE_BAND
+from uwopt.mission.practice import ACCEPTABLE_SNR_DB, LEAST_UNIFORMITY, RECOMMENDED_KEYS, SHARP_OVER_THE_BAND
 from uwopt.mission.reserves import REFUSED
 from uwopt.units import ratio_to_db
 
@@ -65,6 +65,7 @@ def asked_value(mission: Mission, section: str, key: str) -> float | None:
 #: What good practice fills in of the requirements.
 FILLED_IN = {
     **RECOMMENDED_KEYS["requirements"], "min_uniformity": LEAST_UNIFORMITY, "min_dof_m": SHARP_OVER_THE_BAND,
+    "min_snr_db": ACCEPTABLE_SNR_DB,
 }  # fmt: skip
 
 

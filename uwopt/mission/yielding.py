@@ -12,10 +12,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from uwopt.mission.mission import Mission
-from uwopt.mission.practice import LEAST_UNIFORMITY, RECOMMENDED_KEYS, is_wanted
+from uwopt.mission.practice import ACCEPTABLE_SNR_DB, LEAST_UNIFORMITY, RECOMMENDED_KEYS, is_wanted
 from uwopt.mission.reserves import RECOMMENDED_RESERVE
 
 WHITE_BALANCE = "white_balance"
+SEEN_SNR_DB = 14.0  # 5:1, from which on a thing is told from noise (Rose 1948)
 FRAME_LESS_DB = (3.0, 6.0, 10.0)  # so much less than its mean may the darkest 5 % of the frame begin with, step by step
 SNR_AT, SNR_LESS = "snr_at", "snr_at_less_db"
 
@@ -71,6 +72,10 @@ YIELDS: tuple[Yield, ...] = (
     Yield(
         "requirements", "min_uniformity", LEAST_UNIFORMITY, 0.0, "the darkest place of the floor may be dark",
         for_certainty=False,
+    ),
+    Yield(
+        "requirements", "min_snr_db", ACCEPTABLE_SNR_DB, SEEN_SNR_DB,
+        f"the signal to noise is {SEEN_SNR_DB:g} instead of {ACCEPTABLE_SNR_DB:g} dB", for_certainty=False,
     ),
 )
 

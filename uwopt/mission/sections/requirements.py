@@ -43,7 +43,9 @@ class Requirements(Section):
         description="sharpness limit in pixels; 2, in physics paper the sensor's diagonal / 1500",
     )
     min_snr_db: Annotated[float, Field(ge=-40, le=200), NUMBER] | None = Field(
-        default=None, description="least signal-to-noise ratio in decibels (20 log10), instead of min_snr"
+        default=None,
+        description="least signal-to-noise ratio in decibels (20 log10), instead of min_snr; 20 is recommended where "
+        "neither is given",
     )
     min_snr_given: Annotated[float, Field(gt=0, le=1e10), NUMBER] | None = Field(
         default=None,
