@@ -129,6 +129,14 @@ def test_a_narrow_swath_is_refused_in_a_survey_alone():
     assert load_mission({**still, "requirements": wanted}).views[0].requirements.min_swath_m is None
 
 
+def test_who_works_near_is_refused_no_swath_that_is_wider_than_far():
+    near = {**BASE, "vehicle": {"altitude_m": 0.6, "altitude_tolerance_m": 0.2, "speed_m_s": 0.3}}
+    wanted = {"overlap": 0.5, "refuse": ["swath"]}
+    assert load_mission({**near, "requirements": wanted}).views[0].requirements.min_swath_m == pytest.approx(0.4)
+    given = {**wanted, "min_swath_m": 1.5}
+    assert load_mission({**near, "requirements": given}).views[0].requirements.min_swath_m == 1.5
+
+
 def test_what_a_file_says_comes_back_without_the_reserve():
     data = mission(reserve="recommended").to_dict()
     assert data["requirements"]["min_snr_db"] == 30

@@ -77,6 +77,13 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{RESERVES}::test_a_narrow_swath_is_refused_in_a_survey_alone",
     ),
     Defect(
+        name="who works near is refused a swath of a metre",
+        file=MISSION,
+        old="return min(value, nearest_m) if word == ",
+        new="return value if word == ",
+        test=f"{RESERVES}::test_who_works_near_is_refused_no_swath_that_is_wider_than_far",
+    ),
+    Defect(
         name="a refusal beats the key that is given",
         file=MISSION,
         old="if word in wanted.refuse and getattr(wanted, key) is None and (",

@@ -264,8 +264,13 @@ def test_where_no_change_helps_the_rules_that_exclude_most_are_told(make_result:
     rules = [{"name": name, "n_excluded": n, "n_is_bound": False} for name, n in counts.items()]
     nothing = {"recommendation": None, "runners_up": [], "generic_alternative": None, "status": "infeasible"}
     why = {"requirements": rules, "relaxations": [], "nearest_miss": None}
-    for own, told in ((None, "(min_swath_m 1, by refuse: swath)"), (2.0, "(min_swath_m)")):
-        mission = {"name": "x", "requirements": {"min_swath_m": own, "max_gsd_mm": 1.0}}
+    for own, altitude_m, told in (
+        (None, 3.0, "(min_swath_m 1, by refuse: swath)"), (None, 0.6, "(min_swath_m 0.4, by refuse: swath)"),
+        (2.0, 0.6, "(min_swath_m)"),
+    ):  # fmt: skip
+        asked = {"min_swath_m": own, "max_gsd_mm": 1.0}
+        vehicle = {"altitude_m": altitude_m, "altitude_tolerance_m": 0.2}
+        mission = {"name": "x", "requirements": asked, "vehicle": vehicle}
         text = " ".join(text_of(make_result(mission=mission, infeasible=why, **nothing)).split())
         assert f"Most fall by: swath too narrow {told}; pixel on the floor too large (max_gsd_mm); image circle" in text
 

@@ -71,7 +71,7 @@ def to_reserve(value: Any) -> Any:
     return dict(RECOMMENDED_RESERVE)
 
 
-#: The key that each refusal holds, with its default; `depth` is held by the depth rating.
+#: The key that each refusal holds, with its default; `depth` is held by the depth rating, `swath` see below.
 REFUSED: Mapping[str, tuple[str, float]] = {
     "airy": ("max_airy_px", 2.0), "skew": ("max_skew_px", 2.0), "swath": ("min_swath_m", 1.0),
     "white_balance": ("max_white_balance", 4.0),
@@ -88,8 +88,8 @@ def asked_of(wanted: Requirements, vehicle: Vehicle) -> Requirements:
     """
     survey = vehicle.speed_m_s > 0.0 and wanted.overlap is not None
     made = {
-        key: value
-        for word, (key, value) in REFUSED.items()
+        key: refused_at(word, vehicle.altitude_m - vehicle.altitude_tolerance_m)
+        for word, (key, _) in REFUSED.items()
         if word in wanted.refuse and getattr(wanted, key) is None and (survey or word != "swath")
     }
     if wanted.min_area_m2_h is not None and vehicle.speed_m_s > 0.0:
@@ -99,6 +99,16 @@ def asked_of(wanted: Requirements, vehicle: Vehicle) -> Requirements:
     if wanted.resolve_mm is not None:
         made |= asked_by_bars(wanted, wanted.resolve_mm)
     return wanted.model_copy(update=made) if made else wanted
+
+
+def refused_at(word: str, nearest_m: float) -> float:
+    """The default of a refusal in a scene whose floor comes as near as this.
+
+    Who is asked to work near sees little: a swath is refused that is narrower than 1 m and than that distance too,
+    which is a view of 2 atan(1/2) = 53 degrees in water.
+    """
+    value = REFUSED[word][1]
+    return min(value, nearest_m) if word == "swath" else value
 
 
 def asked_by_bars(wanted: Requirements, bar_mm: float) -> dict[str, float]:

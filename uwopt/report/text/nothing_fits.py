@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
-from uwopt.mission.reserves import REFUSED
+from uwopt.mission.reserves import REFUSED, refused_at
 from uwopt.mission.yielding import yields_named
 from uwopt.report.text import formats, vocabulary, words
 from uwopt.report.text.helps import (
@@ -116,12 +117,15 @@ def excluding_most(result: Result) -> Text | None:
     asked = result.mission.get("requirements") or {}
     given = {key for key, value in asked.items() if value is not None}
     given |= {"min_swath_m", "min_common_swath_m"} if "min_area_m2_h" in given else set()  # an area asks for a swath
-    by_refusal = {key: (word, value) for word, (key, value) in REFUSED.items() if key not in given}
+    by_refusal = {key: word for word, (key, _) in REFUSED.items() if key not in given}
+    vehicle = result.mission.get("vehicle") or {}
+    nearest_m = vehicle.get("altitude_m", math.inf) - (vehicle.get("altitude_tolerance_m") or 0.0)
 
     def told(rule: Excluded) -> str:
         key = formats.one_line(rule.name)
-        word, value = by_refusal.get(key, ("", 0.0))
-        return f"{words.rule_name(rule.name)} ({key}" + (f" {value:g}, by refuse: {word})" if word else ")")
+        word = by_refusal.get(key)
+        by = f" {refused_at(word, nearest_m):g}, by refuse: {word}" if word else ""
+        return f"{words.rule_name(rule.name)} ({key}{by})"
 
     return sentence(f"Most fall by: {'; '.join(map(told, most))}.")
 
