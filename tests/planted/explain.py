@@ -114,6 +114,14 @@ DEFECTS = (
         test=f"{BY_EITHER}[1.0-False]",
     ),
     Defect(
+        name="who is told nothing by the end of the time is told nothing",
+        file="uwopt/solvers/infeasible/why_nothing.py",
+        old="        trials.go_on()\n",
+        new="",
+        test="tests/solvers/test_least_change.py"
+        "::test_it_goes_on_where_nothing_is_known_to_help_when_time_ends",
+    ),
+    Defect(
         name="what likely stands in the way waits for all that does not",
         file="uwopt/solvers/infeasible/why_nothing.py",
         old="    singles.ask_suspects()\n",

@@ -485,6 +485,17 @@ def test_changes_together_are_told_where_looking_for_single_ones_takes_all_the_t
     assert {one.name for one in why.together} == {"min_swath_m", "min_snr"}
 
 
+def test_it_goes_on_where_nothing_is_known_to_help_when_time_ends(parts, catalog):
+    """The time is over before it begins, by a clock that stands still."""
+    wanted = mission(parts, min_swath_m=9.0)
+    found = seek(wanted, catalog, POWER, generic="never", top=1)
+    proof = certificate(found.selection, found.problem, found.outcome, POWER)
+    over = Deadline(0.0, lambda: 1.0)
+    assert not why_nothing(Trials(wanted, catalog, POWER, "never", over), proof).relaxations
+    more = Trials(wanted, catalog, POWER, "never", over, more_s=100.0)
+    assert [one.name for one in why_nothing(more, proof).relaxations] == ["min_swath_m"]
+
+
 @pytest.mark.parametrize(
     ("asked", "given"),
     [({"min_swath_m": 9.0, "min_snr_db": 60.0}, {"min_swath_m", "min_snr"}), ({"min_swath_m": 9.0}, {"min_swath_m"})],

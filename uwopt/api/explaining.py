@@ -22,6 +22,7 @@ EXPLAIN_SHARE = 0.4  # of the time that the search took, where that is more
 YIELD_SHARE = 0.3  # of the time for all that would help, for whether less of good practice would do
 LEFT_SHARE = 0.2  # of the time, for what of good practice gives way where a told change is made
 LEAST_EXPLAIN_S = 5.0  # for what would help, however long the search took: in less hardly any is found
+GO_ON_SHARE = 3.0  # of the time for what would help, where nothing is known to by then
 NOT_TRIED = "that nothing fits is proven, but not all that may help was tried"
 
 
@@ -88,9 +89,12 @@ def infeasible_result(
     if explain:
         in_vain = mission is not found.mission
         first = patience.but_for(LEFT_SHARE) if in_vain else patience
-        trials = Trials(mission.without_gain_cap, catalog, goal, generic, first, watch.progress, used)
+        more_s = 0.0 if patience is watch.deadline else GO_ON_SHARE * seconds
+        trials = Trials(mission.without_gain_cap, catalog, goal, generic, first, watch.progress, used, more_s)
         with watch.timed("explanation"):
             why = why_nothing(trials, proof)
+            if more_s and not trials.more_s:
+                patience, seconds = replace(patience, end_s=patience.end_s + more_s), seconds + more_s
             if in_vain and not trials.interrupted:
                 why = with_practice_left(why, found.mission, catalog, used.problem, patience)
         if trials.interrupted:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from uwopt.catalog.catalogue import Catalog
@@ -39,6 +39,7 @@ class Trials:
     deadline: Deadline = NEVER
     say: Progress = unheard  # how far it is
     like: Sought | None = None
+    more_s: float = 0.0  # than the deadline gives, where nothing is known to help by then
     interrupted: bool = False
     _judged: dict[int, tuple[Sought, Design]] = field(default_factory=dict)  # each kept, so that its number is its own
 
@@ -51,6 +52,10 @@ class Trials:
     def over(self) -> bool:
         """Whether nothing more is to be tried."""
         return self.interrupted or self.deadline.passed()
+
+    def go_on(self) -> None:
+        """Take the time that is left for who would else be told nothing."""
+        self.deadline, self.more_s = replace(self.deadline, end_s=self.deadline.end_s + self.more_s), 0.0
 
     def judged(self, found: Sought) -> Design:
         """What a search found, judged by the mission as it stands."""

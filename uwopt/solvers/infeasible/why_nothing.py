@@ -53,6 +53,9 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
     if not mover.far:
         singles.drop_others()
     trials.deadline = whole
+    if soon is None and singles.together is None and not singles.helpful and not mover.far:
+        trials.go_on()
+        singles.drop_others()
     singles.tell_open()
     every, moves = least_changes(trials, singles, mover)
     relaxations = [one for one in every if one.is_of_use]
