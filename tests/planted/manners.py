@@ -158,8 +158,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="explanations know no time limit",
         file="uwopt/api/explaining.py",
-        old="        trials = Trials(mission.without_gain_cap, catalog, goal, generic, first, watch.progress, used)",
-        new="        trials = Trials(mission.without_gain_cap, catalog, goal, generic, say=watch.progress, like=used)",
+        old="trials = Trials(mission.without_gain_cap, catalog, goal, generic, first, watch.progress, used, more_s)",
+        new="trials = Trials(mission.without_gain_cap, catalog, goal, generic, say=watch.progress, like=used)",
         test=f"{DEADLINE}::test_time_that_ends_with_the_search_leaves_infeasibility_unexplained",
     ),
     Defect(
