@@ -212,4 +212,6 @@ def test_paths_and_values_read_as_a_person_writes_them():
 def test_nearest_words():
     assert nearest("altitud_m", ["altitude_m", "speed_m_s"]) == "altitude_m"
     assert nearest("pitch", ["pitch_rate_deg_s", "roll_rate_deg_s"]) == "pitch_rate_deg_s"
+    assert nearest("cost_usd", ["cost_basis", "cost"]) == "cost"
+    assert nearest("cost_basi", ["cost_basis", "cost"]) == "cost_basis"
     assert nearest("zzz", ["altitude_m"]) is None

@@ -107,6 +107,13 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/solvers/test_search_deadline.py::test_wherever_time_ends_a_front_is_valid",
     ),
     Defect(
+        name="a key with a unit too many is taken for another that is like it",
+        file="uwopt/documents/faults.py",
+        old="    if shorter and not ",
+        new="    if not shorter and not ",
+        test="tests/documents/test_inputs.py::test_nearest_words",
+    ),
+    Defect(
         name="ten thousand with a comma becomes ten",
         file="uwopt/documents/faults.py",
         old="    if _THOUSANDS.fullmatch(plain):",

@@ -37,6 +37,9 @@ def show(value: object, limit: int = 60) -> str:
     return text if len(text) <= limit else text[: limit - 3] + "..."
 
 
+MISSPELT = 0.8  # as like as this is a word with a letter or two amiss
+
+
 def nearest(word: str, known: Iterable[str], cutoff: float = 0.6) -> str | None:
     """The known word most like this one; None when none is near."""
     by_plain = {name.casefold().replace("-", "_").replace(" ", "_"): name for name in known}
@@ -45,6 +48,9 @@ def nearest(word: str, known: Iterable[str], cutoff: float = 0.6) -> str | None:
     if len(longer) == 1:
         return longer[0]
     found = difflib.get_close_matches(plain, by_plain, n=1, cutoff=cutoff)
+    shorter = [key for key in by_plain if plain.startswith(key + "_")]  # a key with a unit that it does not have
+    if shorter and not difflib.get_close_matches(plain, by_plain, n=1, cutoff=MISSPELT):
+        return by_plain[max(shorter, key=len)]
     return by_plain[found[0]] if found else None
 
 
