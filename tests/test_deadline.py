@@ -6,18 +6,20 @@ import math
 import threading
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import pytest
 from typer.testing import CliRunner
 
-from uwopt.api import pricing
+from uwopt.api import choosing, pricing
 from uwopt.api import solving as api
 from uwopt.api import trading as api_pareto
 from uwopt.api.common import prepared
 from uwopt.api.evaluating import evaluate
 from uwopt.api.watch import STAGES, Watch
 from uwopt.cli.app import app
+from uwopt.cli.options import limit_of, time_to_answer
 from uwopt.cli.status import result_status
 from uwopt.deadline import COSTS_S, Deadline, OutOfTimeError, UntilFound, effort_s, spend
 from uwopt.results.result import Result
@@ -127,7 +129,31 @@ def test_what_runs_out_of_time_midway_is_left_out_and_told() -> None:
     assert deadline.left_out == ["slow"]
 
 
+# ---------------------------------------------------------------- a command
+
+
+@pytest.mark.parametrize(("loading_s", "writes", "left_s"), [
+    (1.0, False, 8.7), (1.0, True, 7.0), (8.0, True, 1.5), (11.0, True, 0.0),
+])  # fmt: skip
+def test_the_time_of_a_command_is_also_what_it_takes_to_load_and_to_write(
+    limited: Callable[[float], Clock], loading_s: float, writes: bool, left_s: float
+) -> None:
+    clock, limit = limited(0.0), limit_of(10.0)
+    clock.now_s = loading_s
+    assert time_to_answer(limit, writes=writes) == pytest.approx(left_s)
+    assert time_to_answer(Deadline(), writes=writes) is None
+
+
 # ---------------------------------------------------------------- solve
+
+
+def test_what_else_is_listed_ends_with_the_time_and_that_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = Clock(1.0)
+    limit = Deadline.after(2.5, clock)
+    found = SimpleNamespace(outcome=SimpleNamespace(best=["best", "second", "third", "fourth"]))
+    monkeypatch.setattr(choosing, "design_of", lambda sought, one, *, with_rounding: one)
+    assert choosing.others_in_time(cast(Any, found), limit) == ["second", "third"]
+    assert limit.left_out == ["more of the next best systems"]
 
 
 def test_time_that_ends_with_the_search_leaves_the_proof_and_nothing_more(ends_with_search: Clock) -> None:

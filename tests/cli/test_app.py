@@ -25,6 +25,7 @@ from uwopt.api.evaluating import evaluate
 from uwopt.catalog.edition import AS_OF, EDITION
 from uwopt.cli.app import app
 from uwopt.cli.explore import ended_by_signals
+from uwopt.cli.options import PRINT_S
 from uwopt.errors import SolverError
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.short import short_text_blocks
@@ -221,9 +222,10 @@ def test_options_reach_the_search(solving: Callable[..., list[dict[str, Any]]]) 
         "--audit", 7, "--seconds", 2.5, "--accuracy", "--tolerance", "0.001", "--quiet",
     )  # fmt: skip
     assert done.exit_code == 0
+    assert 0.0 < calls[0].pop("seconds") <= 2.5 - PRINT_S  # what the command takes beside it is of its time
     assert calls == [
         {"mission": str(MISSION), "solver": "nlopt", "objective": {"power": 1.0, "cost": 0.01}, "physics": "full",
-         "confidence": None, "top": 3, "audit": 7, "seconds": 2.5, "alternatives": False, "ranges": False,
+         "confidence": None, "top": 3, "audit": 7, "alternatives": False, "ranges": False,
          "accuracy": True, "tolerance": 0.001, "progress": None, "quick": False, "first": calls[0]["first"],
              "so_far": calls[0]["so_far"], "hold_practice": False},
     ]  # fmt: skip
@@ -251,6 +253,13 @@ def test_page_begins_before_the_doubts_and_is_the_same_page(
     print_blocks(short_text_blocks(made), page)
     assert before + rest == page.getvalue()
     assert "doubts" not in whole.stdout and json.loads(as_json.stdout)["status"] == "optimal"
+
+
+def test_what_a_page_has_no_time_for_is_told_where_it_is_written(solving: Status, tmp_path: Path) -> None:
+    solving()
+    done = run("solve", MISSION, "--seconds", "1e-6", "--out", tmp_path)
+    assert "no time was left for drawings, " in done.stderr and "`uwopt report` makes them" in done.stderr
+    assert "no time" not in run("solve", MISSION).stderr
 
 
 def test_mission_decides_what_is_not_asked_for(solving: Callable[..., list[dict[str, Any]]]) -> None:

@@ -9,6 +9,34 @@ SEARCH_DEADLINE = "tests/solvers/test_search_deadline.py"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="an answer takes all of a command's time, and what is written comes later",
+        file="uwopt/cli/options.py",
+        old="return limit.left_s - min(WRITE_S if writes else PRINT_S, AFTER_SHARE * limit.left_s)",
+        new="return limit.left_s",
+        test=f"{DEADLINE}::test_the_time_of_a_command_is_also_what_it_takes_to_load_and_to_write",
+    ),
+    Defect(
+        name="the answer's time begins when the program is loaded",
+        file="uwopt/cli/app.py",
+        old="            seconds=time_to_answer(deadline, writes=out is not None),\n            alternatives",
+        new="            seconds=seconds,\n            alternatives",
+        test="tests/cli/test_app.py::test_options_reach_the_search",
+    ),
+    Defect(
+        name="what else is listed is worked out whatever the time",
+        file="uwopt/api/choosing.py",
+        old="        if deadline.passed():\n            deadline.left_out.append(OTHERS)",
+        new="        if False:\n            deadline.left_out.append(OTHERS)",
+        test=f"{DEADLINE}::test_what_else_is_listed_ends_with_the_time_and_that_is_told",
+    ),
+    Defect(
+        name="nobody is told that a page has no pictures for want of time",
+        file="uwopt/cli/output.py",
+        old="    if deadline.left_out:\n",
+        new="    if False:\n",
+        test="tests/cli/test_app.py::test_what_a_page_has_no_time_for_is_told_where_it_is_written",
+    ),
+    Defect(
         name="a flash of an instant asks for a camera that stands still",
         file="uwopt/api/risks.py",
         old="if pulse_ms and not sunlit else",

@@ -11,7 +11,7 @@ from uwopt.api.searching import Searched, Searches
 from uwopt.api.so_far import held_line
 from uwopt.api.watch import Watch
 from uwopt.api.yielding import all_to_hold, fewest_to_hold, most_held, share_to_hold
-from uwopt.deadline import effort_s
+from uwopt.deadline import Deadline, effort_s
 from uwopt.mission.doubt import CENTRAL
 from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import Yield, with_yields
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 
 MOST_ROUNDS = 3  # in which less and less gives way
+OTHERS = "more of the next best systems"  # where there is no time for them
 AS_SURE = 0.02  # shares of fresh scenarios that lie as near are as good as the same
 
 
@@ -93,8 +94,7 @@ def chosen_of(searched: Searched, watch: Watch, before: Counts | None = None) ->
         try:
             if central or math.isfinite(deadline.end_s):  # else what is recommended is still to be counted
                 sought, winner = best_settable(sought, deadline)
-            runners_up = sought.outcome.best[1:]
-            others = [design_of(sought, found, with_rounding=False) for found in runners_up]
+            others = others_in_time(sought, deadline)
         except KeyboardInterrupt:  # what is proven is not lost; asked again, it is
             cut, winner = True, design_of(sought, sought.outcome.best[0])
     if not cut and not central:
@@ -111,6 +111,17 @@ def chosen_of(searched: Searched, watch: Watch, before: Counts | None = None) ->
             cut = True
     winner = winner or design_of(sought, sought.outcome.best[0])
     return Recommendation(mission, sought, alternative, sought.outcome, winner, others, given_way=given_way, cut=cut)
+
+
+def others_in_time(sought: Sought, deadline: Deadline) -> list[Design]:
+    """What else is listed, the best first, as far as there is time."""
+    others = []
+    for found in sought.outcome.best[1:]:
+        if deadline.passed():
+            deadline.left_out.append(OTHERS)
+            break
+        others.append(design_of(sought, found, with_rounding=False))
+    return others
 
 
 def held_by_yielding(

@@ -32,8 +32,9 @@ from uwopt.cli.options import (
     QuietOption,
     SecondsOption,
     ToleranceOption,
-    checked_seconds,
+    limit_of,
     parsed_objective,
+    time_to_answer,
 )
 from uwopt.cli.output import hand_over, print_first
 from uwopt.cli.pareto import pareto_command
@@ -43,7 +44,6 @@ from uwopt.cli.status import BAD_INPUT, DONE, EXIT_STATUS, command, result_statu
 from uwopt.cli.sweep import sweep_command
 from uwopt.cli.tender import quotes_command, tender_command
 from uwopt.cli.whatif import whatif_command
-from uwopt.deadline import Deadline
 from uwopt.version import __version__
 
 if TYPE_CHECKING:
@@ -148,8 +148,7 @@ def solve_command(
     from uwopt.report.write import check_folder
     from uwopt.solvers.beside import cores
 
-    limit_s = checked_seconds(seconds)
-    deadline = Deadline.after(limit_s)
+    deadline = limit_of(seconds)
     wanted = None if objective is None else parsed_objective(objective)
     if out is not None:
         check_folder(out)
@@ -169,7 +168,7 @@ def solve_command(
             confidence=confidence,
             top=top,
             audit=audit,
-            seconds=limit_s,
+            seconds=time_to_answer(deadline, writes=out is not None),
             alternatives=out is not None,
             ranges=out is not None,
             accuracy=accuracy,
@@ -212,15 +211,14 @@ def evaluate_command(
     """Say what a given system would do in a mission: figures and margins."""
     from uwopt.report.write import check_folder
 
-    limit_s = checked_seconds(seconds)
-    deadline = Deadline.after(limit_s)
+    deadline = limit_of(seconds)
     if out is not None:
         check_folder(out)
     from uwopt.api.evaluating import evaluate
 
     result = evaluate(
         mission, system, physics=physics and physics.value, accuracy=accuracy, tolerance=tolerance,
-        confidence=confidence, seconds=limit_s,
+        confidence=confidence, seconds=time_to_answer(deadline, writes=out is not None),
     )  # fmt: skip
     hand_over(result, full=full, as_json=as_json, out=out, quiet=quiet, deadline=deadline)
     return result_status(result, check=check)

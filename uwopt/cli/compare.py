@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from uwopt.cli.options import MissionArgument, PhysicsOption, QuietOption, checked_seconds
+from uwopt.cli.options import MissionArgument, PhysicsOption, QuietOption, limit_of, time_to_answer
 from uwopt.cli.output import print_made
 from uwopt.cli.status import DONE, command
 
@@ -32,14 +32,14 @@ def compare_command(
     from uwopt.report.text.console import ProgressBar
     from uwopt.report.write import check_folder, made_folder, write_files
 
-    limit_s = checked_seconds(seconds)
+    deadline = limit_of(seconds)
     folder = None if out is None else check_folder(out)
     with ProgressBar(quiet=quiet) as bar:
         from uwopt.api.comparing import compare
 
         made = compare(
-            mission, systems, recommended=recommended, physics=physics and physics.value, seconds=limit_s,
-            progress=bar.report,
+            mission, systems, recommended=recommended, physics=physics and physics.value,
+            seconds=time_to_answer(deadline, writes=out is not None), progress=bar.report,
         )  # fmt: skip
     written = []
     if folder is not None:

@@ -7,7 +7,14 @@ from typing import Annotated
 
 import typer
 
-from uwopt.cli.options import JsonOption, MissionArgument, PhysicsOption, QuietOption, checked_seconds
+from uwopt.cli.options import (
+    JsonOption,
+    MissionArgument,
+    PhysicsOption,
+    QuietOption,
+    limit_of,
+    time_to_answer,
+)
 from uwopt.cli.status import command, result_status
 
 
@@ -31,13 +38,13 @@ def explain_command(
     from uwopt.report.text.looked_at import wording
     from uwopt.report.write import json_text
 
-    limit_s = checked_seconds(seconds)
+    deadline = limit_of(seconds)
     with ProgressBar(quiet=quiet) as bar:
         from uwopt.api.solving import solve
 
         result = solve(
-            mission, physics=physics and physics.value, confidence="central", seconds=limit_s, quick=True,
-            every_price=True, progress=bar.report,
+            mission, physics=physics and physics.value, confidence="central", seconds=time_to_answer(deadline),
+            quick=True, every_price=True, progress=bar.report,
         )  # fmt: skip
     if as_json:
         print_text(json_text(result, getattr(sys.stdout, "encoding", None) or "utf-8"))

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from uwopt.deadline import Deadline
 from uwopt.errors import MissionError
 
 
@@ -46,6 +47,22 @@ SecondsOption = Annotated[
     typer.Option(metavar="S", help="Stop after S seconds; the gap and what is left out are told."),
 ]
 QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no notes.")]
+
+
+WRITE_S, PRINT_S = 2.0, 0.3  # at most, of a time that is given: for what follows the answer
+AFTER_SHARE = 0.25  # of a short time, instead
+
+
+def limit_of(seconds: float | None) -> Deadline:
+    """When a command's time is over, which runs from now on: what it takes to load a program is of it."""
+    return Deadline.after(checked_seconds(seconds))
+
+
+def time_to_answer(limit: Deadline, *, writes: bool = False) -> float | None:
+    """Seconds that an answer may take of a command's time, so that what is written and printed then is in time too."""
+    if math.isinf(limit.left_s):
+        return None
+    return limit.left_s - min(WRITE_S if writes else PRINT_S, AFTER_SHARE * limit.left_s)
 
 
 def checked_seconds(seconds: float | None) -> float | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +17,9 @@ if TYPE_CHECKING:
     from uwopt.report.text.layout import Block
     from uwopt.results.front import FrontResult
     from uwopt.results.result import Result
+
+
+PAGE_S = 0.7  # of a time that is given, for the page around its pictures, of which the last may end late
 
 
 def print_first(result: Result, bar: ProgressBar) -> None:
@@ -35,7 +39,7 @@ def hand_over(
     """Write the files and print the result, on one page or in full; what cannot be written is printed all the same.
 
     begun : the page's beginning stands there already, by `print_first`
-    deadline : past which the report does without pictures
+    deadline : past which the report does without pictures, which is told
     """
     from uwopt.report.text.console import ProgressBar, print_blocks, print_text
     from uwopt.report.text.looked_at import wording
@@ -43,6 +47,7 @@ def hand_over(
     from uwopt.results.result import Result
 
     written, refused = [], None
+    pictures = replace(deadline, end_s=deadline.end_s - PAGE_S)
     try:
         with ProgressBar(quiet=quiet) as bar:
             if bar.report is not None:
@@ -50,9 +55,9 @@ def hand_over(
             if out is None:
                 pass
             elif isinstance(result, Result):
-                written = write_results(result, out, deadline=deadline)
+                written = write_results(result, out, deadline=pictures)
             else:
-                written = write_front(result, out, deadline=deadline)
+                written = write_front(result, out, deadline=pictures)
     except OutputError as fault:
         refused = fault
     if as_json:
@@ -74,6 +79,13 @@ def hand_over(
         raise refused
     if written and not quiet:
         told("written: " + ", ".join(str(path) for path in written), DONE)
+    if deadline.left_out:
+        told(no_time_for(deadline), DONE)
+
+
+def no_time_for(deadline: Deadline) -> str:
+    """What a page does without, and how to make it."""
+    return f"no time was left for {', '.join(dict.fromkeys(deadline.left_out))}; `uwopt report` makes them."
 
 
 def print_made(blocks: Sequence[Block], written: Sequence[Path], *, mission: Mapping[str, Any], quiet: bool) -> None:

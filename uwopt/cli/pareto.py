@@ -12,11 +12,11 @@ from uwopt.cli.options import (
     MissionArgument,
     PhysicsOption,
     QuietOption,
-    checked_seconds,
+    limit_of,
+    time_to_answer,
 )
 from uwopt.cli.output import hand_over
 from uwopt.cli.status import command, front_status
-from uwopt.deadline import Deadline
 
 
 @command
@@ -57,8 +57,7 @@ def pareto_command(
     from uwopt.report.write import check_folder
     from uwopt.solvers.beside import cores
 
-    limit_s = checked_seconds(seconds)
-    deadline = Deadline.after(limit_s)
+    deadline = limit_of(seconds)
     if out is not None:
         check_folder(out)
     with ProgressBar(quiet=quiet) as bar, cores():
@@ -68,7 +67,7 @@ def pareto_command(
             mission,
             objectives=objectives.split(","),
             solver=solver,
-            seconds=limit_s,
+            seconds=time_to_answer(deadline, writes=out is not None),
             seed=seed,
             physics=physics and physics.value,
             alternatives=out is not None,

@@ -7,9 +7,8 @@ from typing import Annotated
 
 import typer
 
-from uwopt.cli.options import checked_seconds
+from uwopt.cli.options import limit_of
 from uwopt.cli.status import DONE, command, told
-from uwopt.deadline import Deadline
 from uwopt.errors import OutputError
 
 
@@ -35,7 +34,7 @@ def report_command(
     from uwopt.report.write import check_file, write_page
     from uwopt.results.reading import read_result
 
-    deadline = Deadline.after(checked_seconds(seconds))
+    deadline = limit_of(seconds)
     target = check_file(page_file(result, out))
     if target.exists() and Path(result).exists() and target.samefile(result):
         raise OutputError(f"{target}: is the result itself; choose another --out.")

@@ -7,10 +7,9 @@ from typing import Annotated
 
 import typer
 
-from uwopt.cli.options import MissionArgument, PhysicsOption, QuietOption, checked_seconds
+from uwopt.cli.options import MissionArgument, PhysicsOption, QuietOption, limit_of
 from uwopt.cli.output import print_made
 from uwopt.cli.status import DONE, command, result_status, told
-from uwopt.deadline import Deadline
 
 
 @command
@@ -30,7 +29,7 @@ def tender_command(
     from uwopt.report.write import check_folder, made_folder, write_files
     from uwopt.results.reading import read_solved
 
-    deadline = Deadline.after(checked_seconds(seconds))
+    deadline = limit_of(seconds)
     folder = check_folder(out)
     held = read_solved(result)
     with ProgressBar(quiet=quiet) as bar:

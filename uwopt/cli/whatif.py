@@ -13,8 +13,9 @@ from uwopt.cli.options import (
     MissionArgument,
     PhysicsOption,
     QuietOption,
-    checked_seconds,
+    limit_of,
     parsed_objective,
+    time_to_answer,
 )
 from uwopt.cli.status import DONE, INTERRUPTED, LIMIT_REACHED, command, told
 from uwopt.errors import MissionError
@@ -58,7 +59,7 @@ def whatif_command(
     from uwopt.report.text.whatif_tables import whatif_blocks
     from uwopt.report.write import check_folder, json_text, write_whatif
 
-    limit_s = checked_seconds(seconds)
+    deadline = limit_of(seconds)
     wanted = None if objective is None else parsed_objective(objective)
     varied = by_key(vary or [])
     if out is not None:
@@ -68,7 +69,8 @@ def whatif_command(
 
         table = whatif(
             mission, varied, spider=spider, objective=wanted, physics=physics and physics.value,
-            confidence=confidence, seconds=limit_s, hold_practice=hold_practice, progress=bar.report,
+            confidence=confidence, seconds=time_to_answer(deadline, writes=out is not None),
+            hold_practice=hold_practice, progress=bar.report,
         )  # fmt: skip
     if as_json:
         print_text(json_text(table, getattr(sys.stdout, "encoding", None) or "utf-8"))
