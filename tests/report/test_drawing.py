@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+import yaml
 
 import uwopt
 from uwopt.evaluation.recompute import replay
@@ -77,6 +79,37 @@ def test_drawings_escape_what_they_are_told():
     shapes(text, "polygon", "view")
 
 
+@pytest.mark.parametrize(("rig", "view"), [
+    (RIG, drawing.view_from_behind), ("pitched", oblique_drawing.view_from_side),
+])  # fmt: skip
+def test_a_camera_that_looks_up_stands_below_what_it_sees_and_its_words_upright(rig: Any, view: Any) -> None:
+    rig = replace(PITCHED if rig == "pitched" else rig, looks_up=True)
+    found = dict[str, list[tuple[float, float]]]()  # where things stand on the page, down, and which way they turn
+    walk(ElementTree.fromstring(view(rig, title="a", description="b")), (1.0, 0.0), found)
+    floor_y = max(y for y, _ in found["ink"][:1])
+    assert all(y > floor_y + 100.0 for y, _ in found["view"][:1])  # the port, of which the view begins
+    assert all(way == 1.0 for _, way in found["label"]) and all(way == -1.0 for _, way in found["view"])
+    assert [drawn.caption.count("The camera looks up.") for drawn in drawings(rig, on_axis=False)] == [1, 0]
+
+
+def walk(node: Any, flip: tuple[float, float], found: dict[str, list[tuple[float, float]]]) -> None:
+    """Take in where what a drawing shows begins on the page, through all that mirrors it."""
+    if mirror := re.match(r"matrix\(1 0 0 -1 0 ([\d.]+)\)", node.get("transform", "")):
+        flip = -flip[0], flip[0] * float(mirror[1]) + flip[1]
+    y = node.get("y") or node.get("y1") or (node.get("points") or "").split(" ")[0].partition(",")[2]
+    if y and (style := node.get("class")):
+        found.setdefault(style, []).append((flip[0] * float(y) + flip[1], flip[0]))
+    for child in node:
+        walk(child, flip, found)
+
+
+def test_a_ceiling_is_seen_from_below(replayed: Any) -> None:
+    mission = yaml.safe_load((PROBLEMS / "awi-ofobs.yaml").read_text("utf-8"))
+    overhead = mission | {"scene": mission["scene"] | {"target": "ceiling"}}
+    design, _ = replayed(overhead, PROBLEMS / "awi-ofobs.system.yaml")
+    assert rig_measures(design).looks_up
+
+
 @pytest.mark.parametrize("change", [
     {"speed_m_s": 0.0, "advance_m": None, "overlap": None}, {"advance_m": 5.0, "overlap": -5.25}, {"is_dome": False},
     {"beam_half_angle_rad": 1.57}, {"altitude_tolerance_m": 0.0, "image_width_is_along": True},
@@ -93,6 +126,7 @@ def test_drawings_stand_for_odd_rigs(change):
 
 def test_measures_of_a_replayed_rig_can_be_drawn(replayed):
     design, _ = replayed(PROBLEMS / "awi-ofobs.yaml", PROBLEMS / "awi-ofobs.system.yaml")
+    assert not rig_measures(design).looks_up
     text = drawing.view_from_behind(rig_measures(design), title="a", description="b")
     assert "altitude" in text
 

@@ -129,6 +129,7 @@ class RigMeasures:
     pitch_rad: float = 0.0  # by which the camera looks ahead of the target's normal
     edges_m: tuple[tuple[float, float], ...] = ()  # near and far: forward of the port, half of the width; if pitched
     pair_m: tuple[tuple[float, float, float], ...] = ()  # of a stereo pair each camera's place and its view's ends
+    looks_up: bool = False  # at a ceiling: what is told as down is up
 
 
 # ---------------------------------------------------------------- spectrum
@@ -348,6 +349,7 @@ def rig_measures(design: Replay, scene_index: int = 0) -> RigMeasures:
         pitch_rad=scene.pitch_rad,
         edges_m=pitched_edges_m(model, scene_index, closer) if scene.pitch_rad else (),
         pair_m=pair_places_m(model, scene_index, closer),
+        looks_up=scene.view.scene.target == "ceiling",
     )
 
 

@@ -291,7 +291,8 @@ def drawings(rig: RigMeasures, *, on_axis: bool) -> list[Picture]:
     title_behind, title_above = "The rig from behind", "Footprint from above"
     return [
         Picture(
-            "rig-behind", "drawing", title_behind, f"To scale, the motion goes into the page. {beams}{cameras}",
+            "rig-behind", "drawing", title_behind,
+            f"To scale, the motion goes into the page. {looks_up(rig)}{beams}{cameras}",
             behind, "svg", drawing.view_from_behind(rig, title=title_behind, description=behind),
         ),
         Picture(
@@ -309,6 +310,11 @@ def above_caption(advance_m: float | None) -> str:
     return "To scale, forward is up" + ("." if advance_m is None else "; the dashed outline is the next image.")
 
 
+def looks_up(rig: RigMeasures) -> str:
+    """That the floor is overhead, where it is."""
+    return "The camera looks up. " if rig.looks_up else ""
+
+
 def oblique_drawings(rig: RigMeasures) -> list[Picture]:
     """The rig that looks ahead from the side, and its trapezoid from above."""
     (near_m, near_half), (far_m, far_half) = rig.edges_m
@@ -318,13 +324,13 @@ def oblique_drawings(rig: RigMeasures) -> list[Picture]:
     above = f"{seen}, {2 * near_half:.3g} m wide at the near edge and {2 * far_half:.3g} m at the far one."
     title_beside, title_above = "The rig from the side", "Footprint from above"
     half = f"{np.rad2deg(rig.beam_half_angle_rad):.0f}°"
-    lit = f"lamps turn with the camera. Beams are drawn {half} from their axis."
+    lit = f"Lamps turn with the camera. Beams are drawn {half} from their axis."
     if rig.sun_elevation_deg is not None:
-        lit = f"no lamp shines, the sun stands {rig.sun_elevation_deg:g}° above the horizon."
+        lit = f"No lamp shines, the sun stands {rig.sun_elevation_deg:g}° above the horizon."
     return [
         Picture(
             "rig-beside", "drawing", title_beside,
-            f"To scale, forward is to the right; {lit}",
+            f"To scale, forward is to the right. {looks_up(rig)}{lit}",
             beside, "svg", oblique_drawing.view_from_side(rig, title=title_beside, description=beside),
         ),
         Picture(

@@ -6,6 +6,7 @@ light and print. All text is escaped. Lengths on the page are pixels of the view
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from html import escape
 from math import atan2, cos, hypot, pi, sin, tan
@@ -15,6 +16,8 @@ from uwopt.report.pictures.curves import Lamp, RigMeasures
 WIDTH_PX, HEIGHT_PX = 720.0, 480.0
 EDGE_PX = 12.0
 SIDE_PX, TOP_PX, BOTTOM_PX = 60.0, 46.0, 74.0  # room for labels around the drawing
+CAPITAL_PX = 9.0  # of a label's letters
+LABEL = re.compile(r'<text class="label" x="[^"]*" y="(?P<y>[^"]*)".*?</text>')
 STEEPEST_RAD = 1.48  # 85 deg: rays nearer to level end at the picture's edge anyway
 LEAST_SYMBOL_PX = 7.0
 RING_POINTS = 72
@@ -112,7 +115,7 @@ def view_from_behind(rig: RigMeasures, *, title: str, description: str) -> str:
                 level_dimension(frame.x(min(0.0, side)), frame.x(max(0.0, side)), level, metres(abs(side)))
             )
     parts.append(scale_bar(frame))
-    return svg(title, description, parts)
+    return svg(title, description, as_it_looks(rig, parts))
 
 
 def shown_advance_m(rig: RigMeasures) -> float | None:
@@ -341,6 +344,23 @@ def upright_dimension(
     ticks = line(from_x, top, x + 5, top, "dashed") + line(from_x, bottom, x + 5, bottom, "dashed")
     label = text(x - 7 if flip else x + 17, 0.5 * (top + bottom), words, "middle", turn=True)
     return ticks + line(x, top, x, bottom, "thin") + label
+
+
+def as_it_looks(rig: RigMeasures, parts: list[str]) -> list[str]:
+    """Parts of a view along the floor as they are; upside down, with upright words, of a camera that looks up."""
+    if not rig.looks_up:
+        return parts
+    return [upside_down(LABEL.sub(upright_again, "".join(parts)), HEIGHT_PX / 2.0)]
+
+
+def upright_again(label: re.Match[str]) -> str:
+    """A label that is turned over with its drawing and can be read: one along the page about its letters' middle."""
+    return upside_down(label[0], float(label["y"]) - (0.0 if "transform" in label[0] else 0.5 * CAPITAL_PX))
+
+
+def upside_down(drawn: str, middle_px: float) -> str:
+    """What is drawn, mirrored at a level of the page."""
+    return f'<g transform="matrix(1 0 0 -1 0 {2.0 * middle_px:.1f})">{drawn}</g>'
 
 
 def svg(title: str, description: str, parts: list[str]) -> str:

@@ -14,6 +14,7 @@ from uwopt.report.pictures.drawing import (
     STEEPEST_RAD,
     WIDTH_PX,
     PageFrame,
+    as_it_looks,
     clip,
     fitted,
     level_dimension,
@@ -58,7 +59,7 @@ def view_from_side(rig: RigMeasures, *, title: str, description: str) -> str:
     parts.append(level_dimension(frame.x(near_m), frame.x(far_m), floor_y + 20, f"{metres(far_m - near_m)} of floor"))
     parts.append(text(frame.x(0) + 14, frame.y(0) - 16, f"looks {degrees(rig.pitch_rad):.3g}° ahead"))
     parts.append(scale_bar(frame))
-    return svg(title, description, parts)
+    return svg(title, description, as_it_looks(rig, parts))
 
 
 def shown_advance_m(rig: RigMeasures) -> float | None:
