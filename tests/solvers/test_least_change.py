@@ -485,15 +485,20 @@ def test_changes_together_are_told_where_looking_for_single_ones_takes_all_the_t
     assert {one.name for one in why.together} == {"min_swath_m", "min_snr"}
 
 
-def test_it_goes_on_where_nothing_is_known_to_help_when_time_ends(parts, catalog):
+@pytest.mark.parametrize(
+    ("asked", "requirements", "keys"),
+    [({"min_swath_m": 9.0}, ["min_swath_m"], []), ({"max_gsd_mm": 0.5}, [], ["altitude_m"])],
+)
+def test_it_goes_on_where_nothing_is_known_to_help_when_time_ends(parts, catalog, asked, requirements, keys):
     """The time is over before it begins, by a clock that stands still."""
-    wanted = mission(parts, min_swath_m=9.0)
+    wanted = mission(parts, **asked)
     found = seek(wanted, catalog, POWER, generic="never", top=1)
     proof = certificate(found.selection, found.problem, found.outcome, POWER)
     over = Deadline(0.0, lambda: 1.0)
     assert not why_nothing(Trials(wanted, catalog, POWER, "never", over), proof).relaxations
-    more = Trials(wanted, catalog, POWER, "never", over, more_s=100.0)
-    assert [one.name for one in why_nothing(more, proof).relaxations] == ["min_swath_m"]
+    why = why_nothing(Trials(wanted, catalog, POWER, "never", over, more_s=100.0), proof)
+    assert ([one.name for one in why.relaxations], [one.name for one in why.moves]) == (requirements, keys)
+    assert not {one.name for one in why.moves} & set(why.not_known)
 
 
 @pytest.mark.parametrize(

@@ -143,7 +143,6 @@ class Mover:
     trials: Trials
     far: list[Far] = field(default_factory=list)
     useless: dict[str, tuple[str, ...]] = field(default_factory=dict)  # known not to help: `freed_rules.in_the_way`
-    not_known: list[str] = field(default_factory=list)  # keys
     base: VariedMission = field(init=False)
 
     def __post_init__(self) -> None:
@@ -182,19 +181,25 @@ class Mover:
     def try_all(self, share: float = SHARE) -> None:
         """Move each key far, as long as there is time: a share of what is left."""
         phase = self.trials.deadline.at_most(share * self.trials.deadline.left_s)
-        found = {far.tried.key.name for far in self.far}
-        for one in self.tries:
-            if one.key.name in found:
-                continue
+        for one in self.left:
+            if self.trials.interrupted or phase.left_s <= LEAST_S:
+                break
             try:
-                known = not self.trials.interrupted and phase.left_s > LEAST_S and self._is_known(one, phase)
+                self._try_far(one, phase)
             except OutOfTimeError:
-                known = False
+                continue
             except KeyboardInterrupt:
-                self.trials.interrupted, known = True, False
-            if not known:
-                self.not_known.append(one.key.name)
-                self.trials.deadline.left_out.append(f"whether another {one.key.name} would do")
+                self.trials.interrupted = True
+
+    @property
+    def left(self) -> list[Try]:
+        """Those of which it is not known whether they help."""
+        known = {far.tried.key.name for far in self.far} | self.useless.keys()
+        return [one for one in self.tries if one.key.name not in known]
+
+    def tell_open(self) -> None:
+        """Note what is not known."""
+        self.trials.deadline.left_out.extend(f"whether another {one.key.name} would do" for one in self.left)
 
     def changes(self) -> list[Move]:
         """Keys that help, to be drawn in."""
@@ -209,19 +214,18 @@ class Mover:
 
     # ------------------------------------------------------------ far, and back
 
-    def _is_known(self, one: Try, phase: Deadline) -> bool:
-        """Try a key far away; whether it is known then if that helps."""
+    def _try_far(self, one: Try, phase: Deadline) -> None:
+        """Try a key far away, and keep what is known then of whether that helps."""
         known, rules = True, tuple[str, ...]()
         for value in one.values:
             found = self._search(one.key, value, phase.at_most(TURN * phase.left_s), few_first=False)
             if found is not None and found.outcome.best:
                 self.far.append(Far(one, value, found))
-                return True
+                return
             known = known and (found is None or found.outcome.complete)
             rules = rules if found is None else self.trials.relaxer.why_not(found, one.key.name)
         if known:
             self.useless[one.key.name] = rules
-        return known
 
     def _drawn(self, far: Far) -> Narrowing | NearestType | Switched:
         """What draws a key back towards what is asked."""

@@ -55,8 +55,11 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
     trials.deadline = whole
     if soon is None and singles.together is None and not singles.helpful and not mover.far:
         trials.go_on()
-        singles.drop_others()
+        mover.try_all()
+        if not mover.far:
+            singles.drop_others()
     singles.tell_open()
+    mover.tell_open()
     every, moves = least_changes(trials, singles, mover)
     relaxations = [one for one in every if one.is_of_use]
     together, nearest = changes_together(trials, relaxations, bool(moves), singles.together, soon)
@@ -75,7 +78,7 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
         contradiction_is_least=clash.is_least,
         none_left=[*none_left(trials.mission, trials.relaxer.selection)],
         no_help=[NoHelp(name, [*rules]) for name, rules in (singles.useless | mover.useless).items()],
-        not_known=[*singles.left, *mover.not_known],
+        not_known=[*singles.left, *(one.key.name for one in mover.left)],
         in_part={name: singles.in_part[name] for name in singles.left if name in singles.in_part},
         unmet=[*singles.unmet],
     )
