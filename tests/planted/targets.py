@@ -10,6 +10,29 @@ CHECKS = "uwopt/mission/checks.py"
 
 DEFECTS = (
     Defect(
+        name="a camera that looks up is drawn above what it sees",
+        file="uwopt/report/pictures/drawing.py",
+        old="    if not rig.looks_up:\n",
+        new="    if True:\n",
+        test="tests/report/test_drawing.py"
+        "::test_a_camera_that_looks_up_stands_below_what_it_sees_and_its_words_upright",
+    ),
+    Defect(
+        name="words of a drawing are turned over with it",
+        file="uwopt/report/pictures/drawing.py",
+        old='LABEL.sub(upright_again, "".join(parts))',
+        new='"".join(parts)',
+        test="tests/report/test_drawing.py"
+        "::test_a_camera_that_looks_up_stands_below_what_it_sees_and_its_words_upright",
+    ),
+    Defect(
+        name="a ceiling is drawn as a floor",
+        file="uwopt/report/pictures/curves.py",
+        old='looks_up=scene.view.scene.target == "ceiling",',
+        new="looks_up=False,",
+        test="tests/report/test_drawing.py::test_a_ceiling_is_seen_from_below",
+    ),
+    Defect(
         name="a page changes its scripts with its texts",
         file="uwopt/report/text/looked_at.py",
         old="part if n % 2 else said(part)",
