@@ -6,6 +6,20 @@ from planted.defect import Defect
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="a warning begins with the key that it is about",
+        file="uwopt/report/text/tables.py",
+        old="subject, message = words.note_subject(warning.path), words.note_text(warning)",
+        new="subject, message = warning.path, words.note_text(warning)",
+        test="tests/report/test_words.py::test_a_warning_is_about_what_people_speak_of_not_a_key",
+    ),
+    Defect(
+        name="what was left out for want of time is named by keys",
+        file="uwopt/report/text/words.py",
+        old='return message if note.code != "time" else ',
+        new='return message if note.code else ',
+        test="tests/report/test_words.py::test_a_warning_is_about_what_people_speak_of_not_a_key",
+    ),
+    Defect(
         name="files of one name are numbered in a comparison",
         file="uwopt/api/comparing.py",
         old="if folder and names.count(name) > 1 else name",

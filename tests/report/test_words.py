@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from uwopt.report.text import formats, vocabulary, words
-from uwopt.results.design import BillRow, Cost, Design, LampPlace
+from uwopt.report.text import formats, tables, vocabulary, words
+from uwopt.results.design import BillRow, Cost, Design, LampPlace, Note
 
 
 @pytest.mark.parametrize(
@@ -42,6 +42,21 @@ def test_what_is_left_of_a_rate_is_no_interval() -> None:
 )
 def test_money_is_in_whole_units(amount: float | None, text: str) -> None:
     assert formats.money(amount, "USD") == ("unknown" if amount is None else text)
+
+
+@pytest.mark.parametrize(("note", "text"), [
+    (Note("practice_yields", "reserve.swath, requirements.snr_at_less_db", "nothing meets all of good practice"),
+     "Good practice: nothing meets all of good practice"),
+    (Note("measure_the_camera", "hardware.housing", "measure camera and lens"), "Housing: measure camera and lens"),
+    (Note("lamp_in_view", "vehicle.light_baseline_m", "lamp 1 is seen"), "Distance between lamps: lamp 1 is seen"),
+    (Note("lens", "lens", "lens rated for larger pixels"), "Lens rated for larger pixels"),
+    (Note("time", "", "not worked out: whether another visibility_m would do; whether it could be met without min_snr"),
+     "Not worked out: whether another visibility would do; whether it could be met without signal to noise"),
+    (Note("colour_left_open", "requirements.colour", "requirements.max_blur_px: 2 asks for it"),
+     "Colour: requirements.max_blur_px: 2 asks for it"),  # a key to write
+])  # fmt: skip
+def test_a_warning_is_about_what_people_speak_of_not_a_key(note: Note, text: str) -> None:
+    assert tables.warning_text(note) == text
 
 
 def test_difference_that_is_rounding_only_is_zero() -> None:

@@ -33,5 +33,5 @@ def explanation_blocks(result: Result) -> Iterator[Block | Text]:
     above = () if result.infeasible is None else ("time", *OF_PRACTICE)
     notes = [note for note in result.warnings if note.code not in above]
     if notes:
-        yield block("Notes", [sentence("- " + words.as_sentence(note.message)) for note in notes])
+        yield block("Notes", [sentence("- " + words.as_sentence(words.note_text(note))) for note in notes])
     yield sentence(f"Took {words.run_time_sentence(result.timing_s)}.", "dim")

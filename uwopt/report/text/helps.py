@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from uwopt.mission.reserves import depth_factor
 from uwopt.report.text import formats, words
 from uwopt.report.text.layout import Line, sentence
+from uwopt.report.text.vocabulary import KEYS
 from uwopt.results.basis import Moved
 from uwopt.results.result import Result
 
@@ -17,10 +18,6 @@ if TYPE_CHECKING:
 
 FAR_TIMES = 10.0
 MORE_S = (60, 300, 1800)  # that are told to be given
-KEYS = {"altitude_m": "altitude", "speed_m_s": "speed", "frame_interval_s": "time between images",
-        "duration_h": "duration", "battery_wh": "battery", "camera_between_images": "cameras between images",
-        "lamps_between_images": "lamps between images", "visibility_m": "visibility",
-        "secchi_m": "Secchi depth"}  # fmt: skip
 OF_DEPTH = ": depth rating"  # how what excludes a kind of part by its rating ends
 
 

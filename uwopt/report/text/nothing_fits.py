@@ -9,7 +9,6 @@ from uwopt.mission.reserves import REFUSED, refused_at
 from uwopt.mission.yielding import yields_named
 from uwopt.report.text import formats, vocabulary, words
 from uwopt.report.text.helps import (
-    KEYS,
     contradiction_lines,
     depth_lines,
     is_far,
@@ -20,6 +19,7 @@ from uwopt.report.text.helps import (
     not_known_lines,
 )
 from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, sentence
+from uwopt.report.text.vocabulary import KEYS
 from uwopt.results.basis import Excluded, Moved, Relaxed
 from uwopt.results.design import PRACTICE_IN_VAIN
 from uwopt.results.result import Result

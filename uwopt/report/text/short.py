@@ -136,7 +136,7 @@ def cut_short_block(result: Result) -> Iterator[Block]:
     """What is not told for want of time, or because a person wanted no more: nobody should take it for no doubt."""
     if result.best is None and result.status == "stopped":
         return  # the verdict says so
-    if told := [words.as_sentence(note.message) for note in result.warnings if note.code in CUT_SHORT]:
+    if told := [words.as_sentence(words.note_text(note)) for note in result.warnings if note.code in CUT_SHORT]:
         yield block("Left out", [*map(sentence, told)])
 
 

@@ -431,6 +431,7 @@ def warning_blocks(result: Result | FrontResult) -> Iterator[Block]:
 
 
 def warning_text(warning: Note) -> str:
-    """One warning with the key it is about."""
-    path, message = warning.path, warning.message or warning.code
-    return message if not path or message.startswith(path) else f"{path}: {message}"
+    """One warning with what it is about."""
+    subject, message = words.note_subject(warning.path), words.note_text(warning)
+    about = not subject or message.casefold().startswith(subject.casefold())
+    return words.capital(message) if about else f"{words.capital(subject)}: {message}"

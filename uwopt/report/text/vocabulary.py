@@ -27,6 +27,22 @@ SETTINGS: Mapping[str, tuple[str, str]] = {
     "flash_energy_j": ("energy of a flash", "J"),
 }
 
+#: Keys of a mission that may be moved.
+KEYS: Mapping[str, str] = {
+    "altitude_m": "altitude", "speed_m_s": "speed", "frame_interval_s": "time between images",
+    "duration_h": "duration", "battery_wh": "battery", "camera_between_images": "cameras between images",
+    "lamps_between_images": "lamps between images", "visibility_m": "visibility",
+    "secchi_m": "Secchi depth",
+}  # fmt: skip
+
+#: What a note is about, where that has no other name here.
+SUBJECTS: Mapping[str, str] = {
+    "hardware": "parts", "generic": "parts to be made", "catalog": "catalogue", "tilt_deg": "lean of the lamps",
+    "light_baseline_m": "distance between lamps", "camera_baseline_m": "distance between cameras",
+    "beam_half_angle_deg": "beam of the lamp", "practice": "good practice", "dof_at": "where depth of field holds",
+    "snr_at": "where signal to noise holds",
+}  # fmt: skip
+
 REQUIREMENTS: Mapping[str, str] = {
     "max_blur_px": "motion blur",
     "max_skew_px": "rolling-shutter skew",

@@ -2,23 +2,35 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from uwopt.report.text.formats import cost_text, count_text, money, one_line, quantity
-from uwopt.report.text.vocabulary import PARTS_OF_THE_SEARCH, PIECES, REQUIREMENTS, RULES, STATUS_SENTENCES
-from uwopt.results.design import BillRow, Cost, Design, LampPlace, Totals, UsedHardware, UsedPart
+from uwopt.report.text.vocabulary import (
+    KEYS,
+    PARTS_OF_THE_SEARCH,
+    PIECES,
+    REQUIREMENTS,
+    RULES,
+    STATUS_SENTENCES,
+    SUBJECTS,
+)
+from uwopt.results.design import BillRow, Cost, Design, LampPlace, Note, Totals, UsedHardware, UsedPart
 from uwopt.results.result import Certificate, Result
 from uwopt.units import (
     format_number,
     format_price,
     format_within,
+    split_unit,
 )
 
 if TYPE_CHECKING:
     from uwopt.results.front import FrontObjective, FrontPoint
+
+KEY = re.compile(r"\b[a-z]+(?:_[a-z0-9]+)+\b")  # of a mission
 
 # ---------------------------------------------------------------- names
 
@@ -31,6 +43,19 @@ def requirement_name(requirement: str, kinds: Mapping[str, str] | None = None) -
     if kind:
         return f"{words} of the {kind}"
     return one_line(words + (f" ({rest}" if rest else ""))
+
+
+def note_subject(path: str) -> str:
+    """What a note is about, in words: `requirements.max_blur_px` is motion blur; several keys are good practice's."""
+    key = "practice" if ", " in path else path.rpartition(".")[2]
+    known = SUBJECTS.get(key) or REQUIREMENTS.get(key) or KEYS.get(key)
+    return known or one_line(split_unit(key)[0].replace("_", " "))
+
+
+def note_text(note: Note) -> str:
+    """What a note says; what was left out for want of time by the words of its keys."""
+    message = note.message or note.code
+    return message if note.code != "time" else KEY.sub(lambda key: note_subject(key[0]), message)
 
 
 def rule_name(rule: str) -> str:
