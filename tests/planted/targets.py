@@ -10,6 +10,20 @@ CHECKS = "uwopt/mission/checks.py"
 
 DEFECTS = (
     Defect(
+        name="a change of a wall is told by a key that its file does not have",
+        file="uwopt/report/text/looked_at.py",
+        old="        said = keys.get(spoken) or (way if",
+        new="        said = (way if",
+        test="tests/report/test_looked_at.py::test_a_key_is_told_as_the_missions_file_has_it",
+    ),
+    Defect(
+        name="a comment says what a key is called",
+        file="uwopt/report/text/looked_at.py",
+        old="^[^#\\n]*\\b{name}",
+        new="\\b{name}",
+        test="tests/report/test_looked_at.py::test_a_key_is_told_as_the_missions_file_has_it",
+    ),
+    Defect(
         name="a camera that looks up is drawn above what it sees",
         file="uwopt/report/pictures/drawing.py",
         old="    if not rig.looks_up:\n",

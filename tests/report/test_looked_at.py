@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
-from uwopt.report.text.looked_at import in_figure, in_page, wording
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+
+from uwopt.report.text.looked_at import in_figure, in_page, wording, wording_of
 
 WALL = wording({"scenes": [{"target": "wall"}]})
 CEILING = wording({"scenes": [{"target": "ceiling"}]})
@@ -20,6 +25,24 @@ def test_a_wall_has_a_distance() -> None:
 def test_keys_are_told_by_the_name_that_a_wall_has_for_them() -> None:
     assert WALL("altitude (altitude_m) 5.00 m -> 3.15 m") == "distance (distance_m) 5.00 m -> 3.15 m"
     assert WATER("vary altitude_tolerance_m or altitude_m") == "vary distance_tolerance_m or distance_m"
+
+
+@pytest.mark.parametrize(("text", "told"), [
+    ("vehicle:\n  altitude_m: 2.0\n  altitude_tolerance_m: 0.1", "distance (altitude_m), altitude_tolerance_m"),
+    ("vehicle: {altitude_m: 2.0, distance_tolerance_m: 0.1}", "distance (altitude_m), distance_tolerance_m"),
+    ("vehicle:\n  distance_m: 2.0  # once altitude_m: 3", "distance (distance_m), distance_tolerance_m"),
+    (None, "distance (distance_m), distance_tolerance_m"),
+])  # fmt: skip
+def test_a_key_is_told_as_the_missions_file_has_it(text: str | None, told: str) -> None:
+    made = cast(Any, SimpleNamespace(mission={"scenes": [{"target": "wall"}]}, mission_file=text and {"text": text}))
+    assert wording_of(made)("altitude (altitude_m), altitude_tolerance_m") == told
+
+
+def test_of_a_floor_too() -> None:
+    made = cast(Any, SimpleNamespace(mission={"scenes": [{}]}, mission_file={"text": "vehicle: {distance_m: 2}"}))
+    assert wording_of(made)("Floor, altitude (altitude_m)    2") == "Floor, altitude (distance_m)    2"
+    made.mission_file["text"] = "vehicle: {altitude_m: 2}"
+    assert wording_of(made)("Floor, altitude (altitude_m)") == "Floor, altitude (altitude_m)"
 
 
 def test_columns_of_a_table_stay_in_line() -> None:

@@ -35,7 +35,7 @@ def explain_command(
     """
     from uwopt.report.text.console import ProgressBar, print_blocks, print_text
     from uwopt.report.text.explanation import explanation_blocks
-    from uwopt.report.text.looked_at import wording
+    from uwopt.report.text.looked_at import wording_of
     from uwopt.report.write import json_text
 
     deadline = limit_of(seconds)
@@ -49,5 +49,5 @@ def explain_command(
     if as_json:
         print_text(json_text(result, getattr(sys.stdout, "encoding", None) or "utf-8"))
     else:
-        print_blocks(explanation_blocks(result), said=wording(result.mission))
+        print_blocks(explanation_blocks(result), said=wording_of(result))
     return result_status(result)

@@ -25,11 +25,11 @@ PAGE_S = 0.7  # of a time that is given, for the page around its pictures, of wh
 def print_first(result: Result, bar: ProgressBar) -> None:
     """Print what the page begins with, while what follows is worked out."""
     from uwopt.report.text.console import print_blocks
-    from uwopt.report.text.looked_at import wording
+    from uwopt.report.text.looked_at import wording_of
     from uwopt.report.text.short import first_text_blocks
 
     with bar.aside():
-        print_blocks(first_text_blocks(result), said=wording(result.mission))
+        print_blocks(first_text_blocks(result), said=wording_of(result))
 
 
 def hand_over(
@@ -42,7 +42,7 @@ def hand_over(
     deadline : past which the report does without pictures, which is told
     """
     from uwopt.report.text.console import ProgressBar, print_blocks, print_text
-    from uwopt.report.text.looked_at import wording
+    from uwopt.report.text.looked_at import wording_of
     from uwopt.report.write import json_text, write_front, write_results
     from uwopt.results.result import Result
 
@@ -65,16 +65,16 @@ def hand_over(
     elif not isinstance(result, Result):
         from uwopt.report.text.front_tables import front_blocks
 
-        print_blocks(front_blocks(result), said=wording(result.mission))
+        print_blocks(front_blocks(result), said=wording_of(result))
     elif full:
         from uwopt.report.text.tables import result_blocks
 
-        print_blocks(result_blocks(result), said=wording(result.mission))
+        print_blocks(result_blocks(result), said=wording_of(result))
     else:
         from uwopt.report.text.short import rest_text_blocks, short_text_blocks
 
         blocks = rest_text_blocks(result) if begun else short_text_blocks(result)
-        print_blocks(blocks, said=wording(result.mission))
+        print_blocks(blocks, said=wording_of(result))
     if refused is not None:
         raise refused
     if written and not quiet:

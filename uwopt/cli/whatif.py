@@ -55,7 +55,7 @@ def whatif_command(
 ) -> int:
     """Solve the mission at many values of its keys: the optimum, and where another system takes over."""
     from uwopt.report.text.console import ProgressBar, print_blocks, print_text
-    from uwopt.report.text.looked_at import wording
+    from uwopt.report.text.looked_at import wording_of
     from uwopt.report.text.whatif_tables import whatif_blocks
     from uwopt.report.write import check_folder, json_text, write_whatif
 
@@ -75,7 +75,7 @@ def whatif_command(
     if as_json:
         print_text(json_text(table, getattr(sys.stdout, "encoding", None) or "utf-8"))
     else:
-        print_blocks(whatif_blocks(table), said=wording(table.mission))
+        print_blocks(whatif_blocks(table), said=wording_of(table))
     if out is not None:
         written = write_whatif(table, out)
         if not quiet:

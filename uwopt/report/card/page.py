@@ -5,7 +5,7 @@ from __future__ import annotations
 from uwopt.errors import ResultError
 from uwopt.report.card.blocks import SettingsCard, settings_card
 from uwopt.report.page.html_file import rendered
-from uwopt.report.text.looked_at import in_page, wording
+from uwopt.report.text.looked_at import in_page, wording_of
 from uwopt.results.result import Result
 
 LEGEND = "A setting may be off as far as told while all others stay; brightness apart, which gain can mend."
@@ -26,4 +26,4 @@ def card_html(result: Result, card: SettingsCard) -> str:
         "sheet.html", (), {"figures": {}}, title="Settings card", name=card.name, version=result.uwopt_version,
         lead=card.hardware, said=f"{card.verdict} {LEGEND}", blocks=card.blocks, foot=FOOT,
     )  # fmt: skip
-    return in_page(page, wording(result.mission))
+    return in_page(page, wording_of(result))

@@ -11,7 +11,7 @@ from uwopt.report.page.html_file import rendered
 from uwopt.report.text import formats
 from uwopt.report.text.cells import defused
 from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, sentence
-from uwopt.report.text.looked_at import in_page, wording
+from uwopt.report.text.looked_at import in_page, wording_of
 from uwopt.results.comparison import Comparison
 
 PAGE, TABLE = "compare.html", "compare.csv"
@@ -68,7 +68,7 @@ def comparison_html(comparison: Comparison) -> str:
         said="Each system evaluated by the same rules; worst over the altitudes. What is missed stands in red.",
         foot="comparison",
     )  # fmt: skip
-    return in_page(page, wording(first.mission))
+    return in_page(page, wording_of(first))
 
 
 def comparison_csv(comparison: Comparison) -> str:

@@ -24,7 +24,7 @@ from uwopt.report.text.front_tables import METHOD_HEADS, method_rows, pick_names
 from uwopt.report.text.in_hand import fails_first
 from uwopt.report.text.knee import knee_blocks
 from uwopt.report.text.layout import Block, Line, fact_lines
-from uwopt.report.text.looked_at import in_figure, in_page, wording
+from uwopt.report.text.looked_at import in_figure, in_page, wording_of
 from uwopt.report.text.prices import price_blocks
 from uwopt.report.text.short import goal_sentence, how_far, practice_sentences, short_blocks
 from uwopt.report.text.verdict import verdict
@@ -87,7 +87,7 @@ def report_html(result: Result | FrontResult, deadline: Deadline = NEVER) -> str
     data = {"figures": pictures.drawn, "front": table}
     first, second = opening(result)
     scripts = ("front.js", "page.js") if data["front"] else ("page.js",)
-    said = wording(result.mission)
+    said = wording_of(result)
     data["figures"] = in_figure(data["figures"], said)
     page = rendered(
         "page.html", scripts, data, result=result, front=front, version=result.uwopt_version, table=table,

@@ -8,7 +8,7 @@ from uwopt.report.page.html_file import compact_json, packed, rendered, slim
 from uwopt.report.pictures.whatif_plots import whatif_figures
 from uwopt.report.text import formats, words
 from uwopt.report.text.layout import Block
-from uwopt.report.text.looked_at import in_figure, in_page, wording
+from uwopt.report.text.looked_at import in_figure, in_page, wording_of
 from uwopt.report.text.whatif_tables import opening, whatif_blocks
 from uwopt.results.whatif import WhatIf
 
@@ -34,7 +34,7 @@ MARKS = {"complete": "good", "stopped": "warn", "interrupted": "warn"}
 
 def whatif_html(table: WhatIf) -> str:
     """The page."""
-    said = wording(table.mission)
+    said = wording_of(table)
     figures = {f"whatif-{name}": slim(figure) for name, figure in whatif_figures(table).items()}
     pictures: list[dict[str, Any]] = []
     for name in figures:

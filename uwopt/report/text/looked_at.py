@@ -4,34 +4,65 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, Protocol
 
-from uwopt.mission.keys import TARGET_WORDS
+from uwopt.mission.keys import OTHER_NAMES, TARGET_WORDS
 
 MARKUP = re.compile(r"(<(?:script|style|pre)\b.*?</(?:script|style|pre)>|<[^>]*>)", re.DOTALL)
 SPOKEN = re.compile(r"\b(?:sea ?floor|floor|altitude)(s?|_m|_tolerance_m)\b( {2,})?", re.IGNORECASE)
 
 
-def wording(mission: Mapping[str, Any]) -> Callable[[str], str]:
-    """What turns a text about floors into one about the mission's targets; of floors, and of several kinds, itself."""
-    said = of_target(mission)
+class OfMission(Protocol):
+    """What is made of a mission: its plain values, and the file that it was read from."""
+
+    @property
+    def mission(self) -> dict[str, Any]:
+        """Plain values of the mission."""
+        ...
+
+    @property
+    def mission_file(self) -> dict[str, str] | None:
+        """Name, folder and text; None from Python."""
+        ...
+
+
+def wording_of(made: OfMission) -> Callable[[str], str]:
+    """As `wording`, with keys told as the mission's file has them."""
+    return wording(made.mission, keys_in((made.mission_file or {}).get("text", "")))
+
+
+def keys_in(text: str) -> dict[str, str]:
+    """Of keys that have two names, by the usual one, that which a mission's file has."""
+    return {
+        usual: name for other, usual in OTHER_NAMES.items() for name in (other, usual)
+        if re.search(rf"""^[^#\n]*\b{name}["']?\s*:""", text, re.MULTILINE)
+    }  # fmt: skip
+
+
+def wording(mission: Mapping[str, Any], keys: Mapping[str, str] | None = None) -> Callable[[str], str]:
+    """What turns a text about floors into one about the mission's targets; of floors, and of several kinds, itself.
+
+    keys : names to tell keys by, instead of that which belongs to what is looked at
+    """
+    said = of_target(mission, keys or {})
     vehicle = mission.get("vehicle")
     if not (isinstance(vehicle, Mapping) and vehicle.get("pitch_deg")):
         return said
     return lambda text: said(text.replace("aimed straight down", "aimed where the camera looks"))
 
 
-def of_target(mission: Mapping[str, Any]) -> Callable[[str], str]:
+def of_target(mission: Mapping[str, Any], keys: Mapping[str, str]) -> Callable[[str], str]:
     """The same by what is looked at, however the camera is turned."""
     scenes = [scene for scene in mission.get("scenes") or () if isinstance(scene, Mapping)]
     targets = {str(scene.get("target") or "floor") for scene in scenes}
     target = targets.pop() if len(targets) == 1 else "floor"
-    if target == "floor" or target not in TARGET_WORDS:
+    if target not in TARGET_WORDS or (target == "floor" and all(usual == name for usual, name in keys.items())):
         return unchanged
     thing, way = TARGET_WORDS[target]
 
     def word(found: re.Match[str]) -> str:
-        said = (way if found[0].casefold().startswith("altitude") else thing) + found[1]
+        spoken = found[0].rstrip()
+        said = keys.get(spoken) or (way if spoken.casefold().startswith("altitude") else thing) + found[1]
         said = said.capitalize() if found[0][0].isupper() else said
         return said + " " * max(len(found[0]) - len(said), 1) if found[2] else said  # columns stay in line
 
