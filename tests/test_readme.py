@@ -42,6 +42,7 @@ FEW_TRIED = {"50": "6"}  # by an audit
 AGAIN = re.compile(r"^uwopt solve (problems/reef-mosaic.yaml --(audit|solver|tolerance)|my-survey.yaml)")
 INIT = "uwopt init my-survey.yaml"
 SOME_LENSES = "  lenses: [kowa-lm6, kowa-lm8, thorlabs]\n"
+SOME_LIGHTS = "  ports: [blue-robotics-4-in-dome]\n  lights: [arctic-rays-dragonfish-mini, blue-robotics-lumen]\n"
 DEEP = (
     "  cameras: [avt-alvium-1800-c-235m]\n  lenses: [tamron-m112fm12, fujinon-cf12za-1s]\n"
     "  ports: [generic-dome-bk7-100mm]\n  lights: [generic-flash-50j]\n"
@@ -50,7 +51,10 @@ DEEP = (
 NARROWED = {
     AS_PROCESS: {
         "problems/reef-mosaic.yaml": [
-            ('  cameras: ["flir", "allied*", "basler"]\n', "  cameras: [avt-alvium-1800-c-234m]\n" + SOME_LENSES),
+            (
+                '  cameras: ["flir", "allied*", "basler"]\n',
+                "  cameras: [avt-alvium-1800-c-234m]\n" + SOME_LENSES + SOME_LIGHTS,
+            ),
         ],
         "problems/mbari-lass-2013.yaml": [
             ("  generic: allow\n", "  generic: allow\n  cameras: [basler-aca2040-55uc]\n"),
