@@ -22,8 +22,9 @@ from uwopt.api.choosing import surer
 from uwopt.api.practice_known import PracticeKnown
 from uwopt.api.risks import risks_of
 from uwopt.api.whatif import Work, full_practice_notes
-from uwopt.api.yielding import gives_way_alone, patience_of
+from uwopt.api.yielding import YieldTrials, gives_way_alone, patience_of
 from uwopt.deadline import NEVER, Deadline
+from uwopt.forward.assembly import build_problem, load_catalog, selected
 from uwopt.mission.mission import load_mission
 from uwopt.mission.strictness import Asking
 from uwopt.mission.yielding import (
@@ -276,6 +277,34 @@ def test_what_fits_by_a_hair_is_not_enough_where_more_room_can_be_had() -> None:
     assert just.status != "infeasible" and made.mission["requirements"]["snr_at_less_db"] == 6.0
 
 
+@pytest.mark.parametrize(("can_be_set", "last"), [(True, "reserve.blur"), (False, "requirements.min_uniformity")])
+def test_for_room_no_key_gives_way_that_would_after_those_that_have_to_unless_nothing_can_be_set(
+    monkeypatch: pytest.MonkeyPatch, can_be_set: bool, last: str
+) -> None:
+    """Without blur in hand something fits; with a decibel to spare a floor with dark places has to do as well."""
+    mission = load_mission({**survey(20.0), "reserve": {}, "requirements": {"overlap": 0.3, "min_snr_db": 20.0}})
+    every = yields_of(mission.without_gain_cap)
+
+    def fits(asked: YieldTrials, given_way: Any) -> bool:
+        paths, roomy = {one.path for one in given_way}, asked.mission.requirements.min_snr != asks
+        return ({"reserve.blur", "requirements.min_uniformity"} if roomy else {"reserve.blur"}) <= paths
+
+    asks = mission.requirements.min_snr
+    monkeypatch.setattr(YieldTrials, "fits", fits)
+    monkeypatch.setattr(yielding, "_can_be_set", lambda *given: can_be_set)
+    made = yielding.gives_way(mission, cast(Any, None), cast(Any, None), NEVER).yields
+    assert len(every) > 10 and [one.path for one in made] == ["reserve.blur", last][: 1 if can_be_set else 2]
+
+
+def test_what_can_be_set_can_be_in_a_mission_that_asks_less(monkeypatch: pytest.MonkeyPatch) -> None:
+    known, asked = PracticeKnown(), load_mission(survey(brightest_db() - 1.5, snr_db=0.0))
+    like = build_problem(asked, selected(asked, load_catalog(asked), generic="allow"))
+    assert yielding._can_be_set(asked, load_catalog(asked), like, NEVER, known)
+    monkeypatch.setattr(yielding, "seek", None)
+    weaker, stricter = (load_mission(survey(brightest_db() - less_db, snr_db=0.0)) for less_db in (2.0, 1.0))
+    assert yielding._can_be_set(weaker, cast(Any, None), like, NEVER, known) and not known.can_be_set(stricter)
+
+
 @pytest.mark.usefixtures("undoubted")
 def test_the_frame_gives_way_though_one_scene_asks_of_its_mean() -> None:
     mission = over_frame(brightest_mean_db() - 2.0)
@@ -431,7 +460,7 @@ def test_a_sweep_lets_give_way_what_solve_does_and_names_it(tmp_path: Path, monk
     assert ["practice_yields" in codes for codes in rows["warnings"]] == [True, True, False]
     assert rows["warnings"].iloc[2] == PRACTICE_IN_VAIN and "practice_held" not in rows
     assert given_way(alone) == ["reserve.snr_db"] and rows["objective"].iloc[1] == pytest.approx(alone.objective.value)
-    assert set(begun) == {0.1, -11.0, -10.0}  # none at 0 and 1 dB, with room and without: what gave way before does
+    assert set(begun) == {1.1, -10.0}  # none at 0 and 1 dB, nor for room: what gave way and fitted before does
 
 
 def test_what_is_known_of_a_mission_holds_in_those_that_ask_less() -> None:

@@ -93,6 +93,27 @@ DEFECTS = (
         test=f"{YIELDING}::test_the_frame_has_as_little_less_than_its_mean_as_will_do",
     ),
     Defect(
+        name="for a decibel to spare all gives way that may",
+        file="uwopt/api/yielding.py",
+        old="_least(roomy, every[: last + 1], catalog",
+        new="_least(roomy, every, catalog",
+        test=f"{YIELDING}::test_for_room_no_key_gives_way_that_would_after_those_that_have_to_unless_nothing_can_be_set",
+    ),
+    Defect(
+        name="what cannot be set is enough where a decibel to spare can be had",
+        file="uwopt/api/yielding.py",
+        old="if not with_more.yields and not _can_be_set(",
+        new="if False and not _can_be_set(",
+        test=f"{YIELDING}::test_for_room_no_key_gives_way_that_would_after_those_that_have_to_unless_nothing_can_be_set",
+    ),
+    Defect(
+        name="what can be set is taken to be so in stricter missions too",
+        file="uwopt/api/practice_known.py",
+        old="return any(asks.asks_no_more(one) for one in self.settable)",
+        new="return any(one.asks_no_more(asks) for one in self.settable)",
+        test=f"{YIELDING}::test_what_can_be_set_can_be_in_a_mission_that_asks_less",
+    ),
+    Defect(
         name="what fits by a hair is enough",
         file="uwopt/api/yielding.py",
         old="ROOM_DB = 1.0",

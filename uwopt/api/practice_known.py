@@ -27,10 +27,11 @@ MOST_HARDWARE = 4
 
 @dataclass
 class PracticeKnown:
-    """Missions that something meets and that nothing does, hardware that fitted last, and what gave way last."""
+    """Missions that something meets, or nothing, or something that can be set; hardware and keys of the last ones."""
 
     met: list[Asking] = field(default_factory=list)
     missed: list[Asking] = field(default_factory=list)
+    settable: list[Asking] = field(default_factory=list)
     hardware: list[PartIds] = field(default_factory=list)
     last: dict[bool, tuple[Yield, ...]] = field(default_factory=dict)  # with room for a little more light, or without
     like: Problem | None = None  # of the last mission, whose scenes may be those of the next
@@ -41,6 +42,15 @@ class PracticeKnown:
         if any(one.asks_no_more(asks) for one in self.missed):
             return False
         return True if any(asks.asks_no_more(one) for one in self.met) else None
+
+    def can_be_set(self, mission: Mission) -> bool:
+        """Whether something that can be set is known to fit in a mission."""
+        asks = Asking.of(mission)
+        return any(asks.asks_no_more(one) for one in self.settable)
+
+    def set_in(self, mission: Mission) -> None:
+        """Something that fits in a mission can be set."""
+        self.settable = [*self.settable[1 - MOST_MISSIONS :], Asking.of(mission)]
 
     def take(self, sought: Sought) -> None:
         """What a search for anything that fits has shown."""

@@ -15,6 +15,7 @@ from uwopt.forward.assembly import build_problem, load_catalog, selected
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import SNR_AT, SNR_LESS, YIELDS, Yield, with_yields, yields_of
+from uwopt.objectives.goal import goal_of
 from uwopt.results.design import (
     PRACTICE_IN_VAIN,
     PRACTICE_UNTRIED,
@@ -26,7 +27,7 @@ from uwopt.results.design import (
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.infeasible.relaxer import ANY
 from uwopt.solvers.one_hardware import best_of, problem_of
-from uwopt.solvers.recommend import Sought, seek
+from uwopt.solvers.recommend import Sought, best_settable, seek
 from uwopt.solvers.warm.parts import PartIds
 from uwopt.units import ratio_to_db
 
@@ -39,6 +40,7 @@ WITNESSES = 2  # hardware that fitted last, which is asked before all other
 SUREST = 2  # hardware of those counted, for which it is asked what would make it hold
 LUCK = 1.64  # standard errors: of a share that was chosen, one in twenty is as far above the truth
 MORE_SHARE = 0.25  # of what is open that is asked about first: that something fits takes a fifth of that nothing does
+TRIED_SET = 5  # of the best, of which one at least has to have settings
 ROOM_DB = 1.0  # of signal to noise that is left where it can be: settings come in steps, and estimates may be wrong
 
 
@@ -58,20 +60,43 @@ def gives_way(
     """What of good practice has to give way so that something fits; nothing where that is not enough.
 
     They give way in their order until something fits; then all but the last come back one by one, the latest first, as
-    far as something still fits, with a decibel to spare if anything does: what fits by a hair cannot be set. So no key
-    that has given way could be kept beside those that are kept.
+    far as something still fits. So no key that has given way could be kept beside those that are kept. For a decibel to
+    spare, as what fits by a hair cannot be set, no key gives way that does so after the last of these, unless what was
+    found indeed cannot be set.
 
     known : of missions like this; what it tells is not searched for, and what is found goes into it
     """
     known = PracticeKnown() if known is None else known
     patience = patience_of(deadline)
     lifted = mission.without_gain_cap
-    roomy = with_room(lifted)
-    if roomy is not None:
-        with_more = _least(roomy, catalog, like, patience, known, roomy=True)
-        if with_more.yields:
-            return with_more
-    return _least(lifted, catalog, like, patience, known, roomy=False)
+    every = yields_of(lifted)
+    just = _least(lifted, every, catalog, like, patience, known, roomy=False)
+    roomy = with_room(lifted) if just.yields else None
+    if roomy is None:
+        return just
+    last = max(place for place, one in enumerate(every) if one.path == just.yields[-1].path)
+    with_more = _least(roomy, every[: last + 1], catalog, like, patience, known, roomy=True)
+    if not with_more.yields and not _can_be_set(with_yields(lifted, just.yields), catalog, like, patience, known):
+        with_more = _least(roomy, every, catalog, like, patience, known, roomy=True)
+    return with_more if with_more.yields else just
+
+
+def _can_be_set(
+    mission: Mission, catalog: Catalog, like: Problem, deadline: Deadline, known: PracticeKnown
+) -> bool:
+    """Whether the best of a mission has settings to type in; so it is taken to be where time is over."""
+    if known.can_be_set(mission):
+        return True
+    sought = seek(
+        mission, catalog, goal_of(mission), generic=mission.catalog.generic_at_last, top=TRIED_SET, deadline=deadline,
+        like=like, whole=True,
+    )  # fmt: skip
+    if not sought.outcome.best:
+        return True
+    design = best_settable(sought, deadline)[1]
+    if design.rounded is not None and design.is_settable:
+        known.set_in(mission)
+    return design.is_settable
 
 
 def patience_of(deadline: Deadline) -> Deadline:
@@ -119,10 +144,10 @@ def _anything(mission: Mission, catalog: Catalog, like: Problem, deadline: Deadl
 
 
 def _least(
-    lifted: Mission, catalog: Catalog, like: Problem, patience: Deadline, known: PracticeKnown, *, roomy: bool
-) -> GivenWay:
-    """The least that gives way of a mission; nothing where no yielding is enough."""
-    every = yields_of(lifted)
+    lifted: Mission, every: tuple[Yield, ...], catalog: Catalog, like: Problem, patience: Deadline,
+    known: PracticeKnown, *, roomy: bool,
+) -> GivenWay:  # fmt: skip
+    """The least that gives way of all that may in a mission; nothing where no yielding is enough."""
     if not every:
         return GivenWay()
     asked = YieldTrials(lifted, catalog, like, patience, known)
