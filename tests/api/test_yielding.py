@@ -54,7 +54,8 @@ from uwopt.sweeps.rows import with_practice_held
 from uwopt.sweeps.work import SweepWorker
 
 HARDWARE = {
-    "cameras": ["flir-bfs-u3-120s4m"], "lenses": ["kowa-lm8*"], "ports": ["blue-robotics-4*", "generic-dome-bk7*"],
+    "cameras": ["flir-bfs-u3-120s4m"], "lenses": ["kowa-lm8h*", "kowa-lm8x*"],
+    "ports": ["blue-robotics-4-in-dome-plastic*", "generic-dome-bk7-100*"],
     "lights": ["generic-lamp-flood-20000lm"],
     "generic": "allow", "host": "none", "rest": "none", "housing": "none", "spacers": "none",
 }  # fmt: skip
