@@ -6,6 +6,20 @@ from planted.defect import Defect
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="images that are mostly noise are praised first",
+        file="uwopt/report/text/short.py",
+        old='return "; ".join(text for text in (noise_clause(result), said) if text)',
+        new="return said",
+        test="tests/report/test_short.py::test_very_noisy_images_are_told_before_that_all_that_is_asked_is_held",
+    ),
+    Defect(
+        name="a page of very noisy images is green",
+        file="uwopt/report/page/page.py",
+        old="(practice_sentences(result) or noise_clause(result))",
+        new="practice_sentences(result)",
+        test="tests/report/test_short.py::test_very_noisy_images_are_told_before_that_all_that_is_asked_is_held",
+    ),
+    Defect(
         name="a warning begins with the key that it is about",
         file="uwopt/report/text/tables.py",
         old="subject, message = words.note_subject(warning.path), words.note_text(warning)",

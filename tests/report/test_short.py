@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from uwopt.api.risks import with_risks
-from uwopt.report.page.page import report_html
+from uwopt.report.page.page import opening, report_html, status_words
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.nothing_fits import helpful_lines, infeasible_block
 from uwopt.report.text.short import short_text_blocks
@@ -368,6 +368,22 @@ def test_moves_and_contradictions_are_told(make_result: Make) -> None:
     unmet = why | {"contradiction": [], "unmet": ["min_snr", "cost"]}
     text = text_of(make_result(status="infeasible", recommendation=None, runners_up=[], infeasible=unmet))
     assert "all of them have to give: signal to noise (min_snr) and cost (cost)" in text
+
+
+@pytest.mark.parametrize(("most_db", "darkest_db", "told"), [
+    (9.4, -2.0, "Images are very noisy: signal to noise 9 dB over 95 % of the frame, -2 dB in its darkest place; "),
+    (20.0, -2.0, "Images are very noisy: signal to noise 20 dB over 95 % of the frame, -2 dB in its darkest place; "),
+    (9.4, None, "Images are very noisy: signal to noise 9 dB over 95 % of the frame; "),
+    (20.0, 12.0, ""), (None, None, ""),
+])  # fmt: skip
+def test_very_noisy_images_are_told_before_that_all_that_is_asked_is_held(
+    make_result: Make, most_db: float | None, darkest_db: float | None, told: str
+) -> None:
+    result = make_result()
+    result.best.scenes[0].figures.update(snr_db_p05=most_db, snr_db_min=darkest_db)
+    assert opening(result)[0].startswith(told + ("best of" if told else "Best of"))
+    assert f": {told[:1].lower()}{told[1:]}best of" in text_of(result)
+    assert status_words(result)[1] == ("warn" if told else "good")
 
 
 def test_what_was_left_out_for_want_of_time_stands_on_the_page(make_result: Make) -> None:

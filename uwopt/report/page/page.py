@@ -26,7 +26,7 @@ from uwopt.report.text.knee import knee_blocks
 from uwopt.report.text.layout import Block, Line, fact_lines
 from uwopt.report.text.looked_at import in_figure, in_page, wording_of
 from uwopt.report.text.prices import price_blocks
-from uwopt.report.text.short import goal_sentence, how_far, practice_sentences, short_blocks
+from uwopt.report.text.short import goal_sentence, how_far, noise_clause, practice_sentences, short_blocks
 from uwopt.report.text.verdict import verdict
 from uwopt.results.design import Design
 from uwopt.results.front import FrontResult
@@ -270,7 +270,9 @@ def status_words(result: Result | FrontResult) -> tuple[str, str]:
         text, kind = f"holds in {percent(known.held)}", "good" if known.enough else "bad"
     elif result.status == "optimal":
         text = "best of the catalogue"
-    return text, "warn" if kind == "good" and isinstance(result, Result) and practice_sentences(result) else kind
+    if kind == "good" and isinstance(result, Result) and (practice_sentences(result) or noise_clause(result)):
+        kind = "warn"
+    return text, kind
 
 
 def mission_text(result: Result | FrontResult) -> str:

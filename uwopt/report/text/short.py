@@ -6,8 +6,11 @@ What belongs to it is decided here, for text and HTML alike; proof, margins and 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 
+from uwopt.mission.weakened import LEAST_SNR_DB
+from uwopt.mission.yielding import SEEN_SNR_DB
 from uwopt.quantities import BY_NAME, TERMS
 from uwopt.report.text import formats, words
 from uwopt.report.text.certainty import ask_first, certainty_block, status_text, surer_block
@@ -150,8 +153,32 @@ def title_line(result: Result) -> Joined:
 
 
 def how_far(result: Result) -> str:
-    """How far the answer may be believed: in how many scenarios it holds, where that was counted."""
-    return words.status_sentence(result) if result.confidence is None else status_text(result.confidence, result.status)
+    """How far the answer may be believed: in how many scenarios it holds, where that was counted.
+
+    That images are very noisy stands before it: to hold what is asked is no praise then.
+    """
+    known = result.confidence
+    said = words.status_sentence(result) if known is None else status_text(known, result.status)
+    return "; ".join(text for text in (noise_clause(result), said) if text)
+
+
+def noise_clause(result: Result) -> str:
+    """`images are very noisy: signal to noise 9 dB over 95 % of the frame, -2 dB in its darkest place`, or nothing.
+
+    They are where on 5 % of the frame or more a thing is hardly told from noise, or noise outdoes the signal somewhere.
+    """
+    if result.best is None:
+        return ""
+    figures = [scene.figures for scene in result.best.as_set.scenes]
+    most, darkest = (
+        min((float(db) for one in figures if (db := one.get(name)) is not None), default=math.inf)
+        for name in ("snr_db_p05", "snr_db_min")
+    )
+    if most >= SEEN_SNR_DB and darkest >= LEAST_SNR_DB:
+        return ""
+    ends = ((most, "over 95 % of the frame"), (darkest, "in its darkest place"))
+    told = (f"{round(db)} dB {where}" for db, where in ends if math.isfinite(db))
+    return f"images are very noisy: signal to noise {', '.join(told)}"
 
 
 def verdict_lines(result: Result) -> list[Line]:
