@@ -82,8 +82,8 @@ the same of height, water, speed and time. A told change is tried by a search of
 tried let something fit; *least* is how many of those that are told as the least do not do when they are 5 % smaller, or
 by one in the third digit, with which limits are told, where that is more.
 Seconds are of the processor, in a process that has started, with no time given: the program's own patience ends it
-after 9 s, or 5 s after the search that finds nothing, and it says what is open. *told* counts single changes, and *+ n*
-changes that help together.
+after 9 s, or 5 s after the search that finds nothing, and it says what is open; where nothing is known to help by then
+it goes on, for up to three times as long. *told* counts single changes, and *+ n* changes that help together.
 
 The rows of `1e88ce4` were made on two cores that several programs shared, where a second of the processor does about
 half as much: of the plankton mission that is asked for light too even, the code before took 68 s and told nothing,
