@@ -122,6 +122,14 @@ DEFECTS = (
         "::test_it_goes_on_where_nothing_is_known_to_help_when_time_ends[asked0-requirements0-keys0]",
     ),
     Defect(
+        name="a battery gives by being smaller",
+        file="uwopt/solvers/infeasible/joint_changes.py",
+        old="if name in self.limits else name == BATTERY",
+        new="if name in self.limits else False",
+        test="tests/solvers/test_moves.py"
+        "::test_what_holds_and_takes_energy_gives_together_with_all_else_where_energy_lacks",
+    ),
+    Defect(
         name="no key is moved where it goes on",
         file="uwopt/solvers/infeasible/why_nothing.py",
         old="        trials.go_on()\n        mover.try_all()\n",

@@ -18,6 +18,7 @@ from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Moved
 from uwopt.solvers.infeasible.contradiction import Contradiction, contradiction
+from uwopt.solvers.infeasible.joint_changes import CommonShare
 from uwopt.solvers.infeasible.least_change import CLOSER, in_rounds
 from uwopt.solvers.infeasible.move_keys import tries_of
 from uwopt.solvers.infeasible.moves import Mover, NearestType
@@ -109,6 +110,20 @@ def test_what_holds_and_takes_energy_moves_as_far_as_it_must(parts):
         assert fits(wanted.with_changes(vehicle=at | {name: told[name].needed}), catalog)
         nearer = told[name].needed + 2.0 * CLOSER * (told[name].asked - told[name].needed)
         assert not fits(wanted.with_changes(vehicle=at | {name: nearer}), catalog)
+
+
+def test_what_holds_and_takes_energy_gives_together_with_all_else_where_energy_lacks(parts):
+    wanted = lander(parts, duration_h=50.0, battery_wh=75.0)
+    catalog = load_catalog(wanted)
+    like = seek(wanted, catalog, POWER, generic="never", top=1)
+    both = CommonShare(Trials(wanted, catalog, POWER, "never", like=like), NEVER)
+    fit = both.of_all()
+    assert fit is not None
+    told = {one.name: one.needed for one in fit.changes}
+    assert told.keys() == {"battery_wh", "duration_h"} and told["battery_wh"] > 75.0 and told["duration_h"] < 50.0
+    at = wanted.to_dict()["vehicle"]
+    assert fits(wanted.with_changes(vehicle=at | told), catalog)
+    assert not any(fits(wanted.with_changes(vehicle=at | {name: value}), catalog) for name, value in told.items())
 
 
 def test_a_battery_that_only_times_endurance_is_no_key_to_move(parts):

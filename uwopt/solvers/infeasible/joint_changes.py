@@ -1,6 +1,7 @@
 """Changes that help together: each a smaller share of what is asked than any that helps alone.
 
-    limit_i (1 +- s), and where that is not enough speed (1 - s) and altitude (1 - s)
+    limit_i (1 +- s), and where that is not enough speed (1 - s) and altitude (1 - s),
+    for want of energy also hours (1 - s) and battery (1 + s)
 
 or, where nothing is known to help alone, limits from above by as large a factor, limit_i / (1 - s); with the least
 common share s at which something fits: s is halved between what fits and what does not; of the hardware that is left
@@ -24,6 +25,7 @@ from uwopt.results.basis import Relaxed
 from uwopt.results.design import Design
 from uwopt.solvers.infeasible.freed_rules import MAY_PASS
 from uwopt.solvers.infeasible.least_change import Change, rounded_away, same_hardware, with_its_hardware
+from uwopt.solvers.infeasible.move_keys import BATTERY, shared_keys
 from uwopt.solvers.infeasible.reached import UNKNOWN, judged_by, miss, missed_by, reached_value
 from uwopt.solvers.infeasible.relaxer import ANY
 from uwopt.solvers.infeasible.trials import BRIGHT, Trials
@@ -54,12 +56,12 @@ class CommonFit:
 
 @dataclass
 class CommonShare:
-    """One mission's limits, speed and height, which give all at once; `few`: looked for among a few imagers alone."""
+    """One mission's limits and keys of the vehicle, which give all at once; `few`: among a few imagers alone."""
 
     trials: Trials
     phase: Deadline
     few: bool = False
-    vehicle: dict[str, float] = field(default_factory=dict)  # speed and height, as asked
+    vehicle: dict[str, float] = field(init=False)  # speed and height, and what holds and takes energy, as asked
     moved: dict[str, float] = field(default_factory=dict)  # those of them that give too
     by_factor: bool = False  # limits from above, not by a share
 
@@ -69,11 +71,7 @@ class CommonShare:
             for name, limit in sorted(self.trials.limits.items(), key=lambda one: not self.trials.is_own(one[0]))
             if name in MAY_PASS and limit and name not in KEPT
         }
-        views = [view.vehicle for view in self.trials.mission.views]
-        for key in ("speed_m_s", "altitude_m"):
-            values = {getattr(vehicle, key) for vehicle in views}
-            if len(values) == 1 and (value := values.pop()) > 0.0:
-                self.vehicle[key] = value
+        self.vehicle = shared_keys(self.trials.mission, for_want_of_energy=self.trials.lacks_energy)
         self.base = VariedMission(self.trials.mission, {})
 
     @property
@@ -127,13 +125,13 @@ class CommonShare:
         """Everything by a share of itself in the sense that asks for less."""
         made = {}
         for name, value in self.asked.items():
-            more = name in self.limits and is_from_above(name)
+            more = is_from_above(name) if name in self.limits else name == BATTERY
             up = share / (1.0 - share) if self.by_factor else share
             made[name] = rounded_away(value + abs(value) * (up if more else -share), value)
         return made
 
     def mission(self, values: Mapping[str, float | None]) -> Mission:
-        """The mission with other limits, speed and height."""
+        """The mission with other limits and keys of the vehicle."""
         moved = {
             key: value for key, value in values.items() if key in self.moved and value != self.moved[key]
         }

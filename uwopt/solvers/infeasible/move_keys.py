@@ -19,6 +19,7 @@ ALTITUDES = (0.4, 0.65, 1.5, 0.15)  # of the altitude that is asked; what is nea
 FARTHEST_CLARITY = (40.0, 8.0)  # times as clear: the first that is no more than water can be
 FARTHEST_TIME = 10.0  # times as long between images
 FARTHEST_ENERGY = (10.0, 100.0)  # times as short a mission, or as much in its battery
+BATTERY, HOURS = "battery_wh", "duration_h"
 #: Jerlov types from the clearest on, by their attenuation at 530 nm.
 CLEAREST_FIRST = ("I", "IA", "IB", "II", "1C", "III", "3C", "5C", "7C", "9C")
 SWITCHES = ("camera_between_images", "lamps_between_images")  # that may be off, and draw less
@@ -43,6 +44,14 @@ def tries_of(mission: Mission, *, for_want_of_energy: bool = False) -> Iterator[
     yield from [*energy, *others] if for_want_of_energy else [*others, *energy]
 
 
+def shared_keys(mission: Mission, *, for_want_of_energy: bool) -> dict[str, float]:
+    """Keys of the vehicle that may give together with limits, as asked: by a share less, but of a battery more."""
+    common = {key: _common(mission, key) for key in ("speed_m_s", "altitude_m")}
+    if for_want_of_energy:
+        common |= {one.key.name: float(one.asked) for one in _energy(mission) if one.key.name in (BATTERY, HOURS)}
+    return {key: value for key, value in common.items() if value}
+
+
 def _vehicle(mission: Mission) -> Iterator[Try]:
     """Height, speed, and the time between images."""
     altitude, speed = _common(mission, "altitude_m"), _common(mission, "speed_m_s")
@@ -65,10 +74,10 @@ def _energy(mission: Mission) -> Iterator[Try]:
                 yield _try("vehicle", name, "on", ("off",))
     if is_limited and of_all.energy_wh == of_all.battery_wh and limits.energy_wh is None:
         values = tuple(rounded(times * of_all.energy_wh) for times in FARTHEST_ENERGY)
-        yield _try("vehicle", "battery_wh", of_all.energy_wh, values)
+        yield _try("vehicle", BATTERY, of_all.energy_wh, values)
     if of_all.duration_h and (is_limited or limits.storage_gb is not None):
         values = tuple(rounded(of_all.duration_h / times) for times in FARTHEST_ENERGY)
-        yield _try("vehicle", "duration_h", of_all.duration_h, values)
+        yield _try("vehicle", HOURS, of_all.duration_h, values)
 
 
 def _common(mission: Mission, key: str) -> float | None:

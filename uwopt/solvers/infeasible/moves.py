@@ -15,7 +15,7 @@ from uwopt.errors import UwoptError
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Value, Varied, VariedMission, rounded
 from uwopt.results.basis import Moved
-from uwopt.solvers.infeasible.freed_rules import OTHER_WATER, in_the_way
+from uwopt.solvers.infeasible.freed_rules import OTHER_WATER
 from uwopt.solvers.infeasible.least_change import Change, Narrowing
 from uwopt.solvers.infeasible.move_keys import CLEAREST_FIRST, SWITCHES, Try, tries_of
 from uwopt.solvers.infeasible.trials import Trials
@@ -208,9 +208,7 @@ class Mover:
     @cached_property
     def tries(self) -> tuple[Try, ...]:
         """The keys that may be moved, in turn."""
-        like = self.trials.relaxer.like
-        lacks_energy = like is not None and "energy_wh" in in_the_way(like)
-        return tuple(tries_of(self.mission, for_want_of_energy=lacks_energy))
+        return tuple(tries_of(self.mission, for_want_of_energy=self.trials.lacks_energy))
 
     # ------------------------------------------------------------ far, and back
 

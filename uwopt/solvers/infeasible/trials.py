@@ -13,7 +13,7 @@ from uwopt.mission.mission import Mission
 from uwopt.mission.weakened import RELAXABLE, asked_value, is_filled_in, with_limit, without
 from uwopt.objectives.objective import Objective
 from uwopt.results.design import Design
-from uwopt.solvers.infeasible.freed_rules import OF_LIGHT
+from uwopt.solvers.infeasible.freed_rules import OF_LIGHT, in_the_way
 from uwopt.solvers.infeasible.reached import judged_by
 from uwopt.solvers.infeasible.relaxer import ANY, Relaxer
 from uwopt.solvers.recommend import Sought
@@ -66,6 +66,12 @@ class Trials:
     def turn(self) -> Deadline:
         """The time for one search among others."""
         return self.deadline.at_most(TURN * self.deadline.left_s)
+
+    @cached_property
+    def lacks_energy(self) -> bool:
+        """Whether the last designs of the search that found nothing fall for want of energy."""
+        like = self.relaxer.like
+        return like is not None and "energy_wh" in in_the_way(like)
 
     @cached_property
     def limits(self) -> dict[str, float]:
