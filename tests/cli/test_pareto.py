@@ -18,13 +18,23 @@ MISSION = PROBLEMS / "mbari-lass-2013.yaml"  # few combinations
 pytestmark = pytest.mark.usefixtures("unhurried")
 
 
+@pytest.fixture(scope="module")
+def few(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The mission with one camera."""
+    plain = uwopt.load_mission(MISSION).to_dict(absolute_paths=True)
+    plain["catalog"]["cameras"] = ["basler-aca2040-55uc"]
+    path = tmp_path_factory.mktemp("few") / "mission.yaml"
+    path.write_text(json.dumps(plain), encoding="utf-8")  # JSON is YAML
+    return path
+
+
 def run(*arguments: object) -> Any:
     return CliRunner().invoke(app, ["pareto", *(str(word) for word in arguments)])
 
 
-def test_writes_page_table_and_json(tmp_path):
+def test_writes_page_table_and_json(few: Path, tmp_path: Path) -> None:
     words = ("--objectives", "power,cost", "--solver", "exact,nsga2", "--physics", "paper")
-    done = run(MISSION, *words, "--out", tmp_path / "front")
+    done = run(few, *words, "--out", tmp_path / "front")
     assert done.exit_code == 0, done.output
     assert {p.name for p in (tmp_path / "front").iterdir()} == {"report.html", "front.csv", "front.json"}
     data = json.loads((tmp_path / "front" / "front.json").read_text(encoding="utf-8"))
@@ -39,8 +49,8 @@ def test_writes_page_table_and_json(tmp_path):
     assert "cheapest" in done.stdout
 
 
-def test_json_alone():
-    done = run(MISSION, "--objectives", "power,cost", "--solver", "exact", "--physics", "paper", "--json")
+def test_json_alone(few: Path) -> None:
+    done = run(few, "--objectives", "power,cost", "--solver", "exact", "--physics", "paper", "--json")
     assert done.exit_code == 0
     data = json.loads(done.stdout)
     assert data["schema"] == "uwopt.front/1"
@@ -86,10 +96,10 @@ def interrupted(*args: Any, **kwargs: Any) -> Any:
 
 
 @pytest.mark.parametrize("place", ["PymooRun._algorithm", "population_front"])  # while it breeds, and before
-def test_interruption_after_the_exact_front_keeps_it_with_status_130(place, monkeypatch):
+def test_interruption_after_the_exact_front_keeps_it_with_status_130(few, place, monkeypatch):
     monkeypatch.setattr(f"uwopt.solvers.population.pymoo_front.{place}", interrupted)
     done = run(
-        MISSION, "--objectives", "power,cost", "--solver", "exact,nsga2,nsga3", "--physics", "paper", "--json"
+        few, "--objectives", "power,cost", "--solver", "exact,nsga2,nsga3", "--physics", "paper", "--json"
     )
     assert done.exit_code == 130
     data = json.loads(done.stdout)
