@@ -14,7 +14,7 @@ DEFECTS = (
     Defect(
         name="a table holds all of good practice though the mission as it stands lets it give way",
         file="uwopt/api/varied.py",
-        old="with_given_way(made, given_way)",
+        old="with_given_way(made, self.given_way)",
         new="with_given_way(made, ())",
         test=f"{YIELDING}::test_a_table_lets_give_way_at_every_point_what_the_mission_as_it_stands_needs",
     ),
@@ -27,9 +27,9 @@ DEFECTS = (
     ),
     Defect(
         name="a key that is varied gives way",
-        file="uwopt/api/varied.py",
-        old="if (one.section, one.key) not in varied]",
-        new="]",
+        file="uwopt/mission/yielding.py",
+        old="here = [one for one in given_way if one in known]",
+        new="here = [*given_way]",
         test=f"{YIELDING}::test_what_is_varied_gives_way_at_no_point_and_full_practice_is_told_where_nothing_fits",
     ),
     Defect(

@@ -111,9 +111,8 @@ class VariedGrid:
         """The mission at a point; raises MissionError where its keys contradict each other."""
         if at not in self.missions:
             made = self.base.with_values(dict(zip(self.keys, at, strict=True)))
-            varied = {(key.section, key.name) for key in self.keys}
-            given_way = [one for one in self.given_way if (one.section, one.key) not in varied]
-            self.missions[at] = with_given_way(made, given_way)
+            # what is varied does not give way: a point states it
+            self.missions[at] = with_given_way(made, self.given_way)
         return self.missions[at]
 
     def begin_again(self, given_way: tuple[Yield, ...]) -> None:
