@@ -64,6 +64,25 @@ def processor_s() -> float:
     return _PROCESSOR.before_s + time.process_time()
 
 
+@dataclass
+class PatientClock:
+    """The processor's clock, but for what it stands still for: works on which no patience is spent."""
+
+    not_counted_s: float = 0.0
+
+    def __call__(self) -> float:
+        """Seconds on it."""
+        return processor_s() - self.not_counted_s
+
+    def stand_still(self, work: Callable[[], Made]) -> Made:
+        """What a work makes, of which nothing is counted."""
+        began_s = processor_s()
+        try:
+            return work()
+        finally:
+            self.not_counted_s += processor_s() - began_s
+
+
 def go_on_from(seconds: float) -> None:
     """Let the processor's clock go on, in a copy, from where it was."""
     _PROCESSOR.before_s = seconds - time.process_time()

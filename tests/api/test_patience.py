@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 import uwopt
+from uwopt import deadline
 from uwopt.api import doubting
 
 LIGHT = "deepsea-power-light-led-sealite-lsl-flood"
@@ -33,3 +34,17 @@ def test_doubts_beyond_patience_are_left_out_and_told(
     assert all("how firm the answer is; " in text for text in notes)
     assert (result.robustness is None) == told
     assert result.recommendation.rounded is not None  # settings to set are no doubt
+
+
+def test_what_stands_beside_an_answer_takes_no_patience_from_its_doubts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ranges are worked out first, and here take all the time there is."""
+    now = [0.0]
+
+    def long(*given: object) -> list[object]:
+        now[0] += 1e6
+        return []
+
+    monkeypatch.setattr(deadline, "processor_s", lambda: now[0])
+    monkeypatch.setattr(doubting, "ranged", long)
+    result = uwopt.solve(MISSION, top=1, ranges=True)
+    assert now[0] == 1e6 and result.robustness is not None

@@ -130,6 +130,12 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{TESTS}test_rounding_ends_with_the_time",
     ),
     Defect(
+        name="what stands beside an answer takes its doubts' patience", file="uwopt/api/doubting.py",
+        old="partial(clock.stand_still, work)",
+        new="work",
+        test="tests/api/test_patience.py::test_what_stands_beside_an_answer_takes_no_patience_from_its_doubts",
+    ),
+    Defect(
         name="doubts take as long as they like", file="uwopt/api/doubting.py",
         old="doubts_of(sought, chosen.design, patience, choice)",
         new="doubts_of(sought, chosen.design, deadline, choice)",

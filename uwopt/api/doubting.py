@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from uwopt.api.search_notes import cut_warnings, patience_warnings
 from uwopt.api.watch import STAGES, Watch
-from uwopt.deadline import Deadline, processor_s
+from uwopt.deadline import Deadline, PatientClock
 from uwopt.results.basis import Price
 from uwopt.results.design import Design
 from uwopt.results.result import Result
@@ -49,7 +49,8 @@ def doubted(made: Result, chosen: Recommendation, wanted: ToTell, watch: Watch) 
 
     sought, winner, cut = chosen.sought, chosen.design, False
     none = list[dict[str, Any]]()
-    patient = watch.until(watch.deadline.or_after(DOUBTS_S, processor_s))
+    clock = PatientClock()
+    patient = watch.until(watch.deadline.or_after(DOUBTS_S, clock))
     try:
         if wanted.doubts and sought.goal.quality:
             made = replace(made, knee=watch.within("knee", lambda limit: knee(sought, limit), None))
@@ -66,7 +67,7 @@ def doubted(made: Result, chosen: Recommendation, wanted: ToTell, watch: Watch) 
         if wanted.doubts:
             watch.progress(0.0, STAGES["robustness"])
         with watch.timed("robustness"):
-            made = told_together(made, chosen, wanted, watch, patient.deadline)
+            made = told_together(made, chosen, wanted, watch, patient.deadline, clock)
     except KeyboardInterrupt:  # what is proven is not lost
         cut = True
     notes = cut_warnings() if cut else []
@@ -76,9 +77,12 @@ def doubted(made: Result, chosen: Recommendation, wanted: ToTell, watch: Watch) 
 
 
 def told_together(
-    made: Result, chosen: Recommendation, wanted: ToTell, watch: Watch, patience: Deadline
+    made: Result, chosen: Recommendation, wanted: ToTell, watch: Watch, patience: Deadline, clock: PatientClock
 ) -> Result:
-    """A result with how firm it is and what stands beside it, side by side, in time; `patience`: for the first."""
+    """A result with how firm it is and what stands beside it, side by side, in time.
+
+    patience : for how firm it is, on the clock where nobody has set a time
+    """
     sought, choice, deadline = chosen.sought, chosen.choice, watch.deadline
     doubts = doubts_of(sought, chosen.design, patience, choice) if wanted.doubts else {}
     works: dict[str, Callable[[], Any]] = {}
@@ -89,6 +93,7 @@ def told_together(
         works["eased"] = partial(eased, sought.problem, sought.goal, counted, choice, deadline)
     if wanted.ranges and sought.outcome.complete:
         works["ranges"] = partial(ranged, made, sought, deadline)
+    works = {name: partial(clock.stand_still, work) for name, work in works.items()}
     works |= doubts
     if wanted.alternatives and sought.outcome.complete:
         works["alternatives"] = partial(beside_it, made, sought, deadline)
