@@ -15,7 +15,8 @@ import argparse
 import sys
 import time
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -203,23 +204,25 @@ def found_of(problem: Problem, imagers: Imagers, row: int, light: int, count: in
 
 
 def chosen(problem: Problem, imagers: Imagers, result: Result) -> Found:
-    """The recommended hardware among all."""
+    """The recommended hardware.
+
+    It may be no imager of the list: one of them, in a housing that costs and weighs more and holds it more often.
+    """
     assert result.recommendation is not None
-    wanted = result.recommendation.hardware
+    wanted, parts = result.recommendation.hardware, problem.parts
     ids = {kind: part.id for kind, part in wanted.named.items()}
-    parts = problem.parts
-    light = next(k for k, part in enumerate(parts.lights) if part.id == ids["light"])
-    for row in range(len(imagers)):
-        if parts.cameras[imagers.camera[row]].id != ids["camera"]:
-            continue
-        if bool(imagers.landscape[row]) != (wanted.orientation == "landscape"):
-            continue
-        for mount in problem.mounts:
-            found = found_of(problem, imagers, row, light, wanted.light_count, mount)
-            own = {kind: part.id for kind, part in pieces_of(problem, found)}
-            if all(own.get(kind) == name for kind, name in ids.items() if kind in own):
-                return found
-    raise LookupError(f"{result.recommendation.hardware.ids} is not among what passes without light")
+    camera, lens, light = (
+        next(k for k, part in enumerate(some) if part.id == ids[kind])
+        for kind, some in (("camera", parts.cameras), ("lens", parts.lenses), ("light", parts.lights))
+    )
+    landscape = wanted.orientation == "landscape"
+    for port, mount in product(range(len(parts.ports)), problem.mounts):
+        some = found_of(problem, imagers, 0, light, wanted.light_count, mount)
+        found = replace(some, camera=camera, lens=lens, port=port, landscape=landscape)
+        own = {kind: part.id for kind, part in pieces_of(problem, found)}
+        if all(own.get(kind) == name for kind, name in ids.items() if kind in own):
+            return found
+    raise LookupError(f"{ids} is not among the parts")
 
 
 HEAD = """\
