@@ -116,9 +116,9 @@ def at_its_stop(result: Result) -> dict[str, Any]:
 def attacked(row: Row, mission: Mission, result: Result, asked: float, tries: int, deadline: Deadline) -> None:
     """Count hardware that is drawn at random, and again what holds and seems better."""
     assert result.recommendation is not None
-    goal, parts = goal_of(mission), result.recommendation.hardware.named.values()
-    to_be_made, choice = any(part.generic for part in parts), mission.catalog
-    generic = choice.generic_at_last if to_be_made else choice.generic_at_first
+    goal, first = goal_of(mission), mission.catalog.generic_at_first
+    made = tuple(kind for kind, part in result.recommendation.hardware.named.items() if part.generic)
+    generic = made if made and first != "allow" else first  # no more kinds to be made than the proof takes in
     problem = build_problem(mission, selected(mission, load_catalog(mission), generic=generic))
     imagers, rng = enumerate_imagers(problem), np.random.default_rng(SEED)
     own = chosen(problem, imagers, result)
