@@ -83,7 +83,7 @@ tried let something fit; *least* is how many of those that are told as the least
 by one in the third digit, with which limits are told, where that is more.
 Seconds are of the processor, in a process that has started, with no time given: the program's own patience ends it
 after 9 s, or 5 s after the search that finds nothing, and it says what is open; where nothing is known to help by then
-it goes on, for up to three times as long. *told* counts single changes, and *+ n* changes that help together.
+it goes on, up to four times as long in all. *told* counts single changes, and *+ n* changes that help together.
 
 The rows of `0d76faf6` were made on a machine that takes 1.6 to 1.8 times as long for the same as that of the others
 (`mbari-lass-2013` by min_swath_m 1.7 and 2.8 s, `ooi-camhd` 1.6 and 2.8, `paper-tank` 1.6 and 2.9), so that the same

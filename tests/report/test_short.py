@@ -273,6 +273,11 @@ def test_where_no_change_helps_the_rules_that_exclude_most_are_told(make_result:
         mission = {"name": "x", "requirements": asked, "vehicle": vehicle}
         text = " ".join(text_of(make_result(mission=mission, infeasible=why, **nothing)).split())
         assert f"Most fall by: swath too narrow {told}; pixel on the floor too large (max_gsd_mm); image circle" in text
+    scenes = [{"vehicle": {"altitude_m": 0.5}}, {"vehicle": None}]
+    mission = {"name": "x", "requirements": {"max_gsd_mm": 1.0}, "vehicle": {"altitude_m": 3.0}, "scenes": scenes}
+    assert "(min_swath_m 0.5 or 1, by refuse: swath)" in " ".join(
+        text_of(make_result(mission=mission, infeasible=why, **nothing)).split()
+    )
 
 
 def test_what_the_estimates_cannot_tell_apart_is_called_equal(make_result: Make, make_design: Make) -> None:

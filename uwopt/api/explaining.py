@@ -22,7 +22,7 @@ EXPLAIN_SHARE = 0.4  # of the time that the search took, where that is more
 YIELD_SHARE = 0.3  # of the time for all that would help, for whether less of good practice would do
 LEFT_SHARE = 0.2  # of the time, for what of good practice gives way where a told change is made
 LEAST_EXPLAIN_S = 5.0  # for what would help, however long the search took: in less hardly any is found
-GO_ON_SHARE = 3.0  # of the time for what would help, where nothing is known to by then
+GO_ON_SHARE = 3.0  # of the time for what would help, beside it, where nothing is known to by then
 NOT_TRIED = "that nothing fits is proven, but not all that may help was tried"
 
 

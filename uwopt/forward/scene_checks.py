@@ -47,7 +47,7 @@ def objective_faults(mission: Mission) -> Iterator[str]:
 
 def light_faults(view: SceneView) -> Iterator[str]:
     """Lamps on or beyond what is looked at."""
-    lowest = view.vehicle.altitude_m - view.vehicle.altitude_tolerance_m
+    lowest = view.vehicle.nearest_m
     pitch_rad = math.radians(view.vehicle.pitch_deg)
     thing, way = TARGET_WORDS[view.scene.target]
     far = "below the port at the lowest" if thing == "floor" else "before the port at the nearest"

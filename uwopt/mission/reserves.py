@@ -88,7 +88,7 @@ def asked_of(wanted: Requirements, vehicle: Vehicle) -> Requirements:
     """
     survey = vehicle.speed_m_s > 0.0 and wanted.overlap is not None
     made = {
-        key: refused_at(word, vehicle.altitude_m - vehicle.altitude_tolerance_m)
+        key: refused_at(word, vehicle.nearest_m)
         for word, (key, _) in REFUSED.items()
         if word in wanted.refuse and getattr(wanted, key) is None and (survey or word != "swath")
     }

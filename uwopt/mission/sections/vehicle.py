@@ -157,6 +157,11 @@ class Vehicle(Section):
         return ("landscape", "portrait") if self.orientation == "any" else (self.orientation,)
 
     @property
+    def nearest_m(self) -> float:
+        """The least distance from the port to what is looked at, over the band of altitudes."""
+        return self.altitude_m - self.altitude_tolerance_m
+
+    @property
     def light_counts(self) -> range:
         """The numbers of lights that may be tried."""
         return range(self.light_count[0], self.light_count[1] + 1)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 from uwopt.mission.reserves import REFUSED, refused_at
 from uwopt.mission.yielding import yields_named
@@ -118,16 +119,25 @@ def excluding_most(result: Result) -> Text | None:
     given = {key for key, value in asked.items() if value is not None}
     given |= {"min_swath_m", "min_common_swath_m"} if "min_area_m2_h" in given else set()  # an area asks for a swath
     by_refusal = {key: word for word, (key, _) in REFUSED.items() if key not in given}
-    vehicle = result.mission.get("vehicle") or {}
-    nearest_m = vehicle.get("altitude_m", math.inf) - (vehicle.get("altitude_tolerance_m") or 0.0)
+    near = nearest_of_each(result.mission)
 
     def told(rule: Excluded) -> str:
         key = formats.one_line(rule.name)
         word = by_refusal.get(key)
-        by = f" {refused_at(word, nearest_m):g}, by refuse: {word}" if word else ""
+        held = " or ".join(f"{value:g}" for value in sorted({refused_at(word, one) for one in near})) if word else ""
+        by = f" {held}, by refuse: {word}" if word else ""
         return f"{words.rule_name(rule.name)} ({key}{by})"
 
     return sentence(f"Most fall by: {'; '.join(map(told, most))}.")
+
+
+def nearest_of_each(mission: Mapping[str, Any]) -> list[float]:
+    """The least distance in each scene of a mission's plain values [m]; infinite where it tells none."""
+    every = [mission.get("vehicle") or {}]
+    own = [scene.get("vehicle") or {} for scene in mission.get("scenes") or ()]
+    if own:
+        every = [every[0] | {key: value for key, value in one.items() if value is not None} for one in own]
+    return [one.get("altitude_m", math.inf) - (one.get("altitude_tolerance_m") or 0.0) for one in every]
 
 
 def none_left_lines(result: Result | FrontResult) -> list[Line]:
