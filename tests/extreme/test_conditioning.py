@@ -24,6 +24,7 @@ from uwopt.solvers.continuous.pieces import SmoothScene, pieces_of
 from uwopt.solvers.continuous.program import Program
 from uwopt.solvers.continuous.solve_settings import PROOF, ContinuousResult, solve_settings
 from uwopt.solvers.settings.best import best_settings
+from uwopt.solvers.settings.question import Question
 
 TRUE_REL = 1e-6  # of a value called optimal; the proofs ask for residuals of 1e-6 to 1e-4 in logarithms
 #: Methods that settle every design below within their means; all others may only fail honestly.
@@ -174,12 +175,12 @@ def test_the_closed_form_is_exact_over_twelve_orders_of_magnitude() -> None:
     for seed in range(400 if THOROUGH else 60):
         truth = design(np.random.default_rng(seed), (CONTINUOUS, PULSED, FLASH)[seed % 3])
         best = exact.least_power_w([truth])
-        found = best_settings([rows_of(truth)], np.array([False]), POWER, np.array([0.0]), math.inf)
+        found = best_settings(Question.of([rows_of(truth)], np.array([False]), POWER, np.array([0.0]), math.inf))
         assert bool(found.feasible[0]) == (best is not None), (seed, truth)
         if best is not None:
             assert abs(mp.mpf(float(found.chosen[0].light_power_w[0])) / best - 1) < 1e-9, (seed, truth)
         reached = exact.greatest_snr(truth)
-        seen = best_settings([rows_of(truth)], np.array([False]), SNR, np.array([0.0]), math.inf)
+        seen = best_settings(Question.of([rows_of(truth)], np.array([False]), SNR, np.array([0.0]), math.inf))
         assert bool(seen.feasible[0]) == (reached is not None), (seed, truth)
         if reached is not None:
             assert abs(float(seen.snr_db[0]) - 20 * mp.log10(reached)) < 1e-8, (seed, truth)

@@ -1277,8 +1277,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a search hands its deadline to no cells",
         file="uwopt/solvers/settings/best.py",
-        old="top=top, mean_limit=mean_limit, deadline=deadline,\n        ))",
-        new="top=top, mean_limit=mean_limit,\n        ))",
+        old="best_by_cells)(question)",
+        new="best_by_cells)(replace(question, deadline=Question.deadline))",
         test="tests/solvers/test_cells.py::test_cells_are_halved_no_longer_than_there_is_time",
     ),
 )

@@ -26,6 +26,7 @@ from uwopt.solvers.continuous.casadi_ipopt import solve_mixed
 from uwopt.solvers.continuous.mixed import Candidate, MixedProgram, Picked
 from uwopt.solvers.recommend import Sought
 from uwopt.solvers.settings.best import best_settings
+from uwopt.solvers.settings.question import Question
 
 AGREE = 1e-4
 GENEROUS_S = 1e6  # the clock ends none of these
@@ -50,7 +51,7 @@ def candidate(rows: list[SceneRows], camera_power_w: float, *, motorised: bool =
 
 def closed_value(rows: list[SceneRows], camera_power_w: float, objective: Objective, limit_w: float) -> float:
     """The best value of one hardware in closed form; inf where it has none."""
-    best = best_settings(rows, np.array([False]), objective, np.array([camera_power_w]), limit_w)
+    best = best_settings(Question.of(rows, np.array([False]), objective, np.array([camera_power_w]), limit_w))
     power = camera_power_w + np.max([c.light_power_w for c in best.chosen], axis=0)
     if not best.feasible[0] or power[0] > limit_w * (1 + 1e-9):
         return np.inf

@@ -16,6 +16,7 @@ from uwopt.forward.sharpness import SharpRows
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.settings.cell_tangent import DIMMEST
 from uwopt.solvers.settings.cells import CellSearch, best_by_cells
+from uwopt.solvers.settings.question import Question
 
 Array = NDArray[Any]
 GAP = 1e-4
@@ -88,10 +89,8 @@ HALVINGS = 9
 
 def cell_search(rows: SceneRows, wanted: Any) -> CellSearch:
     """The search over cells of one design, not yet run."""
-    return CellSearch(
-        [rows], Objective.of(wanted), np.array([np.inf]), own_f_number=False, gap_rel=GAP, constant=np.zeros(1),
-        cutoff=np.array([np.inf]), hardware=None, top=None,
-    )  # fmt: skip
+    asked = Question.of([rows], np.array([False]), Objective.of(wanted), np.zeros(1), np.inf)
+    return CellSearch(asked, own_f_number=False)
 
 
 def within(search: CellSearch, pool: Any, points: list[Array]) -> Array:
@@ -157,5 +156,5 @@ def test_bounds_of_cells_close_the_gap_soon(name: str, monkeypatch: pytest.Monke
         return sound(self, pool)
 
     monkeypatch.setattr(CellSearch, "_halved", counted)
-    best_by_cells([lit(**given)], np.array([False]), Objective.of(wanted), np.array([3.0]), np.inf)
+    best_by_cells(Question.of([lit(**given)], np.array([False]), Objective.of(wanted), np.array([3.0]), np.inf))
     assert sum(halved) <= CELLS_ENOUGH[name]

@@ -30,6 +30,7 @@ from uwopt.solvers.continuous.pieces import SmoothScene, SmoothSettings, pieces_
 from uwopt.solvers.continuous.program import Program
 from uwopt.solvers.continuous.solve_settings import ContinuousResult, Method, solve_settings
 from uwopt.solvers.settings.best import best_settings
+from uwopt.solvers.settings.question import Question
 
 METHODS: tuple[Method, ...] = ("casadi", "slsqp", "cobyla", "global")  # those that settle what they are given
 AGREE = 1e-4  # what a second opinion is asked for; the solvers reach about 1e-9
@@ -71,7 +72,7 @@ def closed_form(
     rows: list[SceneRows], objective: Objective, *, motorised: bool = False, limit_w: float = np.inf
 ) -> float | None:
     """The exact search's value for one design; None when it finds it infeasible."""
-    best = best_settings(rows, np.array([motorised]), objective, np.array([CAMERA_W]), limit_w)
+    best = best_settings(Question.of(rows, np.array([motorised]), objective, np.array([CAMERA_W]), limit_w))
     chosen, feasible, snr_db = best.chosen, best.feasible, best.snr_db
     power = CAMERA_W + np.max([c.light_power_w for c in chosen], axis=0)
     if not feasible[0] or power[0] > limit_w * (1 + 1e-9):

@@ -18,7 +18,8 @@ from settings_attack import attacked, figures, lit
 from uwopt.forward.part_columns import CONTINUOUS, PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.settings.best import Best, best_settings
+from uwopt.solvers.settings.best import best_settings
+from uwopt.solvers.settings.question import Best, Question
 
 POWER, SNR = Objective({"power": 1.0}), Objective({"snr_db": 1.0})
 CAMERA_W = np.array([3.0])
@@ -27,7 +28,7 @@ SEEDS = range(400 if os.environ.get("UWOPT_THOROUGH") == "1" else 12)
 
 def best_of(scenes: list[SceneRows], objective: Objective = POWER, *, motorised: bool = False) -> Best:
     """Best settings of one design."""
-    return best_settings(scenes, np.array([motorised]), objective, CAMERA_W, np.inf)
+    return best_settings(Question.of(scenes, np.array([motorised]), objective, CAMERA_W, np.inf))
 
 
 def watt(best: Best) -> float:

@@ -22,6 +22,7 @@ from uwopt.solvers.settable.rounding import given_of
 from uwopt.solvers.settings.best import best_settings
 from uwopt.solvers.settings.cells import best_by_cells
 from uwopt.solvers.settings.mean_limit import MeanLimit
+from uwopt.solvers.settings.question import Question
 
 BURNING = lamp("burning", flux_lm=2e4, power_w=200.0)
 
@@ -71,15 +72,15 @@ def test_cells_and_closed_form_agree_on_energy_over_two_scenes(wanted: Any, shar
     easy = [lit(image, min_snr=snr) for snr in (4.0, 40.0)]
     hard = [replace(rows, min_mtf=1e-12) for rows in easy]
     camera_w, still = np.array([3.0]), np.array([False])
-    least = best_settings(easy, still, Objective.of("power"), camera_w, np.inf)
+    least = best_settings(Question.of(easy, still, Objective.of("power"), camera_w, np.inf))
     needed = [float(c.light_power_w[0]) for c in least.chosen]
     mean_w = share * needed[0] + (1 - share) * needed[1] + 3.0
     for room, fits in ((0.99, False), (1.3, True)):
         args = (still, Objective.of(wanted), camera_w, np.inf)
         limit = MeanLimit((share, 1.0 - share), room * mean_w)
         closed, cells = (
-            best_settings(easy, *args, mean_limit=limit),
-            best_by_cells(hard, *args, mean_limit=limit),
+            best_settings(Question.of(easy, *args, mean_limit=limit)),
+            best_by_cells(Question.of(hard, *args, mean_limit=limit)),
         )
         assert closed.feasible[0] == fits
         assert cells.feasible[0] == fits
@@ -90,7 +91,7 @@ def test_cells_and_closed_form_agree_on_energy_over_two_scenes(wanted: Any, shar
         assert share * drawn_w[0] + (1 - share) * drawn_w[1] + 3.0 <= room * mean_w * (1 + 1e-9)
         assert cells.snr_db[0] == pytest.approx(closed.snr_db[0], abs=0.01)
         if wanted == "snr_db":  # nothing but the energy holds the SNR down
-            free = best_settings(easy, *args)
+            free = best_settings(Question.of(easy, *args))
             assert closed.snr_db[0] < free.snr_db[0] - 0.1
             assert share * drawn_w[0] + (1 - share) * drawn_w[1] + 3.0 == pytest.approx(
                 room * mean_w, rel=1e-6

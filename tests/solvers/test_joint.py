@@ -18,6 +18,7 @@ from uwopt.model import lateral, sharpness
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.settings import joint
 from uwopt.solvers.settings.cells import best_by_cells
+from uwopt.solvers.settings.question import Question
 from uwopt.units import db_to_ratio
 
 Array = NDArray[Any]
@@ -60,7 +61,7 @@ CASES: dict[str, dict[str, Any]] = {
 
 def best_of(rows: SceneRows, objective: Objective) -> float:
     """The best of all settings by cells, which attacks of their own hold (`test_cells`)."""
-    found = best_by_cells([rows], np.array([False]), objective, np.zeros(1), np.inf)
+    found = best_by_cells(Question.of([rows], np.array([False]), objective, np.zeros(1), np.inf))
     assert found.feasible[0]
     quality = np.log(found.information[0]) if objective.by_ratio else found.snr_db[0]
     weight = objective.weight("information") + objective.weight("snr_db")

@@ -19,6 +19,7 @@ from uwopt.solvers.continuous.program import Program
 from uwopt.solvers.continuous.reduced import Reduced
 from uwopt.solvers.continuous.solve_settings import ALGORITHMS, FEASIBLE, ContinuousResult, solve_settings
 from uwopt.solvers.settings.best import best_settings
+from uwopt.solvers.settings.question import Question
 
 AGREE = 1e-4
 CAMERA_W, COST, MASS_KG, GSD_MM = 3.0, 5.0, 1.0, 2.0
@@ -56,7 +57,7 @@ def random_rows(seed: int) -> list[SceneRows]:
 
 def closed_form(rows: list[SceneRows], objective: Objective) -> float | None:
     """The exact search's value for one design; None when it finds it infeasible."""
-    best = best_settings(rows, np.array([False]), objective, np.array([CAMERA_W]), np.inf)
+    best = best_settings(Question.of(rows, np.array([False]), objective, np.array([CAMERA_W]), np.inf))
     if not best.feasible[0]:
         return None
     power = CAMERA_W + np.max([c.light_power_w for c in best.chosen], axis=0)

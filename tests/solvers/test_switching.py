@@ -19,9 +19,10 @@ from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.recommend import hardware_of
 from uwopt.solvers.settable.rounding import given_of
-from uwopt.solvers.settings.best import GAP, best_settings
+from uwopt.solvers.settings.best import best_settings
 from uwopt.solvers.settings.cells import best_by_cells
 from uwopt.solvers.settings.closed_form import most_light
+from uwopt.solvers.settings.question import GAP, Question
 
 FEW = (17, 24, 33, 81)  # one scene and two, both physics, all kinds of lamps, quickly enumerated
 SEEDS = tuple(s for s in CHOSEN if solved(s).best) if THOROUGH else FEW
@@ -60,8 +61,8 @@ def off(lead_s: float, image: Any = None, **changed: Any) -> SceneRows:
 def test_cells_and_closed_form_agree_on_switched_lamps(wanted: str, lead_s: float) -> None:
     image = sharp(blur=0.0, place=0.0)
     args = (np.array([False]), Objective.of(wanted), np.array([3.0]), 6.0)
-    easy = best_settings([off(lead_s, image)], *args)
-    cells = best_by_cells([off(lead_s, image, min_mtf=1e-12)], *args)
+    easy = best_settings(Question.of([off(lead_s, image)], *args))
+    cells = best_by_cells(Question.of([off(lead_s, image, min_mtf=1e-12)], *args))
     assert easy.feasible[0]
     assert cells.feasible[0]
     value = easy.chosen[0].light_power_w[0] + 3.0 if wanted == "power" else -easy.snr_db[0]
@@ -76,10 +77,10 @@ def test_lamps_and_cameras_share_the_least_power_by_hand(camera_w: float) -> Non
     joules, least at t = sqrt(F q lead / W)."""
     lead_s, args = 0.5, (np.array([False]), Objective.of("power"), np.array([3.0]), np.inf)
     rows = off(lead_s, time_max_s=1.0, min_level=0.0, dark_current_e_s=0.0)
-    alone = best_settings([rows], *args).chosen[0]
+    alone = best_settings(Question.of([rows], *args)).chosen[0]
     q = float(alone.level[0] * alone.time_s[0])  # what the images need, whoever draws for it
     exposing = replace(rows, camera_w=np.array([camera_w]), awake_s=np.array([2.0]))
-    found = best_settings([exposing], *args, constant=3.0)
+    found = best_settings(Question.of([exposing], *args, constant=3.0))
     time_s = float(np.clip(np.sqrt(200.0 * q * lead_s / camera_w), rows.time_min_s[0], 1.0))
     joules = 200.0 * q * (lead_s / time_s + 1.0) + camera_w * (time_s - rows.min_exposure_s[0])
     least_w = 3.0 + 0.5 + 0.1 * joules
@@ -93,7 +94,7 @@ def test_lamps_and_cameras_share_the_least_power_by_hand(camera_w: float) -> Non
 def test_power_is_left_for_the_exposure_of_the_highest_snr() -> None:
     rows = replace(off(0.02, dark_current_e_s=0.0), camera_w=np.array([20.0]), awake_s=np.array([2.0]))
     args = (np.array([False]), Objective.of("snr_db"), np.array([3.0]), 3.6)
-    found, free = best_settings([rows], *args), best_settings([replace(rows, camera_w=None)], *args)
+    found, free = (best_settings(Question.of([each], *args)) for each in (rows, replace(rows, camera_w=None)))
     assert found.feasible[0]
     assert found.lower_bound is not None
     assert found.chosen[0].light_power_w[0] + 3.0 <= 3.6 * (1 + 1e-8)

@@ -147,7 +147,7 @@ def test_tangents_where_designs_look_best_bound_them_closely(key):
 
     def tangents(trade, curves, upper):
         designs = curves.some.take(curves.answers.design[upper])
-        return -trade._whole(designs, goal, curves.answers.limit_w[upper], points=False).lower_bound
+        return -trade._whole_bound(designs, goal, curves.answers.limit_w[upper])
 
     assert over_found(key, tangents).max() < 1.25
 

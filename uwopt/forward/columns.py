@@ -46,15 +46,8 @@ class Columns:
 
     def put(self, index: Array, part: Self) -> Self:
         """A copy in which these rows are those of `part`."""
-
-        def one(old: Any, new: Any) -> Any:
-            if isinstance(old, np.ndarray):
-                old = np.array(old)
-                old[index] = new
-            return old
-
         return replace(
-            self, **{f.name: one(getattr(self, f.name), getattr(part, f.name)) for f in fields(self)}
+            self, **{f.name: put_into(getattr(self, f.name), index, getattr(part, f.name)) for f in fields(self)}
         )
 
     @classmethod
@@ -160,6 +153,19 @@ def changed(value: Any, change: Callable[[Array], Array]) -> Any:
     if isinstance(value, list) and value and isinstance(value[0], Columns):
         return [one.with_arrays(change) for one in value]
     return value
+
+
+def put_into(old: Any, index: Array, new: Any) -> Any:
+    """A field in which some rows are new."""
+    if isinstance(old, np.ndarray):
+        old = np.array(old)
+        old[index] = new
+        return old
+    if isinstance(old, Columns):
+        return old.put(index, new)
+    if isinstance(old, list) and old and isinstance(old[0], Columns):
+        return [one.put(index, own) for one, own in zip(old, new, strict=True)]
+    return old
 
 
 def len_of(part: Columns) -> int:

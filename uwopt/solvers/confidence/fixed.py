@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.solvers.settings import closed_form
-from uwopt.solvers.settings.best import Best, is_sharp
+from uwopt.solvers.settings.best import is_sharp
 from uwopt.solvers.settings.closed_form import Chosen
+from uwopt.solvers.settings.question import Best
 from uwopt.tolerances import ROUND
 from uwopt.units import ratio_to_db
 

@@ -28,8 +28,9 @@ from uwopt.solvers.exact.imager_rules import limit
 from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.settable.steps import stops
-from uwopt.solvers.settings.best import Best, best_settings
+from uwopt.solvers.settings.best import best_settings
 from uwopt.solvers.settings.mean_limit import MeanLimit
+from uwopt.solvers.settings.question import Best, Question
 from uwopt.tolerances import ROUND
 
 Array = NDArray[Any]
@@ -263,11 +264,11 @@ class Judge:
         problem, imagers, imager = self.group.problem, self.group.imagers, self.imager
         none = np.zeros(len(imager))
         terms = Terms(self.camera_power_w, self.cost, self.mass_kg, none, imagers.gsd_mm[imager])
-        return best_settings(
+        return best_settings(Question.of(
             self.rows, problem.lenses.motorised[imagers.lens[imager]], self.objective, self.camera_power_w,
             problem.scene_power_limit_w, gap_rel=GAP, constant=self.objective.constant(terms),
             mean_limit=MeanLimit.of(problem),
-        )  # fmt: skip
+        ))  # fmt: skip
 
     def verdict(self, best: Best) -> tuple[Array, Array]:
         """Minimised objective with these settings, inf where they miss something, and what is missed first, by name."""

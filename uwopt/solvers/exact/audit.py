@@ -20,7 +20,8 @@ from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.attack import attack, fits
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.settings.best import GAP, scenes_need_cells
+from uwopt.solvers.settings.best import scenes_need_cells
+from uwopt.solvers.settings.question import GAP
 from uwopt.tolerances import BEATS_REL
 
 BESIDE = "beside the best"  # the draw that follows no rule

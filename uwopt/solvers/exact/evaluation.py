@@ -29,9 +29,10 @@ from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.node_bounds import NODE_RULES, LampChoices
 from uwopt.solvers.exact.node_designs import FIRST_VEILS, LARGEST_VEILS, NodeDesigns, Waiting
 from uwopt.solvers.exact.ranking import Ranking
-from uwopt.solvers.settings.best import GAP, best_settings
+from uwopt.solvers.settings.best import best_settings
 from uwopt.solvers.settings.closed_form import Chosen
 from uwopt.solvers.settings.mean_limit import MeanLimit
+from uwopt.solvers.settings.question import GAP, Question
 from uwopt.tolerances import ROUND, SLACK
 
 Array = NDArray[Any]
@@ -350,18 +351,19 @@ class Evaluation:
         camera_power = self.imagers.camera_power_w[imager]
         fixed = Terms(camera_power, cost, mass, np.zeros(len(imager)), self.imagers.gsd_mm[imager])
         hardware = rows_alike(imager, pairs.light)[1]
-        best = best_settings(
+        question = Question.of(
             rows, motorised, self.objective, camera_power, self.problem.scene_power_limit_w,
             gap_rel=ROUGH_GAP if optimistic else GAP, constant=self.objective.constant(fixed),
             cutoff=self.ranking.threshold(), hardware=hardware, top=None if optimistic else self.top,
-            mean_limit=MeanLimit.of(self.problem), closed_alone=closed_alone, deadline=self.deadline,
+            mean_limit=MeanLimit.of(self.problem), deadline=self.deadline,
         )  # fmt: skip
+        best = best_settings(question, closed_alone=closed_alone)
         chosen = best.chosen
         power = camera_power + np.max([c.light_power_w for c in chosen], axis=0)
         feasible = best.feasible & (power <= self.problem.scene_power_limit_w * ROUND)
         if best.lower_bound is not None and not optimistic:
             open_ = np.isfinite(best.lower_bound) & ~feasible & (best.lower_bound <= self.ranking.threshold())
-            hopeless = self._draw_too_much(rows, motorised, camera_power, np.flatnonzero(open_))
+            hopeless = self._draw_too_much(question, np.flatnonzero(open_))
             best = replace(best, lower_bound=np.where(hopeless, np.inf, best.lower_bound))
         terms = Terms(
             power, cost, mass, best.snr_db, self.imagers.gsd_mm[imager], best.contrast, best.information
@@ -379,18 +381,17 @@ class Evaluation:
             self.open_gap_bound = min(self.open_gap_bound, float(best.lower_bound.min(initial=np.inf)))
         return value, terms, chosen, exposure
 
-    def _draw_too_much(
-        self, rows: list[SceneRows], motorised: Array, camera_power_w: Array, which: Array
-    ) -> Array:
+    def _draw_too_much(self, question: Question, which: Array) -> Array:
         """Which of some designs draw more than the limit at any settings, by a bound of their power alone, (n,)."""
-        hopeless, limit_w = np.zeros(len(motorised), bool), self.problem.scene_power_limit_w
+        hopeless, limit_w = np.zeros(len(question), bool), self.problem.scene_power_limit_w
         if len(which) and np.isfinite(limit_w):
-            least = best_settings(
-                [r.take(which) for r in rows], motorised[which], Objective.of("power"), camera_power_w[which], limit_w,
-                constant=camera_power_w[which], cutoff=limit_w * ROUND, mean_limit=MeanLimit.of(self.problem),
-            )  # fmt: skip
+            some = question.take(which)
+            least = best_settings(Question.of(
+                some.rows, some.motorised, Objective.of("power"), some.camera_power_w, limit_w,
+                constant=some.camera_power_w, cutoff=limit_w * ROUND, mean_limit=some.mean_limit,
+            ))  # fmt: skip
             if least.lower_bound is None:  # the least itself
-                least_w = camera_power_w[which] + np.max([c.light_power_w for c in least.chosen], axis=0)
+                least_w = some.camera_power_w + np.max([c.light_power_w for c in least.chosen], axis=0)
                 hopeless[which] = least.feasible & (least_w > limit_w * ROUND)
             else:
                 hopeless[which] = least.lower_bound > limit_w * ROUND

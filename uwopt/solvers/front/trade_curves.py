@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from itertools import product
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,12 +26,10 @@ from uwopt.solvers.front.ceilings import most_information
 from uwopt.solvers.front.hopeful import Hopeful, full_draw_w, unhindered
 from uwopt.solvers.front.information import information_of
 from uwopt.solvers.settings import closed_form, windows
-from uwopt.solvers.settings.best import Best, best_settings
+from uwopt.solvers.settings.best import best_settings
 from uwopt.solvers.settings.closed_form import Chosen
+from uwopt.solvers.settings.question import Best, Question
 from uwopt.units import ratio_to_db
-
-if TYPE_CHECKING:
-    from uwopt.solvers.settings.cells import CellResult
 
 Array = NDArray[Any]
 ABOVE = 1.0 + 1e-9  # a limit that equals the least power must admit it
@@ -134,10 +132,13 @@ class Trade:
         near: Array | None = None,
     ) -> Best:  # fmt: skip
         """Best settings for one goal."""
-        constant = some.camera_power_w if goal.weight("power") else 0.0
-        return best_settings(
-            some.rows, some.motorised, goal, some.camera_power_w, limit_w, gap_rel=self.gap_rel, constant=constant,
-            cutoff=cutoff, mean_limit=some.mean_limit, near=near,
+        return best_settings(self._asked(some, goal, limit_w, cutoff=cutoff, near=near))
+
+    def _asked(self, some: Hopeful, goal: Objective, limit_w: Array | float, **more: Any) -> Question:
+        """For which settings of designs one goal asks."""
+        return Question.of(
+            some.rows, some.motorised, goal, some.camera_power_w, limit_w, gap_rel=self.gap_rel,
+            constant=some.camera_power_w if goal.weight("power") else 0.0, mean_limit=some.mean_limit, **more,
         )  # fmt: skip
 
     def _quality_bound(self, best: Best) -> Array:
@@ -206,15 +207,14 @@ class Trade:
 
     def _tried_sunlit(self, some: Hopeful, design: Array) -> list[Answers]:
         """Points of least power, and of best quality within all of it."""
+        from uwopt.solvers.settings.cells import best_by_cells
+
         goals = [POWER] if self.quality is None else [POWER, Objective({self.quality: 1.0})]
         tried = []
         for goal in goals:
-            found = self._whole(some, goal, some.power_limit_w, points=True)
-            best = Best(
-                found.chosen, found.feasible, found.snr_db, found.contrast, found.information, found.lower_bound
-            )
-            quality = self._quality_of(some, best, found.chosen) if self.quality else np.zeros(len(some))
-            tried.append(self._answers(some, design, best, found.chosen, quality, None, None))
+            best = best_by_cells(self._asked(some, goal, some.power_limit_w), halve=False)
+            quality = self._quality_of(some, best, best.chosen) if self.quality else np.zeros(len(some))
+            tried.append(self._answers(some, design, best, best.chosen, quality, None, None))
         return tried
 
     def _one_try(
@@ -269,7 +269,7 @@ class Trade:
     def least_power_bound(self, some: Hopeful) -> Array:
         """No settings of designs draw less, lamps and cameras together; inf: they have none."""
         if some.sunlit:
-            least_w = self._whole(some, POWER, some.power_limit_w, points=False).lower_bound
+            least_w = self._whole_bound(some, POWER, some.power_limit_w)
         else:
             chosen, feasible = closed_form.least_power(unhindered(some.rows), some.motorised)
             light_w = np.max([c.light_power_w for c in chosen], axis=0)
@@ -284,7 +284,7 @@ class Trade:
         if self.quality is None:
             return np.zeros(len(some))
         if self.quality == "contrast":  # without the sun no setting changes it
-            return -self._whole(some, Objective({self.quality: 1.0}), limit_w * ABOVE, points=False).lower_bound
+            return -self._whole_bound(some, Objective({self.quality: 1.0}), limit_w * ABOVE)
         return self._most_quality(some, limit_w * ABOVE)
 
     def bounds_within(self, some: Hopeful, limits_w: Array) -> Array:
@@ -300,21 +300,18 @@ class Trade:
     def most_snr_db(self, some: Hopeful, limit_w: Array) -> Array:
         """SNR that no settings within a power, (n,) or (n, k), exceed; -inf: there are none."""
         if some.sunlit:
-            return -self._whole(some, SNR, limit_w, points=False).lower_bound
+            return -self._whole_bound(some, SNR, limit_w)
         camera_w = some.camera_power_w.reshape(-1, *[1] * (limit_w.ndim - 1))
         most = closed_form.greatest_snr(unhindered(some.rows), some.motorised, limit_w - camera_w)
         with np.errstate(divide="ignore"):
             return np.asarray(np.where(np.isfinite(most), ratio_to_db(np.where(most > 0, most, np.nan)), -np.inf))
 
-    def _whole(self, some: Hopeful, goal: Objective, limit_w: Array | float, *, points: bool) -> CellResult:
-        """All settings of each design as one cell: what is best of some points in it, and what none can beat."""
+    def _whole_bound(self, some: Hopeful, goal: Objective, limit_w: Array | float) -> Array:
+        """What no settings of each design can beat for one goal, all of them as one cell; inf: there are none."""
         from uwopt.solvers.settings.cells import best_by_cells
 
-        constant = some.camera_power_w if goal.weight("power") else 0.0
-        return best_by_cells(
-            some.rows, some.motorised, goal, some.camera_power_w, np.minimum(limit_w, some.power_limit_w),
-            constant=constant, mean_limit=some.mean_limit, halve=False, points=points,
-        )  # fmt: skip
+        asked = self._asked(some, goal, np.minimum(limit_w, some.power_limit_w))
+        return best_by_cells(asked, halve=False, points=False).bound(asked)
 
     def _most_quality(self, some: Hopeful, limit_w: Array) -> Array:
         """SNR, or the information that each scene's own SNR allows at most, within powers (n,) or (n, k)."""

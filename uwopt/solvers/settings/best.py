@@ -3,44 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.settings import closed_form, dark, windows
 from uwopt.solvers.settings.few_pixels import deciding_pixels
 from uwopt.solvers.settings.joint import is_bounded, joint_bound
-from uwopt.solvers.settings.mean_limit import MeanLimit
+from uwopt.solvers.settings.question import Best, Question
 from uwopt.units import ratio_to_db
-
-if TYPE_CHECKING:
-    from uwopt.solvers.settings.cells import CellResult
 
 Array = NDArray[Any]
 DARK_ROUNDS = 25
-GAP = 1e-4  # relative, where cells are searched
-#: What settings are asked for: motorised, objective, the camera's power, the limit of power, that of mean power.
-Given = tuple[Array, Objective, Array, "float | Array", MeanLimit | None]
 NO_RELATIVE_GAP = 0.1  # of an objective near 0, which has none
 FAINTEST = 1e-6  # of the highest SNR: where a weighing starts when nothing asks for light
-
-
-@dataclass(frozen=True)
-class Best:
-    """Best settings of n designs by scene, the worst scene's figures, and what no settings can beat."""
-
-    chosen: list[closed_form.Chosen]
-    feasible: Array
-    snr_db: Array
-    contrast: Array  # image mean at the nominal altitude
-    information: Array  # bit/m2; 0 where it does not count
-    lower_bound: Array | None = None  # of the minimised objective, constants included; None: the value itself
 
 
 def scenes_need_cells(scenes: Sequence[SceneOptics], objective: Objective) -> bool:
@@ -58,178 +39,90 @@ def needs_cells(rows: list[SceneRows], objective: Objective) -> bool:
     return bool(objective.weight("information")) or weighs or any(r.sunlit or r.asks_sharpness for r in rows)
 
 
-def best_settings(
-    rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array,
-    power_limit_w: float | Array, *,
-    gap_rel: float = GAP, constant: Array | float = 0.0, cutoff: float | Array = np.inf, hardware: Array | None = None,
-    top: int | None = None, mean_limit: MeanLimit | None = None, closed_alone: bool = False,
-    near: Array | None = None, deadline: Deadline = NEVER,
-) -> Best:  # fmt: skip
-    """Settings that are best for an objective; the keywords as in `cells.best_by_cells`, for where it is used.
+def best_settings(question: Question, *, closed_alone: bool = False) -> Best:
+    """Settings that are best for an objective.
 
     `closed_alone`: for a bound, no cells where the closed form is one. Raises OutOfTimeError past the deadline, if
     cells are halved.
     """
+    rows, objective = question.rows, question.objective
     weighs = bool(objective.weight("snr_db") and objective.weight("power"))
-    if rows[0].optimistic:
-        rows = [replace(r, camera_w=None) for r in rows]  # the least that cameras draw is counted apart
+    if rows[0].optimistic:  # the least that cameras draw is counted apart
+        rows = [replace(r, camera_w=None) for r in rows]
+        question = replace(question, rows=rows)
     if weighs and rows[0].optimistic and is_bounded(rows, objective):  # as good as closed forms, and far cheaper
-        return best_joint(
-            rows, motorised, objective, camera_power_w, power_limit_w, constant=constant, cutoff=cutoff
-        )  # fmt: skip
+        return best_joint(question)
     if not needs_cells(rows, objective):
-        return best_in_the_dark(
-            rows, motorised, objective, camera_power_w, power_limit_w, gap_rel=gap_rel, constant=constant,
-            cutoff=cutoff, hardware=hardware, top=top, mean_limit=mean_limit, deadline=deadline,
-        )  # fmt: skip
+        return best_in_the_dark(question)
     if objective.weight("information") or any(r.sunlit or (weighs and r.switched) for r in rows):
-        from uwopt.solvers.settings.cells import (
-            best_by_cells,  # no closed form needs it
-        )
+        from uwopt.solvers.settings.cells import best_by_cells  # no closed form needs it
 
-        if is_bounded(rows, objective):
-            return best_joint(
-                rows, motorised, objective, camera_power_w, power_limit_w, gap_rel=gap_rel, constant=constant,
-                cutoff=cutoff, hardware=hardware, top=top, mean_limit=mean_limit, deadline=deadline, near=near,
-            )  # fmt: skip
-        return _of_cells(best_by_cells(
-            rows, motorised, objective, camera_power_w, power_limit_w, gap_rel=gap_rel, constant=constant,
-            cutoff=cutoff, hardware=hardware, top=top, mean_limit=mean_limit, deadline=deadline,
-        ))  # fmt: skip
-    return best_where_sharp(
-        rows, motorised, objective, camera_power_w, power_limit_w, gap_rel=gap_rel, constant=constant,
-        cutoff=cutoff, hardware=hardware, top=top, mean_limit=mean_limit, deadline=deadline, closed_alone=closed_alone,
-    )  # fmt: skip
+        return (best_joint if is_bounded(rows, objective) else best_by_cells)(question)
+    return best_where_sharp(question, closed_alone=closed_alone)
 
 
-def best_joint(
-    rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array,
-    power_limit_w: float | Array, *,
-    constant: Array | float, cutoff: float | Array, **more: Any,
-) -> Best:  # fmt: skip
+def best_joint(question: Question) -> Best:
     """Best settings over cells of the designs whose quality and price together may win; bounds of the others.
 
     Rows for bounds are answered with these bounds alone.
     """
-    n = len(motorised)
-    bound = joint_bound(rows, objective, np.broadcast_to(power_limit_w - camera_power_w, (n,)), constant)
+    n, rows = len(question), question.rows
+    bound = joint_bound(rows, question.objective, question.light_limit_w, question.constant)
     nothing = np.full(n, np.nan)
     chosen = [closed_form.Chosen(*(nothing.copy() for _ in range(7))) for _ in rows]
     none = Best(chosen, np.zeros(n, bool), nothing, nothing, np.zeros(n), bound)
     if rows[0].optimistic:
         return none
-    return searched_where(
-        np.isfinite(bound) & (bound <= cutoff), none, rows, motorised, objective, camera_power_w, power_limit_w,
-        constant=constant, cutoff=cutoff, **more,
-    )  # fmt: skip
+    return searched_where(np.isfinite(bound) & (bound <= question.cutoff), none, question)
 
 
-def _of_cells(found: CellResult) -> Best:
-    """A search over cells as the best settings."""
-    return Best(
-        found.chosen, found.feasible, found.snr_db, found.contrast, np.nan_to_num(found.information),
-        found.lower_bound,
-    )  # fmt: skip
-
-
-def best_where_sharp(
-    rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array,
-    power_limit_w: float | Array, *,
-    constant: Array | float, cutoff: float | Array, mean_limit: MeanLimit | None, closed_alone: bool = False,
-    **more: Any,
-) -> Best:  # fmt: skip
+def best_where_sharp(question: Question, *, closed_alone: bool = False) -> Best:
     """Best settings whose image is sharp enough as well.
 
     Without that requirement the closed form holds and is a bound: where its settings happen to be sharp they
     are best; where it finds none, there are none; where it cannot beat the cutoff, neither can sharp settings.
     """
-    easy = best_closed(rows, motorised, objective, camera_power_w, power_limit_w, constant, mean_limit)
-    lower = easy.lower_bound
-    if lower is None:
-        lower = np.where(easy.feasible, value_of(easy, objective, constant), np.inf)
-    sharp = np.logical_and.reduce([is_sharp(r, c) for r, c in zip(rows, easy.chosen, strict=True)])
+    easy = best_closed(question)
+    lower = easy.bound(question)
+    sharp = np.logical_and.reduce([is_sharp(r, c) for r, c in zip(question.rows, easy.chosen, strict=True)])
     feasible = easy.feasible & sharp
+    easy = replace(easy, feasible=feasible, lower_bound=lower)
     if closed_alone:
-        return replace(easy, feasible=feasible, lower_bound=lower)
+        return easy
     done = feasible
-    if any(r.camera_w is not None for r in rows):
-        done = feasible & is_close(easy, lower, objective, constant, more["gap_rel"])
-    open_ = np.isfinite(lower) & ~done & (lower <= cutoff)
-    return searched_where(
-        open_, replace(easy, feasible=feasible, lower_bound=lower), rows, motorised, objective, camera_power_w,
-        power_limit_w, constant=constant, cutoff=cutoff, mean_limit=mean_limit, **more,
-    )  # fmt: skip
+    if any(r.camera_w is not None for r in question.rows):
+        done = feasible & is_close(easy, lower, question)
+    return searched_where(np.isfinite(lower) & ~done & (lower <= question.cutoff), easy, question)
 
 
-def best_in_the_dark(
-    rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array,
-    power_limit_w: float | Array, *,
-    gap_rel: float, constant: Array | float, cutoff: float | Array, mean_limit: MeanLimit | None, **more: Any,
-) -> Best:  # fmt: skip
+def best_in_the_dark(question: Question) -> Best:
     """Best settings in closed form; where dark current leaves more than the gap open, searched over cells."""
-    easy = best_closed(rows, motorised, objective, camera_power_w, power_limit_w, constant, mean_limit)
+    easy = best_closed(question)
     lower = easy.lower_bound
     if lower is None:
         return easy
-    close = is_close(easy, lower, objective, constant, gap_rel)
-    return searched_where(
-        np.isfinite(lower) & ~close & (lower <= cutoff), easy, rows, motorised, objective, camera_power_w,
-        power_limit_w, gap_rel=gap_rel, constant=constant, cutoff=cutoff, mean_limit=mean_limit, **more,
-    )  # fmt: skip
+    close = is_close(easy, lower, question)
+    return searched_where(np.isfinite(lower) & ~close & (lower <= question.cutoff), easy, question)
 
 
-def is_close(best: Best, lower: Array, objective: Objective, constant: Array | float, gap_rel: float) -> Array:
+def is_close(best: Best, lower: Array, question: Question) -> Array:
     """Whether settings are within a relative gap of what none can beat, (n,)."""
-    value = np.where(best.feasible, value_of(best, objective, constant), np.inf)
     known = np.where(np.isfinite(lower), lower, 0.0)
-    return np.asarray(value - known <= gap_rel * np.maximum(objective.scale(known), NO_RELATIVE_GAP))
+    scale = np.maximum(question.objective.scale(known), NO_RELATIVE_GAP)
+    return np.asarray(best.value(question) - known <= question.gap_rel * scale)
 
 
-def value_of(best: Best, objective: Objective, constant: Array | float) -> Array:
-    """The minimised objective of settings, constants included; no sum that holds information."""
-    power = np.max([c.light_power_w for c in best.chosen], axis=0)
-    value = constant + objective.weight("power") * power
-    for name in ("snr_db", "contrast"):
-        if objective.weight(name):
-            value = value - objective.weight(name) * getattr(best, name)
-    return np.asarray(value)
-
-
-def searched_where(
-    which: Array, easy: Best, rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array,
-    power_limit_w: float | Array, *,
-    constant: Array | float, cutoff: float | Array, hardware: Array | None, near: Array | None = None, **more: Any,
-) -> Best:  # fmt: skip
+def searched_where(which: Array, easy: Best, question: Question) -> Best:
     """Some designs searched over cells, the others as they are."""
     open_ = np.nonzero(which)[0]
     if len(open_) == 0:
         return easy
     from uwopt.solvers.settings.cells import best_by_cells
 
-    assert easy.lower_bound is not None
-    every = easy.feasible.shape
-    found = best_by_cells(
-        [r.take(open_) for r in rows], motorised[open_], objective, camera_power_w[open_],
-        np.broadcast_to(power_limit_w, every)[open_],
-        constant=np.broadcast_to(constant, every)[open_],
-        cutoff=np.broadcast_to(cutoff, every)[open_],
-        hardware=None if hardware is None else hardware[open_], near=None if near is None else near[open_], **more,
-    )  # fmt: skip
-
-    def placed(all_: Array, some: Array) -> Array:
-        out = np.array(all_)
-        out[open_] = some
-        return out
-
-    chosen = []
-    for r, old, new in zip(rows, easy.chosen, found.chosen, strict=True):
-        old = replace(old, exposure_s=r.exposure_s(old.time_s))
-        chosen.append(old.put(open_, new))
-    return Best(
-        chosen, placed(easy.feasible, found.feasible), placed(easy.snr_db, found.snr_db),
-        placed(easy.contrast, found.contrast), placed(easy.information, np.nan_to_num(found.information)),
-        placed(easy.lower_bound, found.lower_bound),
-    )  # fmt: skip
+    chosen = [
+        replace(old, exposure_s=r.exposure_s(old.time_s)) for r, old in zip(question.rows, easy.chosen, strict=True)
+    ]
+    return replace(easy, chosen=chosen).put(open_, best_by_cells(question.take(open_)))
 
 
 def is_sharp(rows: SceneRows, chosen: closed_form.Chosen) -> Array:
@@ -241,15 +134,7 @@ def is_sharp(rows: SceneRows, chosen: closed_form.Chosen) -> Array:
     return np.asarray(known & rows.sharp_enough(f_number=f_number, blur_s=rows.blur_s(time)))
 
 
-def best_closed(
-    rows: list[SceneRows],
-    motorised: Array,
-    objective: Objective,
-    camera_power_w: Array,
-    power_limit_w: float | Array,
-    constant: Array | float = 0.0,
-    mean_limit: MeanLimit | None = None,
-) -> Best:
+def best_closed(question: Question) -> Best:
     """Best settings in closed form.
 
     Dark current depends on the exposure that is chosen, so the closed form is taken again with the
@@ -257,18 +142,18 @@ def best_closed(
     settle it. Least power is settled with its dark electrons where that need not be the joint optimum; where SNR
     counts too, the bound says what is left. Rows for bounds are answered with a bound at once.
     """
-    given = (motorised, objective, camera_power_w, power_limit_w, mean_limit)
+    rows, motorised, mean_limit = question.rows, question.motorised, question.mean_limit
     if any(r.camera_w is not None for r in rows):
-        return best_of_switched_cameras(rows, given, constant)
+        return best_of_switched_cameras(question)
     if not any(np.any(r.dark_current_e_s > 0) for r in rows):
-        return closed_at(rows, settings_at_dark(rows, *given))
+        return closed_at(rows, settings_at_dark(rows, question))
     if rows[0].optimistic:
         rows = [dark.relaxed(r) for r in rows]
-        return closed_at(rows, settings_at_dark(rows, *given))
+        return closed_at(rows, settings_at_dark(rows, question))
     start = rows = [dark.at_time(deciding_pixels(r), r.time_min_s) for r in rows]
     ever = np.zeros(len(motorised), bool)
     for _ in range(DARK_ROUNDS):
-        found = settings_at_dark(rows, *given)
+        found = settings_at_dark(rows, question)
         ever |= found[1]
         updated = [closed_form.with_exposure(r, c) for r, c in zip(rows, found[0], strict=True)]
         settled = np.logical_and.reduce(
@@ -282,34 +167,31 @@ def best_closed(
         rows = updated
     best = closed_at(rows, found)
     best = replace(best, feasible=best.feasible & settled)
-    if not objective.weight("snr_db") and not any(r.switched for r in rows):
-        bent = np.logical_or.reduce([dark.outruns_light(r) for r in rows])
-        sure = dark.surely_least(rows, best.chosen, motorised) if bent.any() else ~bent
-        best = with_joint_optimum(best, rows, motorised, ever, which=~bent)
-        if mean_limit is not None:
-            best = replace(best, feasible=best.feasible & mean_limit.met_by(best.chosen, camera_power_w))
-        if not bent.any():
-            return best
-        value = np.where(best.feasible, value_of(best, objective, constant), np.inf)
-        known = np.where(bent & ~(best.feasible & sure), bound_in_the_dark(start, given, constant), value)
-        return replace(best, lower_bound=known)
-    return replace(best, lower_bound=bound_in_the_dark(start, given, constant))
+    if question.objective.weight("snr_db") or any(r.switched for r in rows):
+        return replace(best, lower_bound=bound_in_the_dark(start, question))
+    bent = np.logical_or.reduce([dark.outruns_light(r) for r in rows])
+    sure = dark.surely_least(rows, best.chosen, motorised) if bent.any() else ~bent
+    best = with_joint_optimum(best, rows, motorised, ever, which=~bent)
+    if mean_limit is not None:
+        best = replace(best, feasible=best.feasible & mean_limit.met_by(best.chosen, question.camera_power_w))
+    if not bent.any():
+        return best
+    unsure = bent & ~(best.feasible & sure)
+    return replace(best, lower_bound=np.where(unsure, bound_in_the_dark(start, question), best.value(question)))
 
 
-def best_of_switched_cameras(rows: list[SceneRows], given: Given, constant: Array | float) -> Best:
+def best_of_switched_cameras(question: Question) -> Best:
     """Settings that are best for the lamps, with what cameras draw for their exposures, and a bound without it.
 
     Where the highest SNR within a power is wanted, the longest exposure is set aside of that power.
     """
-    motorised, objective, camera_power_w, power_limit_w, mean_limit = given
-    free = [replace(r, camera_w=None) for r in rows]
-    found = best_closed(free, motorised, objective, camera_power_w, power_limit_w, constant, mean_limit)
-    bound = found.lower_bound
-    if bound is None:
-        bound = np.where(found.feasible, value_of(found, objective, constant), np.inf)
-    if objective.weight("snr_db"):
+    rows, mean_limit, camera_power_w = question.rows, question.mean_limit, question.camera_power_w
+    free = replace(question, rows=[replace(r, camera_w=None) for r in rows])
+    found = best_closed(free)
+    bound = found.bound(question)
+    if question.objective.weight("snr_db"):
         most_w = camera_power_w + np.max([r.exposing_w(r.longest_exposure_s) for r in rows], axis=0)
-        found = best_closed(free, motorised, objective, most_w, power_limit_w, constant, mean_limit)
+        found = best_closed(replace(free, camera_power_w=most_w))
     chosen = [
         replace(c, light_power_w=c.light_power_w + r.exposing_w(r.exposure_s(c.time_s)))
         for r, c in zip(rows, found.chosen, strict=True)
@@ -320,11 +202,10 @@ def best_of_switched_cameras(rows: list[SceneRows], given: Given, constant: Arra
     return replace(found, chosen=chosen, feasible=feasible, lower_bound=bound)
 
 
-def bound_in_the_dark(rows: list[SceneRows], given: Given, constant: Array | float) -> Array:
+def bound_in_the_dark(rows: list[SceneRows], question: Question) -> Array:
     """What no settings can beat, with dark electrons where they help and none where they harm; inf: there are none."""
     free = [dark.relaxed(r) for r in rows]
-    bound = closed_at(free, settings_at_dark(free, *given))
-    return np.where(bound.feasible, value_of(bound, given[1], constant), np.inf)
+    return closed_at(free, settings_at_dark(free, question)).value(question)
 
 
 def closed_at(rows: list[SceneRows], found: tuple[list[closed_form.Chosen], Array, Array]) -> Best:
@@ -351,47 +232,24 @@ def with_joint_optimum(best: Best, rows: list[SceneRows], motorised: Array, ever
     some = [r.take(open_) for r in rows]
     chosen, feasible = dark.least_power(some, motorised[open_])
     some = [closed_form.with_exposure(r, c) for r, c in zip(some, chosen, strict=True)]
-    joint = closed_at(some, (chosen, feasible, snr_of(some, chosen)))
-
-    def placed(all_: Array, new: Array) -> Array:
-        out = np.array(all_)
-        out[open_] = new
-        return out
-
-    settings = [
-        closed_form.Chosen(**{
-            name: placed(getattr(old, name), getattr(new, name))
-            for name in old.__dataclass_fields__
-            if name != "exposure_s"
-        })
-        for old, new in zip(best.chosen, chosen, strict=True)
-    ]  # fmt: skip
-    return replace(
-        best,
-        chosen=settings,
-        feasible=placed(best.feasible, feasible),
-        snr_db=placed(best.snr_db, joint.snr_db),
-    )
+    return best.put(open_, closed_at(some, (chosen, feasible, snr_of(some, chosen))))
 
 
 def settings_at_dark(
-    rows: list[SceneRows],
-    motorised: Array,
-    objective: Objective,
-    camera_power_w: Array,
-    power_limit_w: float | Array,
-    mean_limit: MeanLimit | None = None,
+    rows: list[SceneRows], question: Question
 ) -> tuple[list[closed_form.Chosen], Array, Array]:
-    """Best settings with the dark electrons of the rows.
+    """Best settings with the dark electrons of these rows, in place of the question's.
 
     Without SNR in the objective least power is best for every term. With SNR alone the highest reachable
     is found first, then the least power that reaches it. A weighted sum is convex along the SNR floor.
     """
+    motorised, objective, mean_limit = question.motorised, question.objective, question.mean_limit
+    camera_power_w = question.camera_power_w
     weight = objective.weight("snr_db")
     if not weight:
         chosen, feasible = closed_form.least_power(rows, motorised)
     else:
-        top = closed_form.greatest_snr(rows, motorised, power_limit_w - camera_power_w)
+        top = closed_form.greatest_snr(rows, motorised, question.light_limit_w)
         goal = np.nan_to_num(top, nan=0.0) * (1 - 1e-12)
         if mean_limit is not None:
             goal = mean_limit.highest_snr(rows, motorised, goal, camera_power_w)

@@ -12,11 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.deadline import NEVER, Deadline, spend
+from uwopt.deadline import spend
 from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
 from uwopt.forward.setting_rows import SceneRows
-from uwopt.objectives.objective import Objective
 from uwopt.solvers.settings.cell_bounds import Box, Reach, SceneCells
 from uwopt.solvers.settings.cell_information import Information
 from uwopt.solvers.settings.cell_start import likely_places
@@ -26,7 +25,7 @@ from uwopt.solvers.settings.cell_tangent import (
     surrogate_bit_per_px,
 )
 from uwopt.solvers.settings.closed_form import Chosen
-from uwopt.solvers.settings.mean_limit import MeanLimit
+from uwopt.solvers.settings.question import Question
 from uwopt.solvers.settings.windows import nominal_contrast
 from uwopt.units import ratio_to_db
 
@@ -50,19 +49,14 @@ class Pool(Columns):
 class BoundedCells:
     """Boxes of designs that have the same dimensions, with their bounds; and the best settings known of each."""
 
-    def __init__(
-        self, rows: list[SceneRows], objective: Objective, light_limit_w: Array, *, own_f_number: bool,
-        gap_rel: float, constant: Array, cutoff: Array, hardware: Array | None, top: int | None,
-        mean_limit: MeanLimit | None = None, camera_power_w: Array | float = 0.0, near: Array | None = None,
-        deadline: Deadline = NEVER,
-    ):  # fmt: skip
-        self.near, self.deadline = near, deadline
-        self.rows, self.constant, self.cutoff = rows, constant, cutoff
-        self.hardware = np.arange(len(constant)) if hardware is None else hardware
-        self.top, self.mean_limit = top, mean_limit
-        self.camera_power_w = np.broadcast_to(camera_power_w, constant.shape)
-        self.n = len(constant)
-        self.scenes = [SceneCells(r, light_limit_w) for r in rows]
+    def __init__(self, question: Question, *, own_f_number: bool):
+        """`own_f_number`: each scene has one, else they share it."""
+        rows, objective, constant = question.rows, question.objective, question.constant
+        self.near, self.deadline, self.hardware = question.near, question.deadline, question.hardware
+        self.rows, self.constant, self.cutoff = rows, constant, question.cutoff
+        self.top, self.mean_limit, self.camera_power_w = question.top, question.mean_limit, question.camera_power_w
+        self.n = len(question)
+        self.scenes = [SceneCells(r, question.light_limit_w) for r in rows]
         self.sunlit = [r.sunlit for r in rows]
         weight = {name: objective.weight(name) for name in ("power", *QUALITIES)}
         if weight["contrast"] and not any(self.sunlit):  # no setting changes that of the lamps
@@ -73,11 +67,11 @@ class BoundedCells:
         self.weight = {**weight, "power": 1.0} if self.power_decides else weight
         self.offset = np.zeros(self.n) if self.power_decides else constant
         quality = any(self.weight[q] for q in QUALITIES)
-        traded = bool(self.weight["power"]) or mean_limit is not None  # the level is no matter of course
+        traded = bool(self.weight["power"]) or self.mean_limit is not None  # the level is no matter of course
         self.mixed = quality and (traded or any(self.sunlit))
         self.share = (0.0, 0.5, 1.0) if self.mixed else (1.0,) if quality else (0.0,)
         self.objective = objective
-        self.gap = gap_rel * (0.3 if self.weight["information"] and not objective.by_ratio else 0.99)
+        self.gap = question.gap_rel * (0.3 if self.weight["information"] and not objective.by_ratio else 0.99)
         self.information: list[Information] = []
         if self.weight["information"]:
             assert all(r.sharp is not None for r in rows)
@@ -225,8 +219,7 @@ class BoundedCells:
             alive &= self.mean_limit.holds([r.power_w for _, r in seen], self.camera_power_w[pool.design])
         index = np.nonzero(alive)[0]
         return pool.take(index), [
-            (box.take(index), Reach(**{f.name: getattr(r, f.name)[index] for f in fields(Reach)}))
-            for box, r in seen
+            (box.take(index), reach.take(index)) for box, reach in seen
         ]
 
     def _opened(self, pool: Pool, s: int, box: Box, reach: Reach) -> Box:

@@ -7,20 +7,17 @@ design whose boxes have all died is infeasible.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.deadline import NEVER, Deadline
-from uwopt.forward.setting_rows import SceneRows
 from uwopt.model.information import RULE_ERROR
-from uwopt.objectives.objective import LEAST, Objective
+from uwopt.objectives.objective import LEAST
 from uwopt.solvers.settings.cell_points import TriedCells
 from uwopt.solvers.settings.cell_pool import Pool
 from uwopt.solvers.settings.closed_form import Chosen
-from uwopt.solvers.settings.mean_limit import MeanLimit
+from uwopt.solvers.settings.question import Best, Question
 
 Array = NDArray[Any]
 BATCH = 4096  # cells halved at a time
@@ -33,81 +30,28 @@ NEAR = 1e-9  # relative, of ties
 POLISHED, LATER = 4, 2  # rounds after which settings are polished no more, and that of designs not known to be wanted
 
 
-@dataclass(frozen=True)
-class CellResult:
-    """Best settings found of n designs, and how good any could be."""
+def best_by_cells(question: Question, *, halve: bool = True, points: bool = True) -> Best:
+    """Best settings to the relative gap of the objective, worst scene, with a bound of each.
 
-    chosen: list[Chosen]
-    feasible: Array
-    snr_db: Array
-    contrast: Array  # image mean at the nominal altitude, worst scene, as the other two
-    information: Array  # bit/m2, nan where not asked for
-    lower_bound: Array  # of the minimised objective, constants included; inf: proven infeasible
-    dropped: Array  # some of it was left unsearched, being worse than the cutoff
-
-
-def best_by_cells(
-    rows: list[SceneRows], motorised: Array, objective: Objective, camera_power_w: Array,
-    power_limit_w: float | Array, *,
-    gap_rel: float = 1e-4, constant: Array | float = 0.0, cutoff: float | Array = np.inf, hardware: Array | None = None,
-    top: int | None = None, mean_limit: MeanLimit | None = None, halve: bool = True, points: bool = True,
-    near: Array | None = None, deadline: Deadline = NEVER,
-) -> CellResult:  # fmt: skip
-    """Best settings of n designs to a relative gap of the objective, worst scene.
-
-    `constant` : (n,) of the minimised objective, what no setting changes, the camera's power too. Designs that
-    cannot get below `cutoff`, common or each its own, are dropped;
-    with `top`, neither are those that `top` others (of other `hardware`,
-    an index a design) surely beat. Without `halve` boxes are bounded as a whole, and without `points` none is tried.
-    `near` : (n, 2) f-number and time [s] near which the best are thought to be in the one scene there is, nan: unknown.
+    What is dropped is not feasible, and its bound is more than the cutoff, or than what beats it. Without `halve` boxes
+    are bounded as a whole, and without `points` none is tried. Of a bound of inf it is proven that nothing is feasible.
     Raises OutOfTimeError past the deadline: nothing is known then of any.
     """
-    n = len(motorised)
-    groups = [np.arange(n)]
-    if len(rows) > 1:
-        groups = [g for g in (np.nonzero(motorised)[0], np.nonzero(~motorised)[0]) if len(g)]
-    fixed = np.broadcast_to(np.asarray(constant, float), (n,))
-    light_limit_w = np.broadcast_to(power_limit_w - camera_power_w, (n,))
-    ceiling = np.broadcast_to(np.asarray(cutoff, float), (n,))
-    camera = np.broadcast_to(np.asarray(camera_power_w, float), (n,))
-    results = []
-    for mine in groups:
-        search = CellSearch(
-            [r.take(mine) for r in rows], objective, light_limit_w[mine],
-            own_f_number=len(rows) > 1 and bool(motorised[mine[0]]), gap_rel=gap_rel, constant=fixed[mine],
-            cutoff=ceiling[mine], hardware=None if hardware is None else hardware[mine], top=top,
-            mean_limit=mean_limit, camera_power_w=camera[mine], near=None if near is None else near[mine],
-            deadline=deadline,
-        )  # fmt: skip
-        results.append(search.run(halve=halve, points=points))
-    return results[0] if len(results) == 1 else merged(groups, results, n)
-
-
-def merged(groups: list[Array], results: list[CellResult], n: int) -> CellResult:
-    """Results of groups of designs, each design in its place."""
-
-    def column(parts: list[Array]) -> Array:
-        out = np.empty(n, parts[0].dtype)
-        for mine, part in zip(groups, parts, strict=True):
-            out[mine] = part
-        return out
-
-    chosen = [
-        Chosen(**{f.name: column([getattr(r.chosen[s], f.name) for r in results]) for f in fields(Chosen)})
-        for s in range(len(results[0].chosen))
+    if len(question.rows) == 1:
+        return CellSearch(question, own_f_number=False).run(halve=halve, points=points)
+    apart = question.motorised
+    groups = [np.nonzero(each)[0] for each in (apart, ~apart) if each.any()]
+    found = [
+        CellSearch(question.take(mine), own_f_number=bool(apart[mine[0]])).run(halve=halve, points=points)
+        for mine in groups
     ]
-    rest = {
-        f.name: column([getattr(r, f.name) for r in results])
-        for f in fields(CellResult)
-        if f.name != "chosen"
-    }
-    return CellResult(chosen=chosen, **rest)
+    return Best.in_places(list(zip(groups, found, strict=True)), len(question))
 
 
 class CellSearch(TriedCells):
     """One search over the settings of designs that have the same dimensions."""
 
-    def run(self, *, halve: bool = True, points: bool = True) -> CellResult:
+    def run(self, *, halve: bool = True, points: bool = True) -> Best:
         """Halve the cells with the least bounds until none can beat the best by more than the gap."""
         roots = self._roots()
         self.start = self._looks_best(roots)
@@ -198,7 +142,7 @@ class CellSearch(TriedCells):
 
     # ------------------------------------------------------------ result
 
-    def _result(self) -> CellResult:
+    def _result(self) -> Best:
         """Everything by design, information by the model's own rule."""
         self.dropped &= ~(self.best <= self._threshold())
         feasible = np.isfinite(self.best) & ~self.dropped
@@ -214,10 +158,8 @@ class CellSearch(TriedCells):
             self.figures["information"][index] = exact
         if self.power_decides:
             lower = np.where(np.isfinite(lower), self.constant, np.inf)
-        return CellResult(
-            chosen, feasible, self.figures["snr_db"], self.figures["contrast"], self.figures["information"], lower,
-            self.dropped,
-        )  # fmt: skip
+        information = np.nan_to_num(self.figures["information"])
+        return Best(chosen, feasible, self.figures["snr_db"], self.figures["contrast"], information, lower)
 
     def _model_information(self, index: Array) -> Array:
         """Information of the settings kept, worst scene, by `SharpRows`."""
