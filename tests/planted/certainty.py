@@ -602,8 +602,8 @@ DEFECTS = (
     Defect(
         name="every scenario stands behind the first state of its port",
         file=f"{ROOM}/states.py",
-        old="housed(problem, own, np.array([state]), tally)",
-        new="housed(problem, own, one, tally)",
+        old="housed(problem, own, at_state, tally)",
+        new="housed(problem, own, behind, tally)",
         test=f"{TESTS}::test_each_scenario_stands_once_behind_the_state_of_its_port",
     ),
     Defect(

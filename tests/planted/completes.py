@@ -34,9 +34,9 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a complete camera looks through another port",
-        file="uwopt/solvers/exact/imager_rules.py",
-        old="np.flatnonzero(of_camera[camera] != of_port[ports[0]])",
-        new="np.flatnonzero(np.zeros(len(camera), bool))",
+        file="uwopt/solvers/exact/imagers.py",
+        old="of_camera[behind.camera] != of_port[behind.ports[0]]",
+        new="np.zeros(len(behind.camera), bool)",
         test=(SAME, SEARCHED + "test_pieces_with_other_parts_are_all_discarded_and_counted"),
     ),
     Defect(

@@ -586,8 +586,8 @@ DEFECTS = (
     ),
     Defect(
         name="imagers are listed on when time is over",
-        file="uwopt/solvers/warm/tables.py",
-        old="                deadline.check()\n",
+        file="uwopt/solvers/exact/imagers.py",
+        old="        deadline.check()\n",
         new="",
         test="tests/solvers/test_soon_known.py"
         "::test_a_search_ends_where_its_time_does_not_suffice_to_list_its_imagers",

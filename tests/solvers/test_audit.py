@@ -21,6 +21,7 @@ from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.attack import attack
 from uwopt.solvers.exact.audit import BESIDE, audit
 from uwopt.solvers.exact.bounds import Bounds
+from uwopt.solvers.exact.imager_rules import Tally
 from uwopt.solvers.exact.imagers import FittingPairs
 from uwopt.solvers.exact.node_bounds import NodeBounds
 from uwopt.solvers.exact.search import Search
@@ -92,8 +93,8 @@ def lensless(monkeypatch: pytest.MonkeyPatch, lens: int) -> None:
     def without(problem: Any, **options: Any) -> FittingPairs:
         pairs = sound(problem, **options)
         kept, n = pairs.lens != lens, len(problem.parts.ports) * len(imagers.landscapes(problem))
-        counts = pairs.discarded | {"image_circle": pairs.discarded["image_circle"] + int((~kept).sum()) * n}
-        return FittingPairs(pairs.camera[kept], pairs.lens[kept], counts, {})
+        pairs.tally.discarded["image_circle"] += int((~kept).sum()) * n
+        return FittingPairs(pairs.camera[kept], pairs.lens[kept], Tally(pairs.tally.discarded))
 
     for module in (imagers, exact_search):
         monkeypatch.setattr(module, "fitting_pairs", without)

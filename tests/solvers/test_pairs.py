@@ -34,6 +34,6 @@ def test_both_rules_of_pairs_discard_imagers_in_these_cases() -> None:
     """Else the cases would say nothing of them."""
     lost = dict.fromkeys(("min_common_swath_m", "max_depth_error_mm"), 0)
     for seed in (14, 35):
-        found = enumerate_imagers(case(seed, paired=True).problem()).discarded
+        found = enumerate_imagers(case(seed, paired=True).problem()).tally.discarded
         lost = {rule: count + found[rule] for rule, count in lost.items()}
     assert all(lost.values()), lost

@@ -16,7 +16,8 @@ from uwopt.mission.mission import Mission, load_mission
 from uwopt.mission.varying import Varied, VariedMission
 from uwopt.mission.weakened import RELAXABLE, asked_value, without
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.exact.imagers import Imagers, enumerate_imagers, fitting_pairs, imagers_behind
+from uwopt.solvers.exact.imager_rules import Behind
+from uwopt.solvers.exact.imagers import Imagers, enumerate_imagers, fitting_pairs, imagers_in
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.infeasible import relaxer as relaxed_searches
 from uwopt.solvers.infeasible.freed_rules import MAY_PASS, OF_IMAGERS
@@ -138,8 +139,9 @@ def test_a_pair_stands_in_the_one_housing_that_a_limit_prefers(limits: dict[str,
     worth = getattr(problem.ports, column) if column else None
     for ports in problem.port_groups:
         pairs = fitting_pairs(problem)
-        for block in imagers_behind(problem, pairs.camera, pairs.lens, ports, True, dict(pairs.discarded), {}):
-            few = in_best_housing(problem, block)
+        asked = [Behind(pairs.camera, pairs.lens, ports, True)]
+        if len(block := imagers_in(problem, asked)):
+            few = imagers_in(problem, asked, keep=lambda made: in_best_housing(problem, made))
             least: dict[tuple[int, int], float] = {}
             for camera, lens, port in zip(block.camera, block.lens, block.port, strict=True):
                 value = 0.0 if worth is None else float(worth[port])

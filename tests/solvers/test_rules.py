@@ -167,14 +167,14 @@ def test_a_rule_discards_what_is_a_millionth_outside(rule: str) -> None:
     """That imager, and under this rule's name."""
     imagers = enumerate_imagers(sides(rule, fits=False).problem())
     assert len(imagers) == 0
-    assert {name: count for name, count in imagers.discarded.items() if count} == {rule: 1}
+    assert {name: count for name, count in imagers.tally.discarded.items() if count} == {rule: 1}
 
 
 @pytest.mark.parametrize("rule", ALONE)
 def test_a_rule_keeps_what_is_a_millionth_inside(rule: str) -> None:
     """Nothing is discarded."""
     imagers = enumerate_imagers(sides(rule, fits=True).problem())
-    assert len(imagers) == 1 and not any(imagers.discarded.values())
+    assert len(imagers) == 1 and not any(imagers.tally.discarded.values())
 
 
 @pytest.mark.parametrize("fits", [False, True])
@@ -182,7 +182,7 @@ def test_the_rim_of_a_spherical_cap_must_be_clear_of_the_corner(fits: bool) -> N
     """70 mm inside, seen from its middle at a tangent of 0.625: the rim is as far aside as 70 mm sin(atan(0.625))."""
     width_mm = 140.0 * np.sin(np.arctan(TILT)) * (1.0 + (NEAR if fits else -NEAR))
     found = enumerate_imagers(one(port={"clear_diameter_mm": exact(width_mm)}).problem())
-    assert (len(found), found.discarded["view"]) == ((1, 0) if fits else (0, 1))
+    assert (len(found), found.tally.discarded["view"]) == ((1, 0) if fits else (0, 1))
 
 
 @pytest.mark.parametrize("rule", [rule for rule in ALONE if rule != "lens_rating"])
@@ -202,7 +202,7 @@ def test_a_piece_of_a_complete_camera_goes_with_its_own_alone(piece: str, whole:
     for of in ("", "other") if whole else ("whole",):
         imagers = enumerate_imagers(one(**others, **{piece: {"complete": of}}).problem())
         assert len(imagers) == 0
-        assert {name: count for name, count in imagers.discarded.items() if count} == {"complete": 1}
+        assert {name: count for name, count in imagers.tally.discarded.items() if count} == {"complete": 1}
 
 
 def test_discarded_imagers_are_counted_with_all_their_lamps_and_numbers() -> None:

@@ -24,7 +24,8 @@ from uwopt.solvers.confidence.counted import Counted, names, rank
 from uwopt.solvers.confidence.outcomes import outcomes_of_each
 from uwopt.solvers.confidence.scenarios import Scenarios, SomeScenarios
 from uwopt.solvers.confidence.states import colours_of
-from uwopt.solvers.exact.imagers import IMAGER_RULES, fitting_pairs, imagers_behind, landscapes
+from uwopt.solvers.exact.imager_rules import Behind
+from uwopt.solvers.exact.imagers import fitting_pairs, imagers_in, landscapes
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.ranking import Found
 
@@ -216,13 +217,12 @@ def other_views(problem: Problem, found: Found) -> Iterator[Found]:
     near = (pairs.camera == found.camera) != (pairs.lens == found.lens)
     own = np.array([found.camera]), np.array([found.lens])
     housed = np.flatnonzero(problem.like_port == problem.like_port[found.port])
-    asked = [(*own, ports, found.landscape) for ports in problem.port_groups]
-    asked += [(*own, np.array([found.port]), turned) for turned in landscapes(problem)]
-    asked += [(pairs.camera[near], pairs.lens[near], housed, found.landscape)]
-    for camera, lens, ports, landscape in asked:
-        for block in imagers_behind(problem, camera, lens, ports, landscape, dict.fromkeys(IMAGER_RULES, 0), {}):
-            for row in zip(block.camera.tolist(), block.lens.tolist(), block.port.tolist(), strict=True):
-                yield replace(found, camera=row[0], lens=row[1], port=row[2], landscape=landscape)
+    asked = [Behind(*own, ports, found.landscape) for ports in problem.port_groups]
+    asked += [Behind(*own, np.array([found.port]), turned) for turned in landscapes(problem)]
+    asked += [Behind(pairs.camera[near], pairs.lens[near], housed, found.landscape)]
+    seen = imagers_in(problem, asked)
+    for row in zip(*(each.tolist() for each in (seen.camera, seen.lens, seen.port, seen.landscape)), strict=True):
+        yield replace(found, camera=row[0], lens=row[1], port=row[2], landscape=row[3])
 
 
 def other_lamps(problem: Problem, found: Found) -> Iterator[Found]:

@@ -26,7 +26,8 @@ from uwopt.solvers.confidence.outcomes import outcomes, outcomes_of_each
 from uwopt.solvers.confidence.proof import NoneBetter, Prover
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.worst_case import EndScenarios
-from uwopt.solvers.exact.imagers import IMAGER_RULES, Imagers, imagers_behind, joined
+from uwopt.solvers.exact.imager_rules import Behind
+from uwopt.solvers.exact.imagers import Imagers, imagers_in
 from uwopt.solvers.exact.ranking import Found, told_apart
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.one_hardware import KINDS, among, problem_of
@@ -367,6 +368,5 @@ def at_its_stop(problem: Problem, objective: Objective, one: Counted, deadline: 
 
 def imagers_of(problem: Problem, landscape: bool) -> Imagers:
     """The imager of a problem of one part of each kind in one orientation, or none."""
-    only, discarded = np.array([0]), dict.fromkeys(IMAGER_RULES, 0)
-    blocks = list(imagers_behind(problem, only, only, only, landscape, discarded, {}))
-    return joined(problem, blocks, discarded, {})
+    only = np.array([0])
+    return imagers_in(problem, [Behind(only, only, only, landscape)])

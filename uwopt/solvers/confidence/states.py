@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -31,14 +31,14 @@ from uwopt.solvers.confidence.sealed_focus import meant_foci_m
 from uwopt.solvers.confidence.waters import may_leave_band, over_band_of
 from uwopt.solvers.exact.candidates import Candidates
 from uwopt.solvers.exact.design_rows import Narrowed, NodeRows
-from uwopt.solvers.exact.imager_rules import Tally, only_tied
+from uwopt.solvers.exact.imager_rules import Behind, Tally
 from uwopt.solvers.exact.imagers import (
-    IMAGER_RULES,
     Imagers,
     PortBlock,
     housed,
-    imagers_behind,
+    imagers_in,
     joined,
+    no_tally,
     sharp_behind,
 )
 from uwopt.solvers.exact.lightings import Lighting
@@ -120,20 +120,20 @@ class Together:
         lost: list[dict[str, int]] = [{} for _ in views]
         for orientation, port in np.unique(views[:, :2], axis=0):
             mine = np.flatnonzero((views[:, 0] == orientation) & (views[:, 1] == port))
-            discarded = dict.fromkeys(IMAGER_RULES, 0)
             aimed = problem if in_focus else problem.focused_on(by_pair(views[mine], meant_m[first[mine]], scenarios))
-            tally, seen = Tally(bool(orientation), discarded, {}), over_band_of(aimed, beyond)
+            tally, seen = no_tally(), over_band_of(aimed, beyond)
             made: dict[int, PortBlock] = {}
             for states in different(scenarios, problem, int(port)):
                 which = np.concatenate(list(states.values()))
                 camera, lens = (np.add.outer(views[mine, k], which).ravel() for k in (2, 3))
-                made |= behind_states(seen, camera, lens, states, tally, scenarios.count)
+                behind = Behind(camera, lens, np.array([next(iter(states))]), bool(orientation))
+                made |= behind_states(seen, behind, states, tally, scenarios.count)
             blocks += [made[state] for state in sorted(made)]
             if len(mine) == 1:
-                lost[mine[0]] = dict(Counter({rule: n for rule, n in discarded.items() if n}).most_common())
-        imagers = joined(problem, blocks, {}, {})
+                lost[mine[0]] = dict(Counter({rule: n for rule, n in tally.discarded.items() if n}).most_common())
+        imagers = joined(problem, blocks, Tally())
         rows, hardware = each_with_its_view(whose(imagers, views, scenarios.count), view_of)
-        imagers = some_of(imagers, rows)
+        imagers = imagers.take(rows)
         scenario = imagers.camera % scenarios.count
         mount = np.array([mounts.index(one.lighting.mount) for one in found])
         return Together(
@@ -185,7 +185,7 @@ class Together:
     def only(self, rows: Array) -> Together:
         """These imagers alone."""
         return replace(
-            self, imagers=some_of(self.imagers, rows), hardware=self.hardware[rows], scenario=self.scenario[rows],
+            self, imagers=self.imagers.take(rows), hardware=self.hardware[rows], scenario=self.scenario[rows],
             light=self.light[rows], count=self.count[rows], mount=self.mount[rows],
         )  # fmt: skip
 
@@ -295,11 +295,11 @@ def colours_of(camera: Camera) -> tuple[str, ...]:
 
 def imagers_among(problem: Problem, found: Sequence[Found], landscape: bool) -> Imagers:
     """The imagers of this hardware, by places in the problem's lists, in one orientation."""
-    discarded, blocks = dict.fromkeys(IMAGER_RULES, 0), []
+    asked = []
     for port in sorted({one.port for one in found}):
         camera, lens = np.array(sorted({(one.camera, one.lens) for one in found if one.port == port})).T
-        blocks += list(imagers_behind(problem, camera, lens, np.array([port]), landscape, discarded, {}))
-    return joined(problem, blocks, discarded, {})
+        asked.append(Behind(camera, lens, np.array([port]), landscape))
+    return imagers_in(problem, asked)
 
 
 def by_pair(views: Array, meant_m: Array, scenarios: Scenarios) -> MeantFocus:
@@ -323,15 +323,17 @@ def different(scenarios: Scenarios, problem: Problem, begin: int) -> Iterator[di
 
 
 def behind_states(
-    problem: Problem, camera: Array, lens: Array, states: dict[int, Array], tally: Tally, count: int
-) -> Iterator[tuple[int, PortBlock]]:  # fmt: skip
-    """Cameras with lenses, each in one of so many scenarios, behind that state of a port which stands there."""
-    one = np.array([next(iter(states))])  # as all are, for what is seen and what goes together
-    camera, lens = only_tied(problem, camera, lens, one, tally.landscape, tally.discarded, tally.samples)
-    sharp = sharp_behind(problem, camera, lens, one, tally)
+    problem: Problem, behind: Behind, states: dict[int, Array], tally: Tally, count: int
+) -> Iterator[tuple[int, PortBlock]]:
+    """Cameras with lenses, each in one of so many scenarios, behind that state of a port which stands there.
+
+    behind : one of the states, as all are for what is seen and what goes together
+    """
+    sharp = sharp_behind(problem, behind, tally)
     for state, which in states.items():
         own = sharp if len(states) == 1 else sharp.take(np.isin(sharp.camera % count, which))
-        if len(own.camera) and (block := housed(problem, own, np.array([state]), tally)) is not None:
+        at_state = replace(behind, ports=np.array([state]))
+        if len(own.camera) and (block := housed(problem, own, at_state, tally)) is not None:
             yield state, block
 
 
@@ -376,13 +378,6 @@ def each_with_its_view(view: Array, view_of: Array) -> tuple[Array, Array]:
     begin, end = (np.searchsorted(view[order], view_of, side=side) for side in ("left", "right"))
     rows = [order[low:high] for low, high in zip(begin, end, strict=True)]
     return np.concatenate(rows), np.repeat(np.arange(len(view_of)), end - begin)
-
-
-def some_of(imagers: Imagers, rows: Array) -> Imagers:
-    """These imagers alone."""
-    columns = {f.name: getattr(imagers, f.name) for f in fields(imagers)}
-    made: dict[str, Any] = {name: column[rows] for name, column in columns.items() if isinstance(column, np.ndarray)}
-    return replace(imagers, **made, scenes=[scene.take(rows) for scene in imagers.scenes])
 
 
 def dimmed(rows: SceneRows, share: Array) -> SceneRows:

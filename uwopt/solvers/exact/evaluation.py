@@ -23,7 +23,7 @@ from uwopt.solvers.exact.bounds import Bounds
 from uwopt.solvers.exact.candidates import Candidates
 from uwopt.solvers.exact.design_rows import NodeRows
 from uwopt.solvers.exact.imager_rules import limit
-from uwopt.solvers.exact.imagers import Imagers, joined
+from uwopt.solvers.exact.imagers import Imagers, imagers_in
 from uwopt.solvers.exact.light_tables import FieldTables
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.node_bounds import NODE_RULES, LampChoices
@@ -72,7 +72,7 @@ class Evaluation:
         self.deadline = deadline
         if enough or np.isfinite(most_in_vain):
             self.deadline = UntilFound.of(deadline, self._is_over)
-        self.ranking = Ranking(problem, joined(problem, [], {}, {}), top=self.top, ceiling=ceiling)
+        self.ranking = Ranking(problem, imagers_in(problem, []), top=self.top, ceiling=ceiling)
         self.account = Account()
         self.limits = problem.mission.limits
         self.open_gap_bound = np.inf  # below which no settings get, where they are not optimal to rounding

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
 from functools import reduce
 from typing import Any
 
@@ -21,53 +21,53 @@ Array = NDArray[Any]
 SAMPLES = 24  # discarded imagers remembered per rule, port and orientation, for an audit
 
 
+Sample = tuple[int, int, int, bool]  # camera, lens, port, landscape
+
+
+@dataclass(frozen=True)
+class Behind:
+    """Cameras with lenses behind ports that share their optics, in one orientation: what is seen through one of the
+    ports is seen through all."""
+
+    camera: Array
+    lens: Array
+    ports: Array
+    landscape: bool
+
+    def take(self, pairs: Array) -> Behind:
+        """These pairs only."""
+        return Behind(self.camera[pairs], self.lens[pairs], self.ports, self.landscape)
+
+
 @dataclass(frozen=True)
 class Tally:
-    """What the rules discard of one orientation, counted, with samples."""
+    """How many imagers each rule discards first, and which some of them are."""
 
-    landscape: bool
-    discarded: dict[str, int]
-    samples: dict[str, list[tuple[int, int, int, bool]]]
+    discarded: dict[str, int] = field(default_factory=dict)
+    samples: dict[str, list[Sample]] = field(default_factory=dict)
 
-    def passing(
-        self, rules: Iterator[tuple[str, Array]], camera: Array, lens: Array, ports: Array
-    ) -> Array:
+    def passing(self, rules: Iterable[tuple[str, Array]], behind: Behind) -> Array:
         """The places of pairs that pass rules that all ports share; the others counted under the first they miss."""
-        passed, n_port = np.ones(len(camera), bool), len(ports)
+        passed, n_port = np.ones(len(behind.camera), bool), len(behind.ports)
         for rule, passes in rules:
             lost = np.flatnonzero(passed & ~passes)
             if len(lost) == 0:
                 continue
             pair, of = np.divmod(some_of(len(lost) * n_port), n_port)
-            self.count(rule, len(lost) * n_port, camera[lost[pair]], lens[lost[pair]], ports[of])
+            self.count(rule, len(lost) * n_port, behind, lost[pair], of)
             passed &= passes
         return np.flatnonzero(passed)
 
-    def count(self, rule: str, number: int, camera: Array, lens: Array, port: Array) -> None:
-        """So many imagers that a rule discards, and which some of them are."""
-        self.discarded[rule] += number
-        places = zip(camera.tolist(), lens.tolist(), port.tolist(), strict=True)
-        self.samples.setdefault(rule, []).extend((*place, self.landscape) for place in places)
+    def count(self, rule: str, number: int, behind: Behind, pair: Array, port: Array) -> None:
+        """So many imagers that a rule discards, and which some of them are, by places of pair and port."""
+        self.discarded[rule] = self.discarded.get(rule, 0) + number
+        rows = behind.camera[pair].tolist(), behind.lens[pair].tolist(), behind.ports[port].tolist()
+        self.samples.setdefault(rule, []).extend((*row, behind.landscape) for row in zip(*rows, strict=True))
 
 
 def some_of(count: int) -> Array:
     """Places among so many, evenly spread, to be remembered."""
     return np.arange(0, count, max(1, count // SAMPLES))
-
-
-def only_tied(
-    problem: Problem, camera: Array, lens: Array, ports: Array, landscape: bool, discarded: dict[str, int],
-    samples: dict[str, list[tuple[int, int, int, bool]]],
-) -> tuple[Array, Array]:  # fmt: skip
-    """The pairs that go behind these ports: of a complete camera its own, of all others none of those."""
-    of_camera, _, of_port = problem.ties
-    apart = np.flatnonzero(of_camera[camera] != of_port[ports[0]])
-    if len(apart) == 0:
-        return camera, lens
-    discarded["complete"] += len(apart) * len(ports)
-    some = apart[:: max(1, len(apart) // SAMPLES)]
-    samples.setdefault("complete", []).extend((int(camera[i]), int(lens[i]), int(ports[0]), landscape) for i in some)
-    return np.delete(camera, apart), np.delete(lens, apart)
 
 
 def beaten_housings(problem: Problem, ports: Array, alive: Array) -> Array:

@@ -7,8 +7,8 @@ counts what it discards first.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -30,10 +30,11 @@ from uwopt.forward.spacers import needed_spacer_m
 from uwopt.forward.views import Views, focus_map, views, widest_corner
 from uwopt.model.port import lens_dioptre_per_m
 from uwopt.solvers.exact.imager_rules import (
+    Behind,
+    Sample,
     Tally,
     beaten_housings,
     focus_rules,
-    only_tied,
     own_rules,
     some_of,
     totals,
@@ -49,9 +50,6 @@ IMAGER_RULES = (
     "lens_stop_down", "min_dof_m", "max_blur_px", "housing", "size_mm", "mass_water_kg",
     "cost", "mass_kg", "power_w", "energy_wh", "better_housing",
 )  # fmt: skip
-
-
-NOT_COLUMNS = ("scenes", "discarded", "samples")  # of `Imagers`
 
 
 @dataclass(frozen=True)
@@ -73,7 +71,7 @@ class SceneImagers(Columns):
 
 
 @dataclass(frozen=True)
-class Imagers:
+class Imagers(Columns):
     """All imagers that pass the rules without light, as rows of indices with their columns by scene."""
 
     camera: Array
@@ -86,26 +84,14 @@ class Imagers:
     camera_power_w: Array
     gsd_mm: Array  # nominal, worst scene
     scenes: list[SceneImagers]
-    discarded: dict[str, int]  # rule -> imagers it discards first
-    samples: dict[
-        str, list[tuple[int, int, int, bool]]
-    ]  # rule -> some of them: camera, lens, port, landscape
+    tally: Tally = field(default_factory=Tally)  # of those that do not pass
 
     def __len__(self) -> int:
         return len(self.camera)
 
-    def take(self, index: Array) -> Imagers:
+    def take(self, index: Array | slice) -> Imagers:
         """These rows only, without the account of what was discarded."""
-        columns = {f.name: getattr(self, f.name)[index] for f in fields(self) if f.name not in NOT_COLUMNS}
-        return Imagers(**columns, scenes=[scene.take(index) for scene in self.scenes], discarded={}, samples={})
-
-    @staticmethod
-    def together(parts: Sequence[Imagers]) -> Imagers:
-        """The rows of several lists, one after another."""
-        names = [f.name for f in fields(Imagers) if f.name not in NOT_COLUMNS]
-        columns = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
-        scenes = [SceneImagers.joined(list(same)) for same in zip(*(part.scenes for part in parts), strict=True)]
-        return Imagers(**columns, scenes=scenes, discarded={}, samples={})
+        return replace(super().take(index), tally=Tally())
 
     def sample(self, row: int, lighting: int | None) -> tuple[int, int, int, bool, int | None]:
         """One imager under one lighting, or any, for an audit."""
@@ -126,14 +112,32 @@ def enumerate_imagers(
     `cameras` marks those worth a look; the others are counted under the rule `bound`. Raises OutOfTimeError.
     """
     pairs = fitting_pairs(problem, cameras=cameras)
-    samples, blocks = pairs.samples, list[PortBlock]()
-    for ports in problem.port_groups:
-        for landscape in landscapes(problem):
-            deadline.check()
-            blocks += imagers_behind(
-                problem, pairs.camera, pairs.lens, ports, landscape, pairs.discarded, samples
-            )
-    return joined(problem, blocks, pairs.discarded, samples)
+    return imagers_in(problem, (
+        Behind(pairs.camera, pairs.lens, ports, landscape)
+        for ports in problem.port_groups for landscape in landscapes(problem)
+    ), pairs.tally, deadline=deadline)  # fmt: skip
+
+
+def no_tally() -> Tally:
+    """Nothing discarded yet by any rule of imagers."""
+    return Tally(dict.fromkeys(IMAGER_RULES, 0))
+
+
+def imagers_in(
+    problem: Problem, asked: Iterable[Behind], tally: Tally | None = None, *,
+    keep: Callable[[PortBlock], PortBlock] = lambda block: block, deadline: Deadline = NEVER,
+) -> Imagers:  # fmt: skip
+    """The imagers among some pairs behind ports that pass every rule; the others are counted in the tally.
+
+    keep : of those behind ports of the same optics some. Raises OutOfTimeError.
+    """
+    tally, blocks = no_tally() if tally is None else tally, []
+    for behind in asked:
+        deadline.check()
+        sharp = sharp_behind(problem, behind, tally)
+        if len(sharp.camera) and (block := housed(problem, sharp, behind, tally)) is not None:
+            blocks.append(keep(block))
+    return joined(problem, blocks, tally)
 
 
 def landscapes(problem: Problem) -> list[bool]:
@@ -147,17 +151,16 @@ class FittingPairs:
 
     camera: Array
     lens: Array
-    discarded: dict[str, int]
-    samples: dict[str, list[tuple[int, int, int, bool]]] = field(default_factory=dict)
+    tally: Tally
 
 
 def fitting_pairs(problem: Problem, *, cameras: Array | None = None) -> FittingPairs:
     """All pairs that fit by mount, image circle and, where it counts, the lens's rating."""
     parts = problem.parts
     n_camera, n_lens, n_port = len(parts.cameras), len(parts.lenses), len(parts.ports)
-    discarded = dict.fromkeys(IMAGER_RULES, 0)
+    tally = no_tally()
     if 0 in (n_camera, n_lens, n_port):
-        return FittingPairs(np.empty(0, int), np.empty(0, int), discarded)
+        return FittingPairs(np.empty(0, int), np.empty(0, int), tally)
     fits = mount_compatible([c.mounts for c in parts.cameras], [part.mounts for part in parts.lenses])
     fits = fits.reshape(n_camera, n_lens)
     of_camera, of_lens, _ = problem.ties
@@ -167,18 +170,17 @@ def fitting_pairs(problem: Problem, *, cameras: Array | None = None) -> FittingP
         asked.append(("lens_rating", ratings_ok(problem)))
     if cameras is not None:
         asked.append(("bound", np.broadcast_to(cameras[:, None], fits.shape)))
-    samples: dict[str, list[tuple[int, int, int, bool]]] = {}
     alive = np.ones(fits.shape, bool)
     for rule, passes in asked:
         lost = np.flatnonzero(alive & ~passes)
-        discarded[rule] = len(lost) * n_port * len(landscapes(problem))
-        samples[rule] = sampled_pairs(problem, lost)
+        tally.discarded[rule] = len(lost) * n_port * len(landscapes(problem))
+        tally.samples[rule] = sampled_pairs(problem, lost)
         alive &= passes
     camera, lens = np.nonzero(alive)
-    return FittingPairs(camera, lens, discarded, samples)
+    return FittingPairs(camera, lens, tally)
 
 
-def sampled_pairs(problem: Problem, lost: Array) -> list[tuple[int, int, int, bool]]:
+def sampled_pairs(problem: Problem, lost: Array) -> list[Sample]:
     """Some of these pairs, counted lens by lens, evenly spread, behind the ports and orientations by turns."""
     n_port, n_lens = len(problem.parts.ports), len(problem.parts.lenses)
     orientations = landscapes(problem)
@@ -205,31 +207,14 @@ def ratings_ok(problem: Problem) -> Array:
 
 
 @dataclass(frozen=True)
-class PortBlock:
-    """Imagers behind ports of the same optics in one orientation."""
+class PortBlock(Columns):
+    """Imagers behind ports of the same optics in one orientation, which pass every rule."""
 
     camera: Array
     lens: Array
     port: Array
-    landscape: bool
+    landscape: Array
     scenes: list[SceneImagers]
-
-
-def imagers_behind(
-    problem: Problem, camera: Array, lens: Array, ports: Array, landscape: bool, discarded: dict[str, int],
-    samples: dict[str, list[tuple[int, int, int, bool]]],
-) -> Iterator[PortBlock]:  # fmt: skip
-    """The imagers that pass every rule, and the count of those each rule discards.
-
-    What is dear to work out is worked out for the pairs that are left by then.
-
-    ports : indices of ports that share their optics: what is seen through one is seen through all
-    """
-    camera, lens = only_tied(problem, camera, lens, ports, landscape, discarded, samples)
-    tally = Tally(landscape, discarded, samples)
-    sharp = sharp_behind(problem, camera, lens, ports, tally)
-    if len(sharp.camera) and (block := housed(problem, sharp, ports, tally)) is not None:
-        yield block
 
 
 @dataclass(frozen=True)
@@ -242,28 +227,38 @@ class SharpPairs(Columns):
     scenes: list[SceneImagers]
 
 
-def sharp_behind(problem: Problem, camera: Array, lens: Array, ports: Array, tally: Tally) -> SharpPairs:
-    """The pairs that pass the rules that ports of the same optics share; each that does not counts behind them all."""
+def sharp_behind(problem: Problem, behind: Behind, tally: Tally) -> SharpPairs:
+    """The pairs that pass the rules that ports of the same optics share; each that does not counts behind them all.
+
+    Behind a complete camera's port goes its own pair, behind all others none of those. What is dear to work out is
+    worked out for the pairs that are left by then.
+    """
+    of_camera, _, of_port = problem.ties
+    apart = of_camera[behind.camera] != of_port[behind.ports[0]]
+    if apart.any():
+        behind = behind.take(tally.passing([("complete", ~apart)], behind))
+    camera, lens = behind.camera, behind.lens
     if len(camera) == 0:
         return SharpPairs(camera, lens, np.empty(0), [])
     spend("views")
-    port, landscape = int(ports[0]), tally.landscape
-    seen, dioptre, spacers_m = seen_behind(problem, camera, lens, port, landscape)
-    left = tally.passing(view_rules(problem, port, seen, spacers_m), camera, lens, ports)
-    if 0 < len(left) < len(camera):
-        camera, lens, dioptre, spacers_m = camera[left], lens[left], dioptre[left], spacers_m[left]
-        seen = [view.take(left) for view in seen]
+    port = int(behind.ports[0])
+    seen, dioptre, spacers_m = seen_behind(problem, camera, lens, port, behind.landscape)
+    left = tally.passing(view_rules(problem, port, seen, spacers_m), behind)
     if len(left) == 0:
         return SharpPairs(camera[left], lens[left], spacers_m[left], [])
+    if len(left) < len(camera):
+        behind, dioptre, spacers_m = behind.take(left), dioptre[left], spacers_m[left]
+        seen, camera, lens = [view.take(left) for view in seen], behind.camera, behind.lens
     focused = focused_behind(problem, camera, lens, port, seen, stands(problem, camera, lens, dioptre), spacers_m)
-    left = tally.passing(focus_rules(problem, camera, lens, focused), camera, lens, ports)
+    left = tally.passing(focus_rules(problem, camera, lens, focused), behind)
     scenes = [SceneImagers(view, extra) for view, extra in zip(seen, focused, strict=True)]
     made = SharpPairs(camera, lens, spacers_m, scenes)
     return made if len(left) == len(camera) else made.take(left)
 
 
-def housed(problem: Problem, sharp: SharpPairs, ports: Array, tally: Tally) -> PortBlock | None:
-    """Those of the pairs that also keep the rules on housing, cost, mass and power behind these ports, if any."""
+def housed(problem: Problem, sharp: SharpPairs, behind: Behind, tally: Tally) -> PortBlock | None:
+    """Those of sharp pairs that also keep the rules on housing, cost, mass and power behind these ports, if any."""
+    ports, of_sharp = behind.ports, replace(behind, camera=sharp.camera, lens=sharp.lens)
     count = len(sharp.camera)
     alive = np.ones((count, len(ports)), bool)
 
@@ -271,8 +266,7 @@ def housed(problem: Problem, sharp: SharpPairs, ports: Array, tally: Tally) -> P
         lost = np.flatnonzero(alive & ~(passes if passes.ndim == 2 else passes[:, None]))
         if len(lost) == 0:
             return
-        pair, of = np.divmod(lost[some_of(len(lost))], len(ports))
-        tally.count(rule, len(lost), sharp.camera[pair], sharp.lens[pair], ports[of])
+        tally.count(rule, len(lost), of_sharp, *np.divmod(lost[some_of(len(lost))], len(ports)))
         alive.ravel()[lost] = False
 
     rates = [scene.focused.rate_hz for scene in sharp.scenes]
@@ -286,7 +280,7 @@ def housed(problem: Problem, sharp: SharpPairs, ports: Array, tally: Tally) -> P
         return None
     row, of = np.nonzero(alive)
     kept = [scene.take(row) for scene in sharp.scenes]
-    return PortBlock(sharp.camera[row], sharp.lens[row], ports[of], tally.landscape, kept)
+    return PortBlock(sharp.camera[row], sharp.lens[row], ports[of], np.full(len(row), behind.landscape), kept)
 
 
 def seen_behind(
@@ -369,35 +363,22 @@ def focused_behind(
     return [replace(f, beside_w=power - least) for f, power in zip(focused, powers, strict=True)]
 
 
-def joined(
-    problem: Problem,
-    blocks: list[PortBlock],
-    discarded: dict[str, int],
-    samples: dict[str, list[tuple[int, int, int, bool]]],
-) -> Imagers:
+def joined(problem: Problem, blocks: Sequence[PortBlock], tally: Tally) -> Imagers:
     """All blocks as one table."""
-
-    def stack(arrays: list[Array]) -> Array:
-        return np.concatenate(arrays) if arrays else np.empty(0)
-
-    camera = stack([b.camera for b in blocks]).astype(int)
-    lens = stack([b.lens for b in blocks]).astype(int)
-    port = stack([b.port for b in blocks]).astype(int)
-    landscape = stack([np.full(len(b.camera), b.landscape) for b in blocks]).astype(bool)
-    cameras = problem.cameras.take(camera)
-    scenes = []
-    for index in range(len(problem.scenes)):
-        own = [b.scenes[index] for b in blocks]
-        if own:
-            scenes.append(SceneImagers.joined(own))
-    spacers_m = scenes[0].focused.spacer_m if scenes else np.empty(0)
-    rates = [s.focused.rate_hz for s in scenes] if scenes else None
-    disks_gb = np.zeros(len(camera)) if rates is None else problem.disks_gb(cameras, rates)
-    cost, limit_cost, mass = totals(problem, cameras, problem.lenses.take(lens), spacers_m, port, disks_gb)
+    if not blocks:
+        part, number = np.empty(0, int), np.empty(0)
+        return Imagers(part, part, part, np.empty(0, bool), number, number, number, number, number, [], tally)
+    every = PortBlock.joined(blocks)
+    cameras, scenes = problem.cameras.take(every.camera), every.scenes
+    rates = [s.focused.rate_hz for s in scenes]
+    cost, limit_cost, mass = totals(
+        problem, cameras, problem.lenses.take(every.lens), scenes[0].focused.spacer_m, every.port,
+        problem.disks_gb(cameras, rates),
+    )  # fmt: skip
     power = problem.least_camera_power_w(cameras, rates)
-    gsd = np.max([s.view.gsd_m[:, 1] for s in scenes], axis=0) * 1e3 if scenes else np.empty(0)
+    gsd = np.max([s.view.gsd_m[:, 1] for s in scenes], axis=0) * 1e3
     return Imagers(
-        camera, lens, port, landscape, cost, limit_cost, mass, power, gsd, scenes, discarded, samples
+        every.camera, every.lens, every.port, every.landscape, cost, limit_cost, mass, power, gsd, scenes, tally
     )
 
 

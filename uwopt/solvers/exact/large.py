@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -23,8 +24,8 @@ from uwopt.solvers.exact.account import Account, snr_ceiling
 from uwopt.solvers.exact.bounds import Bounds
 from uwopt.solvers.exact.candidates import Candidates
 from uwopt.solvers.exact.floor_rectangles import Rectangles
-from uwopt.solvers.exact.imager_rules import SAMPLES, limit
-from uwopt.solvers.exact.imagers import FittingPairs, PortBlock, imagers_behind, joined, landscapes
+from uwopt.solvers.exact.imager_rules import SAMPLES, Behind, Sample, Tally, limit
+from uwopt.solvers.exact.imagers import FittingPairs, imagers_in, landscapes
 from uwopt.solvers.exact.light_tables import FieldTables
 from uwopt.solvers.exact.node_bounds import NODE_RULES
 from uwopt.solvers.exact.oblique import PlaneReach, deepest_m
@@ -74,9 +75,8 @@ class PairTree:
         self.n_port, self.orientations = len(problem.parts.ports), landscapes(problem)
         low, high = problem.count_range
         self.every = len(problem.parts.lights) * (high - low + 1) * len(problem.mounts)
-        self.samples = pairs.samples
         self.outline_s = 0.0
-        none = joined(problem, [], {}, self.samples)
+        none = imagers_in(problem, [], Tally(samples=pairs.tally.samples))
         tables = FieldTables(
             problem, none, widest_m=[CORNERS_REACH * self._farthest_m(i) for i in range(len(problem.scenes))]
         )
@@ -100,7 +100,7 @@ class PairTree:
         parts = self.problem.parts
         pairs = len(parts.cameras) * len(parts.lenses)
         self.account.total = pairs * self.n_port * len(self.orientations) * self.every
-        for rule, count in self.pairs.discarded.items():
+        for rule, count in self.pairs.tally.discarded.items():
             self.account.charge(rule, count * self.every)
 
     def _farthest_m(self, scene_index: int) -> float:
@@ -291,15 +291,19 @@ class PairTree:
 
     def candidates(self, rows: OutlineRows) -> Candidates:
         """The imagers behind the ports of these rows that pass all rules."""
-        blocks: list[PortBlock] = []
-        groups, discarded = self.levels[-1].groups, dict.fromkeys(self.account.discarded, 0)
+        groups, tally = self.levels[-1].groups, Tally(dict.fromkeys(self.account.discarded, 0), self.samples)
+        asked = []
         for number in np.unique(rows.group):
             alike = groups.order[groups.start[number] : groups.stop[number]]
             for landscape in self.orientations:
                 mine = np.nonzero((rows.group == number) & (rows.landscape == landscape))[0]
-                blocks += list(imagers_behind(
-                    self.problem, rows.camera[mine], rows.lens[mine], alike, landscape, discarded, self.samples
-                ))  # fmt: skip
-        for rule, count in discarded.items():
+                asked.append(Behind(rows.camera[mine], rows.lens[mine], alike, landscape))
+        imagers = imagers_in(self.problem, asked, tally)
+        for rule, count in tally.discarded.items():
             self.account.charge(rule, count * self.every)
-        return self.none.others(joined(self.problem, blocks, {}, self.samples))
+        return self.none.others(replace(imagers, tally=Tally(samples=self.samples)))
+
+    @property
+    def samples(self) -> dict[str, list[Sample]]:
+        """Some of what is discarded, by rule."""
+        return self.none.imagers.tally.samples

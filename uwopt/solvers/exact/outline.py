@@ -202,7 +202,7 @@ class Level:
         return Imagers(
             rows.camera, rows.lens, g.order[g.start][rows.group], rows.landscape,
             total("price") + extra_cost, total("limit_price") + extra_cost, total("mass_kg") + extra_mass, power_w,
-            gsd_m * 1e3, scenes, {}, {},
+            gsd_m * 1e3, scenes,
         )  # fmt: skip
 
     def scene_imagers(self, index: int, rows: OutlineRows) -> OutlineScene:

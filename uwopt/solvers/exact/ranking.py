@@ -15,6 +15,7 @@ from uwopt.forward.columns import rows_alike
 from uwopt.forward.parts import Parts
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Terms
+from uwopt.solvers.exact.imager_rules import Behind
 from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.tolerances import SLACK, TIE
@@ -48,6 +49,12 @@ class Found:
     snr_db: float
     settings: list[dict[str, float]]  # by scene
     pulse_s: float
+
+    @property
+    def behind(self) -> Behind:
+        """Its camera and lens behind its port."""
+        camera, lens, port = (np.array([part]) for part in (self.camera, self.lens, self.port))
+        return Behind(camera, lens, port, self.landscape)
 
     @cached_property
     def figures(self) -> tuple[float, ...]:

@@ -23,13 +23,13 @@ from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.exact.account import NOT_REACHED, Outcome, Sample, snr_ceiling
 from uwopt.solvers.exact.candidates import Candidates
 from uwopt.solvers.exact.evaluation import Evaluation
+from uwopt.solvers.exact.imager_rules import Tally
 from uwopt.solvers.exact.imagers import (
     FittingPairs,
     Imagers,
     enumerate_imagers,
     fitting_pairs,
-    imagers_behind,
-    joined,
+    imagers_in,
     landscapes,
 )
 from uwopt.solvers.exact.large import PairTree
@@ -160,7 +160,7 @@ class Search(Evaluation):
         try:
             imagers = self.prepare(self.deadline)
         except OutOfTimeError:
-            none = joined(self.problem, [], {}, {})
+            none = imagers_in(self.problem, [])
             self.take_up(Candidates.of(self.problem, self.objective, none, lights=self.only.get("light")))
             self.account.total = self._every_combination()
             self.account.leave_the_rest()
@@ -187,9 +187,10 @@ class Search(Evaluation):
 
     def _start_account(self, imagers: Imagers) -> None:
         """Every combination of the parts in the search, and what the imagers' rules discard."""
-        for rule, count in imagers.discarded.items():
+        discarded = imagers.tally.discarded
+        for rule, count in discarded.items():
             self.account.charge(rule, count * self._illuminators)
-        self.account.total = (len(imagers) + sum(imagers.discarded.values())) * self._illuminators
+        self.account.total = (len(imagers) + sum(discarded.values())) * self._illuminators
 
     @property
     def _illuminators(self) -> int:
@@ -224,12 +225,9 @@ class Search(Evaluation):
 
     def _keep_winners(self, tree: PairTree) -> None:
         """Leave the search with the imagers of the best designs alone."""
-        blocks, none = [], dict.fromkeys(self.account.discarded, 0)
-        for found in self.ranking.best:
-            camera, lens, port = (np.array([part]) for part in (found.camera, found.lens, found.port))
-            blocks += list(imagers_behind(self.problem, camera, lens, port, found.landscape, dict(none), {}))
-        best = [replace(found, imager=place) for place, found in enumerate(self.ranking.best)]
-        self.take_up(tree.none.others(joined(self.problem, blocks, {}, tree.samples)))
+        found = imagers_in(self.problem, [one.behind for one in self.ranking.best])
+        best = [replace(one, imager=place) for place, one in enumerate(self.ranking.best)]
+        self.take_up(tree.none.others(replace(found, tally=Tally(samples=tree.samples))))
         self.ranking.best = best
 
     def among(self, candidates: Candidates) -> bool:
@@ -457,7 +455,7 @@ class Search(Evaluation):
         imagers = self.imagers
         pools: dict[str, list[tuple[int, int, int, bool, int | None]]] = {
             rule: [(c, le, p, o, None) for c, le, p, o in samples]
-            for rule, samples in imagers.samples.items()
+            for rule, samples in imagers.tally.samples.items()
         }
         for rule, nodes in self._samples.items():
             pool = pools.setdefault(rule, [])

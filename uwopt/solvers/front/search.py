@@ -138,7 +138,7 @@ class FrontSearch:
         open_ideals = tree.open_ideals()
         if len(open_ideals):
             self.account[NOT_REACHED] = charged.total - sum(self.account.values())
-        self.search.take_up(tree.none.others(Imagers.together(self.kept or [tree.none.imagers])))
+        self.search.take_up(tree.none.others(Imagers.joined(self.kept or [tree.none.imagers])))
         return self._front(complete, interrupted, open_ideals)
 
     def among(self, candidates: Candidates) -> bool:
@@ -171,7 +171,7 @@ class FrontSearch:
         """What the imagers' rules discard, in combinations."""
         low, high = self.problem.count_range
         illuminators = len(self.problem.parts.lights) * (high - low + 1) * len(self.problem.mounts)
-        for rule, count in self.search.imagers.discarded.items():
+        for rule, count in self.search.imagers.tally.discarded.items():
             self._charge(rule, count * illuminators)
 
     def _count_left(self, lighting: Array) -> None:

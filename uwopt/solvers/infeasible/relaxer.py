@@ -42,7 +42,7 @@ from uwopt.solvers.infeasible.freed_rules import (
     in_the_way,
 )
 from uwopt.solvers.recommend import Sought, seek
-from uwopt.solvers.warm.tables import asking, imagers_of, of_block
+from uwopt.solvers.warm.tables import asking, imagers_of
 
 Array = NDArray[Any]
 FEW_PAIRS = 5000  # of camera and lens behind ports, likewise, of which most break some rule
@@ -335,7 +335,7 @@ def hope(found: Sought) -> float:
 def in_best_housing(problem: Problem, block: PortBlock) -> PortBlock:
     """Each pair of those behind like ports in the one housing of `best_housings`."""
     rows = best_housings(problem, block.port, block.lens, block.camera)
-    return block if rows is None else of_block(block, rows)
+    return block if rows is None else block.take(rows)
 
 
 def best_housings(problem: Problem, port: Array, *alike: Array) -> Array | None:

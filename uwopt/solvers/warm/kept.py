@@ -26,7 +26,7 @@ from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.node_bounds import LampChoices
 from uwopt.solvers.exact.node_designs import NodeDesigns
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.warm.tables import imagers_of, of_block
+from uwopt.solvers.warm.tables import imagers_of
 from uwopt.tolerances import ROUND
 
 Array = NDArray[Any]
@@ -81,8 +81,8 @@ class KeptBounds:
 
 def numbers(problem: Problem, imagers: Imagers | PortBlock) -> Array:
     """A number of each imager that tells it from the others of the same parts, (n,)."""
-    landscape = np.broadcast_to(np.asarray(imagers.landscape, int), imagers.camera.shape)
-    return np.asarray(np.ravel_multi_index((imagers.camera, imagers.lens, imagers.port, landscape), sizes(problem)))
+    places = imagers.camera, imagers.lens, imagers.port, np.asarray(imagers.landscape, int)
+    return np.asarray(np.ravel_multi_index(places, sizes(problem)))
 
 
 def sizes(problem: Problem) -> tuple[int, int, int, int]:
@@ -112,7 +112,7 @@ def imagers_by_number(problem: Problem, wanted: Array) -> Imagers:
     def kept(block: PortBlock) -> PortBlock:
         number = numbers(problem, block)
         place = np.minimum(np.searchsorted(wanted, number), len(wanted) - 1)  # they rise
-        return of_block(block, np.flatnonzero(wanted[place] == number))
+        return block.take(np.flatnonzero(wanted[place] == number))
 
     return imagers_of(problem, pairs, kept)
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.catalog.choose import Selection
@@ -13,7 +13,8 @@ from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.assembly import build_problem
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
-from uwopt.solvers.exact.imagers import IMAGER_RULES, Imagers, PortBlock, imagers_behind, joined, landscapes
+from uwopt.solvers.exact.imager_rules import Behind
+from uwopt.solvers.exact.imagers import Imagers, PortBlock, imagers_in, landscapes, no_tally
 
 Array = NDArray[Any]
 Pairs = Mapping[tuple[int, bool], tuple[Array, Array]]  # camera and lens by the first of like ports and landscape
@@ -39,18 +40,9 @@ def imagers_of(
 
     Raises OutOfTimeError.
     """
-    discarded, blocks, none = dict.fromkeys(IMAGER_RULES, 0), list[PortBlock](), np.empty(0, int)
-    for ports in problem.port_groups:
-        for landscape in landscapes(problem):
-            camera, lens = pairs.get((int(ports[0]), landscape), (none, none))
-            if len(camera):
-                deadline.check()
-                made = imagers_behind(problem, camera, lens, ports, landscape, discarded, {})
-                blocks += (keep(block) for block in made)
-    return joined(problem, blocks, dict.fromkeys(discarded, 0), {})
-
-
-def of_block(block: PortBlock, rows: Array) -> PortBlock:
-    """Some imagers of those behind like ports."""
-    scenes = [scene.take(rows) for scene in block.scenes]
-    return PortBlock(block.camera[rows], block.lens[rows], block.port[rows], block.landscape, scenes)
+    asked = (
+        Behind(*pairs[place], ports, landscape)
+        for ports in problem.port_groups for landscape in landscapes(problem)
+        if (place := (int(ports[0]), landscape)) in pairs and len(pairs[place][0])
+    )  # fmt: skip
+    return replace(imagers_in(problem, asked, keep=keep, deadline=deadline), tally=no_tally())
