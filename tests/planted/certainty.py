@@ -186,9 +186,9 @@ DEFECTS = (
     ),
     Defect(
         name="a budget holds nothing in scenarios",
-        file=f"{ROOM}/outcomes.py",
-        old='"cost": self.limit_cost > limit(limits.cost) * ROUND,',
-        new='"cost": np.zeros(len(self.imager), bool),',
+        file="uwopt/solvers/confidence/outcomes.py",
+        old="**{name: ~kept for name, kept in designs.kept_limits(limits)},",
+        new="",
         test=f"{TESTS}::test_what_is_missed_is_told_and_adds_up",
     ),
     Defect(

@@ -15,12 +15,10 @@ from uwopt.forward.problem import Problem
 from uwopt.forward.scene import SceneOptics
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.exact.imager_rules import limit
 from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.node_designs import NodeDesigns
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
-from uwopt.tolerances import ROUND
 
 KINDS = ("camera", "lens", "port", "light")
 
@@ -98,18 +96,13 @@ def best_of_each(
 
 def values_under(search: Search, imagers: Any, rows: Any, light: Any, optics: int) -> Any:
     """Objective of these imagers, each under a light of the same optics; inf where a limit is missed."""
-    problem, limits = search.problem, search.limits
+    problem = search.problem
     lighting = next(item for item in search.tables.lightings if item.optics == optics)
-    number = np.full(len(rows), problem.count_range[0])
-    cost = imagers.cost[rows] + problem.lamps_cost(light, number)
-    limit_cost = imagers.limit_cost[rows] + problem.lamps_cost(light, number, "limit_price")
-    mass = imagers.mass_kg[rows] + number * problem.lights.mass_kg[light]
     unique, back = np.unique(rows, return_inverse=True)
-    lights = [search.tables.exact(i, lighting, unique) for i in range(len(problem.scenes))]
-    pairs = NodeDesigns(unique, back, light, number, cost, mass)
+    pairs = NodeDesigns.of(problem, imagers, unique, back, light, np.full(len(rows), problem.count_range[0]))
+    lights = search.tables.in_scenes(lighting, unique)
     value = search.solve(pairs, [seen.take(back) for seen in lights], lighting)[0]
-    within = (limit_cost <= limit(limits.cost) * ROUND) & (mass <= limit(limits.mass_kg) * ROUND)
-    return np.where(within, value, np.inf)
+    return np.where(pairs.within(search.limits), value, np.inf)
 
 
 def own_id(part: Part) -> str:

@@ -89,7 +89,7 @@ def hardware_of(found: Found) -> Hardware:
 def scene_rows_of(search: Search, found: Found) -> list[SceneRows]:
     """The settings' view of one found design, by scene."""
     imager = np.array([found.imager])
-    lights = [search.tables.exact(i, found.lighting, imager) for i in range(len(search.problem.scenes))]
+    lights = search.tables.in_scenes(found.lighting, imager)
     return search.rows(imager, lights, np.array([found.light]), np.array([found.count]), found.lighting)
 
 

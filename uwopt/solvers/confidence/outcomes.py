@@ -26,6 +26,7 @@ from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.states import Together
 from uwopt.solvers.exact.imager_rules import limit
 from uwopt.solvers.exact.imagers import Imagers
+from uwopt.solvers.exact.node_designs import NodeDesigns
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.settable.steps import stops
 from uwopt.solvers.settings.best import best_settings
@@ -174,7 +175,7 @@ def outcomes_together(
             filled = np.full((len(own), count), np.inf)
             filled[:, group.scenario[imager[h][: value.shape[1]]]] = value
             short = [{name: n for name, n in Counter(row.tolist()).items() if name} for row in first]
-            price = float(np.median(judge.cost[mine]))
+            price = float(np.median(judge.designs.cost[mine]))
             made[h] = Outcomes(np.array(own), filled, group.lost[h], short, fixed[h], meant_m[h], price)
     return made
 
@@ -234,36 +235,29 @@ class Judge:
     group: Together
     objective: Objective
     rows: list[SceneRows]
-    imager: Array
+    designs: NodeDesigns
     misplaced: Array  # the iris may not stand there
-    cost: Array
-    limit_cost: Array
-    mass_kg: Array
 
     @staticmethod
     def of(group: Together, objective: Objective, rows: list[SceneRows], imager: Array, stop: Array) -> Judge:
         """Of these imagers of a group."""
-        problem, imagers = group.problem, group.imagers
-        light, number = group.light[imager], group.count[imager]
-        own = [r.take(imager) for r in rows]
+        own, lamps = [r.take(imager) for r in rows], (group.light[imager], group.count[imager])
         return Judge(
-            group, objective, [at_stop(r, stop) for r in own], imager,
+            group, objective, [at_stop(r, stop) for r in own],
+            NodeDesigns.of(group.problem, group.imagers, imager, np.arange(len(imager)), *lamps),
             ~np.logical_and.reduce([may_stand_at(r, stop) for r in own]),
-            imagers.cost[imager] + problem.lamps_cost(light, number),
-            imagers.limit_cost[imager] + problem.lamps_cost(light, number, "limit_price"),
-            imagers.mass_kg[imager] + number * problem.lights.mass_kg[light],
         )  # fmt: skip
 
     @property
     def camera_power_w(self) -> Array:
         """What cameras draw, (n,)."""
-        return self.group.imagers.camera_power_w[self.imager]
+        return self.group.imagers.camera_power_w[self.designs.imager]
 
     def adapted(self) -> Best:
         """The best settings in each scenario, once the water is seen."""
-        problem, imagers, imager = self.group.problem, self.group.imagers, self.imager
+        problem, imagers, imager = self.group.problem, self.group.imagers, self.designs.imager
         none = np.zeros(len(imager))
-        terms = Terms(self.camera_power_w, self.cost, self.mass_kg, none, imagers.gsd_mm[imager])
+        terms = Terms(self.camera_power_w, self.designs.cost, self.designs.mass_kg, none, imagers.gsd_mm[imager])
         return best_settings(Question.of(
             self.rows, problem.lenses.motorised[imagers.lens[imager]], self.objective, self.camera_power_w,
             problem.scene_power_limit_w, gap_rel=GAP, constant=self.objective.constant(terms),
@@ -274,19 +268,18 @@ class Judge:
         """Minimised objective with these settings, inf where they miss something, and what is missed first, by name."""
         problem = self.group.problem
         power = self.camera_power_w + np.max([c.light_power_w for c in best.chosen], axis=0)
-        limits = problem.mission.limits
+        limits, designs = problem.mission.limits, self.designs
         misses = {
             "min_dof_m": self.misplaced,
-            "cost": self.limit_cost > limit(limits.cost) * ROUND,
-            "mass_kg": self.mass_kg > limit(limits.mass_kg) * ROUND,
+            **{name: ~kept for name, kept in designs.kept_limits(limits)},
             "rules": np.logical_or.reduce([(r.time_max_s < 0.0) & ~self.misplaced for r in self.rows]),
             "light": ~best.feasible,
             "power_w": power > limit(limits.power_w) * ROUND,
             "energy_wh": power > problem.scene_power_limit_w * ROUND,  # what is left of it for one scene
         }
         feasible = ~np.logical_or.reduce(list(misses.values()))
-        gsd_mm = self.group.imagers.gsd_mm[self.imager]
-        terms = Terms(power, self.cost, self.mass_kg, best.snr_db, gsd_mm, best.contrast, best.information)
+        gsd_mm = self.group.imagers.gsd_mm[designs.imager]
+        terms = Terms(power, designs.cost, designs.mass_kg, best.snr_db, gsd_mm, best.contrast, best.information)
         with np.errstate(invalid="ignore"):
             value = self.objective.cost_to_minimise(terms)
         first = np.select(list(misses.values()), list(misses), "")

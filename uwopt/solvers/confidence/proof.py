@@ -26,6 +26,7 @@ from uwopt.solvers.confidence.panels import anchors_of, least_covered, panel_of
 from uwopt.solvers.confidence.scenario_bounds import may_be_better
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.states import imagers_among
+from uwopt.solvers.exact.imagers import landscapes
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.one_hardware import among, problem_of
@@ -148,12 +149,12 @@ class Prover:
         """All combinations."""
         parts, (low, high) = self.problem.parts, self.problem.count_range
         each = [len(one) for one in (parts.cameras, parts.lenses, parts.ports, parts.lights, self.problem.mounts)]
-        return prod(each) * (high - low + 1) * len(self._orientations())
+        return prod(each) * (high - low + 1) * len(landscapes(self.problem))
 
     def _variants(self, problem: Problem, best: Sequence[Found], ceiling: float) -> Iterator[Found]:
         """The same parts in every number, mount and orientation that is better in the panel; a search lists one."""
         low, high = problem.count_range
-        kinds = list(product(range(low, high + 1), problem.mounts, self._orientations()))
+        kinds = list(product(range(low, high + 1), problem.mounts, landscapes(self.problem)))
         if len(kinds) == 1 or not best:
             yield from (among(self.problem, found, problem) for found in best)
             return
@@ -171,9 +172,6 @@ class Prover:
                 if not outcome.complete:
                     raise OutOfTimeError
                 yield from (among(self.problem, found, problem) for found in outcome.best)
-
-    def _orientations(self) -> list[bool]:
-        return [one == "landscape" for one in self.problem.mission.vehicle.orientations]
 
     def _counted(self, listed: list[Found], ceiling: float, out: set[Any]) -> tuple[int, int, float]:
         """Bound and count hardware, best value in the panel first, as far as there is time.

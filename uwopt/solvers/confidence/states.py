@@ -414,5 +414,5 @@ def rows_under(
     made: NodeRows, rows: Array, light: Array, count: Array, lighting: Lighting, *, light_alone: bool = False
 ) -> list[SceneRows]:
     """The settings' view of these imagers, each under its own light of one optics."""
-    lights = [made.tables.exact(s, lighting, rows) for s in range(len(made.problem.scenes))]
+    lights = made.tables.in_scenes(lighting, rows)
     return made.rows(rows, lights, light, count, lighting, light_alone=light_alone)

@@ -34,6 +34,7 @@ from uwopt.solvers.exact.node_bounds import (
     Needs,
     NodeBounds,
     bit_per_px_bound,
+    first_missed,
     least_mean_frac,
     most_held_e,
     quickest,
@@ -355,16 +356,14 @@ class Bounds:
         self, bounds: NodeBounds, reachable: Array, limit_cost: Array, rows: Array, contrast: Array | float
     ) -> NodeBounds:
         """Objective of the bounds, infinite where a limit cannot be met, with the rule that says so."""
-        limits, rule = self.limits, np.full(len(reachable), -1)
-        checks = (
+        limits = self.limits
+        rule = first_missed([
             ("light", reachable),
             ("cost", limit_cost <= limit(limits.cost) * ROUND),
             ("mass_kg", bounds.mass <= limit(limits.mass_kg) * ROUND),
             ("power_w", bounds.power <= limit(limits.power_w) * ROUND),
             ("energy_wh", bounds.mean_power_w <= self.problem.duration.mean_power_limit_w * ROUND),
-        )
-        for name, passes in checks:
-            rule = np.where((rule < 0) & ~passes, NODE_RULES.index(name), rule)
+        ])  # fmt: skip
         terms = Terms(
             bounds.power, bounds.cost, bounds.mass, bounds.snr_db, self.imagers.gsd_mm[rows], contrast,
             bounds.information,

@@ -27,7 +27,6 @@ from uwopt.model.image_mean import FRAME_MAY_MISS
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.candidates import Candidates
 from uwopt.solvers.exact.lightings import Lighting
-from uwopt.solvers.exact.node_designs import NodeDesigns
 
 Array = NDArray[Any]
 
@@ -129,13 +128,13 @@ class NodeRows:
         """Whether one scene asks for what takes integrals over the image beside its mean."""
         return self.problem.scenes[scene_index].at_worst or self.has_rules(scene_index)
 
-    def keep_rules(self, pairs: NodeDesigns, lighting: Lighting) -> Array:
+    def keep_rules(self, imager: Array, light: Array, count: Array, lighting: Lighting) -> Array:
         """Whether designs keep in all scenes the rules that no setting can mend: even light, no lamp in the view."""
-        kept, imager = np.ones(len(pairs.node), bool), pairs.imager[pairs.node]
+        kept = np.ones(len(imager), bool)
         for index in range(len(self.problem.scenes)):
             if self.has_rules(index):
                 self.deadline.check()
-                kept &= self.keep_rules_in(index, imager, pairs.light, pairs.count, lighting)
+                kept &= self.keep_rules_in(index, imager, light, count, lighting)
         return kept
 
     def keep_rules_in(

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.deadline import Deadline, UntilFound
-from uwopt.forward.columns import distinct, rows_alike
+from uwopt.forward.columns import rows_alike
 from uwopt.forward.lamp_light import ImageLight, Veils
 from uwopt.forward.problem import Problem
 from uwopt.forward.setting_rows import SceneRows
@@ -22,11 +22,10 @@ from uwopt.solvers.exact.account import NOT_REACHED, Account, snr_ceiling
 from uwopt.solvers.exact.bounds import Bounds
 from uwopt.solvers.exact.candidates import Candidates
 from uwopt.solvers.exact.design_rows import NodeRows
-from uwopt.solvers.exact.imager_rules import limit
 from uwopt.solvers.exact.imagers import Imagers, imagers_in
 from uwopt.solvers.exact.light_tables import FieldTables
 from uwopt.solvers.exact.lightings import Lighting
-from uwopt.solvers.exact.node_bounds import NODE_RULES, LampChoices
+from uwopt.solvers.exact.node_bounds import LampChoices, by_rule, first_missed
 from uwopt.solvers.exact.node_designs import FIRST_VEILS, LARGEST_VEILS, NodeDesigns, Waiting
 from uwopt.solvers.exact.ranking import Ranking
 from uwopt.solvers.settings.best import best_settings
@@ -135,10 +134,7 @@ class Evaluation:
                 rows = rows[kept]
                 if len(rows) == 0:
                     continue
-            lights = [
-                self.tables.exact(s, lighting, rows, veils="none", deadline=self.deadline)
-                for s in range(len(self.problem.scenes))
-            ]
+            lights = self.tables.in_scenes(lighting, rows, veils="none", deadline=self.deadline)
             step = max(1, MOST_ROWS_AT_ONCE // max(1, len(table.light)))
             for start in range(0, len(rows), step):
                 part = np.arange(start, min(start + step, len(rows)))
@@ -148,35 +144,22 @@ class Evaluation:
         self, imager: Array, lights: list[ImageLight], lighting: Lighting, table: LampChoices
     ) -> None:
         """Every (imager, light, count): drop what misses a limit or cannot win, solve the rest."""
-        n_light = len(table.light)
-        node = np.repeat(np.arange(len(imager)), n_light)
-        item = np.tile(np.arange(n_light), len(imager))
-        imagers, limits = self.imagers, self.limits
-        cost = imagers.cost[imager[node]] + table.cost[item]
-        mass = imagers.mass_kg[imager[node]] + table.mass_kg[item]
-        rule = np.full(len(node), -1)
-        limit_cost = imagers.limit_cost[imager[node]] + table.limit_cost[item]
-        rule = np.where(limit_cost > limit(limits.cost) * ROUND, NODE_RULES.index("cost"), rule)
-        rule = np.where(
-            (rule < 0) & (mass > limit(limits.mass_kg) * ROUND), NODE_RULES.index("mass_kg"), rule
-        )
+        imagers, pairs = self.imagers, NodeDesigns.every(self.imagers, imager, table)
+        row = pairs.row
         floor = self.objective.cost_to_minimise(
             Terms(
-                imagers.camera_power_w[imager[node]], cost, mass, np.full(len(node), snr_ceiling(self.objective)),
-                imagers.gsd_mm[imager[node]], 1.0, self.bounds.information_ceiling(imager)[node],
+                imagers.camera_power_w[row], pairs.cost, pairs.mass_kg, np.full(len(row), snr_ceiling(self.objective)),
+                imagers.gsd_mm[row], 1.0, self.bounds.information_ceiling(imager)[pairs.node],
             )
         )  # fmt: skip
-        beaten = self.ranking.shut_out(floor, imagers.camera_power_w[imager[node]], cost, mass)
-        rule = np.where((rule < 0) & beaten, NODE_RULES.index("bound"), rule)
-        for index, name in enumerate(NODE_RULES):
-            self.account.charge(name, int((rule == index).sum()))
+        beaten = self.ranking.shut_out(floor, imagers.camera_power_w[row], pairs.cost, pairs.mass_kg)
+        rule = first_missed([*pairs.kept_limits(self.limits), ("bound", ~beaten)])
+        for name, lost in by_rule(rule):
+            self.account.charge(name, len(lost))
         keep = np.nonzero(rule < 0)[0]
         self.account.evaluated += len(keep)
         if len(keep):
-            pairs = NodeDesigns(
-                imager, node[keep], table.light[item[keep]], table.count[item[keep]], cost[keep], mass[keep]
-            )
-            self._solve_pairs(pairs, lights, lighting)
+            self._solve_pairs(pairs.take(keep), lights, lighting)
 
     def _solve_pairs(self, pairs: NodeDesigns, lights: list[ImageLight], lighting: Lighting) -> None:
         """Settings of these designs, and their place among the best.
@@ -192,7 +175,7 @@ class Evaluation:
         sunlit = any(self.bounds.is_sunlit(index) for index in range(len(lights)))
         if sunlit or self.refusals.are_most:  # bounds of settings cost more than rules
             pairs = self._keeping_rules(pairs, lighting)
-            if len(pairs.node) == 0:
+            if len(pairs) == 0:
                 return
         found, bound = 0, np.full(len(pairs.node), -np.inf)
         stages = self._stages()
@@ -204,10 +187,8 @@ class Evaluation:
             kept = np.nonzero(np.isfinite(bound) & ~self._beaten(pairs, bound))[0]
             if len(kept) == 0:
                 break
-            used, back = distinct(pairs.node[kept])
-            lights = [light.take(used) for light in lights]
-            pairs = replace(pairs.take(kept), imager=pairs.imager[used], node=back)
-            bound = bound[kept]
+            pairs, used = pairs.alone(kept)
+            lights, bound = [light.take(used) for light in lights], bound[kept]
         solved = 0
         if self._patient and len(kept):  # other nodes may hold better bounds
             self._waiting.append(Waiting.of(pairs, bound, lights, lighting))
@@ -226,22 +207,19 @@ class Evaluation:
         _, first = np.unique(count, return_index=True)
         for item in first:
             mine = np.nonzero(~kept)[0]
-            one, free = np.arange(len(mine)), np.zeros(len(mine))
-            some = NodeDesigns(
-                imager[mine], one, np.full(len(mine), light[item]), np.full(len(mine), count[item]), free, free
-            )
-            kept[mine] = self.design_rows.keep_rules(some, lighting)
+            lamps = np.full(len(mine), light[item]), np.full(len(mine), count[item])
+            kept[mine] = self.design_rows.keep_rules(imager[mine], *lamps, lighting)
         return kept
 
     def _keeping_rules(self, pairs: NodeDesigns, lighting: Lighting) -> NodeDesigns:
         """Those designs that keep the rules which no setting can mend."""
-        kept = self.design_rows.keep_rules(pairs, lighting)
+        kept = self.design_rows.keep_rules(pairs.row, pairs.light, pairs.count, lighting)
         self.refusals.count(kept)
         return pairs.take(np.nonzero(kept)[0])
 
     def _beaten(self, pairs: NodeDesigns, bound: Array) -> Array:
         """Which of these designs, by lower bounds of their objective, get no place among the best."""
-        power, weight = self.imagers.camera_power_w[pairs.imager[pairs.node]], self.objective.weight("power")
+        power, weight = self.imagers.camera_power_w[pairs.row], self.objective.weight("power")
         if self.objective.single == "power" and weight:
             power = np.maximum(power, bound / weight * (1.0 - 10.0 * SLACK))
         return self.ranking.shut_out(bound, power, pairs.cost, pairs.mass_kg)
@@ -266,10 +244,7 @@ class Evaluation:
     ) -> list[ImageLight]:
         """Further veils beside the light that is known, by scene; raises OutOfTimeError past the deadline."""
         self.deadline.check()
-        return [
-            self.tables.exact(s, lighting, imager, known=light, veils=veils, deadline=self.deadline)
-            for s, light in enumerate(lights)
-        ]
+        return self.tables.in_scenes(lighting, imager, known=lights, veils=veils, deadline=self.deadline)
 
     def _solve_best_first(
         self, pairs: NodeDesigns, bound: Array, lights: list[ImageLight], lighting: Lighting
@@ -284,16 +259,18 @@ class Evaluation:
             order = order[np.isin(order, pairs.node[left])]
             nodes, order = order[:batch], order[batch:]
             some = pairs.take(np.flatnonzero(left & np.isin(pairs.node, nodes)))
-            solved += len(some.node)
-            some = self._keeping_rules(some, lighting)
-            if len(some.node):
-                nodes, place = distinct(some.node)
-                full = self._with_veils(
-                    pairs.imager[nodes], [light.take(nodes) for light in lights], lighting, "all"
-                )
-                self._rank(some, [light.take(place) for light in full], lighting)
+            solved += len(some)
+            self._solve_fully(some, lights, lighting)
             batch = min(2 * batch, LARGEST_VEILS)
         return solved
+
+    def _solve_fully(self, some: NodeDesigns, lights: list[ImageLight], lighting: Lighting) -> None:
+        """Rank those of some designs that keep the rules, with all their veils beside the light of all nodes."""
+        some = self._keeping_rules(some, lighting)
+        if len(some):
+            some, used = some.alone(np.arange(len(some)))
+            full = self._with_veils(some.imager, [light.take(used) for light in lights], lighting, "all")
+            self._rank(some, [light.take(some.node) for light in full], lighting)
 
     def _solve_waiting(self, until: float = np.inf) -> None:
         """Solve what waits with all its veils, best bound first, as far as it may win and nothing else has less."""
@@ -305,15 +282,9 @@ class Evaluation:
             self.deadline.check()
             nodes, group = first.taken(most)
             some = first.pairs.take(np.isin(first.pairs.node, nodes) & (first.bound <= self.ranking.threshold()))
-            n_solved = len(some.node)
-            some = self._keeping_rules(some, first.lighting)
-            if n_solved and len(some.node):
-                used, place = distinct(some.node)
-                lights = [light.take(used) for light in first.lights]
-                full = self._with_veils(first.pairs.imager[used], lights, first.lighting, "all")
-                self._rank(some, [light.take(place) for light in full], first.lighting)
-            self.account.evaluated += n_solved
-            self.account.charge("bound", -n_solved)
+            self._solve_fully(some, first.lights, first.lighting)
+            self.account.evaluated += len(some)
+            self.account.charge("bound", -len(some))
             rest = [other for other in self._waiting if other is not first]
             self._waiting = [*rest, *([group] if np.isfinite(group.lowest) else [])]
         threshold = self.ranking.threshold()
@@ -333,7 +304,7 @@ class Evaluation:
     def _rank(self, pairs: NodeDesigns, lights: list[ImageLight], lighting: Lighting) -> None:
         """Solve these designs and put them in their place among the best."""
         solved = self.solve(pairs, lights, lighting)
-        self.ranking.add(pairs.imager[pairs.node], pairs.light, pairs.count, lighting, *solved)
+        self.ranking.add(pairs.row, pairs.light, pairs.count, lighting, *solved)
 
     def solve(
         self, pairs: NodeDesigns, lights: list[ImageLight], lighting: Lighting, *, optimistic: bool = False,
@@ -345,7 +316,7 @@ class Evaluation:
         `best_settings`. Raises OutOfTimeError past the deadline.
         """
         self.deadline.check()
-        imager, cost, mass = pairs.imager[pairs.node], pairs.cost, pairs.mass_kg
+        imager, cost, mass = pairs.row, pairs.cost, pairs.mass_kg
         rows = self.rows(imager, lights, pairs.light, pairs.count, lighting, optimistic=optimistic, stage=stage)
         motorised = self.motorised[imager]
         camera_power = self.imagers.camera_power_w[imager]

@@ -27,7 +27,7 @@ from uwopt.solvers.exact.floor_rectangles import Rectangles
 from uwopt.solvers.exact.imager_rules import SAMPLES, Behind, Sample, Tally, limit
 from uwopt.solvers.exact.imagers import FittingPairs, imagers_in, landscapes
 from uwopt.solvers.exact.light_tables import FieldTables
-from uwopt.solvers.exact.node_bounds import NODE_RULES
+from uwopt.solvers.exact.node_bounds import by_rule
 from uwopt.solvers.exact.oblique import PlaneReach, deepest_m
 from uwopt.solvers.exact.open_rows import OpenRows, WaitingRows
 from uwopt.solvers.exact.outline import Level, OutlineRows, OutlineTables
@@ -279,8 +279,7 @@ class PairTree:
         closed = np.nonzero(~open_)[0]
         for k, found in enumerate(rules):
             weights = size[index[closed]] * len(own.light_tables[k].light)
-            for number, name in enumerate(NODE_RULES):
-                mine = found[closed] == number
+            for name, mine in by_rule(found[closed]):
                 account.charge(name, int(weights[mine].sum()))
                 if k == 0:
                     self._remember(name, level, rows, index[closed[mine]])

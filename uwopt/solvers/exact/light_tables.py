@@ -191,6 +191,17 @@ class FieldTables:
             parts.append((mine, light))
         return ImageLight.in_places(parts, len(rows))
 
+    def in_scenes(
+        self, lighting: Lighting, rows: Array, *, veils: Veils = "all", known: Sequence[ImageLight] | None = None,
+        deadline: Deadline = NEVER,
+    ) -> list[ImageLight]:  # fmt: skip
+        """`exact` in every scene, beside what is known of each."""
+        given = known or [None] * len(self.problem.scenes)
+        return [
+            self.exact(index, lighting, rows, veils=veils, known=one, deadline=deadline)
+            for index, one in enumerate(given)
+        ]
+
     def likely_pixel(self, scene_index: int, lighting: Lighting, rows: Array, *, count: int, pixels: Pixels) -> Array:
         """Upper bound on the electrons per lm s of the pixel that decides, at the farthest altitude, (n,)."""
         images, image_of = self.images

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
 from typing import Any
@@ -175,6 +175,20 @@ class NodeBounds:
         return Terms(
             self.power[rows], self.cost[rows], self.mass[rows], self.snr_db[rows], gsd_mm, contrast, information
         )
+
+
+def first_missed(rules: Sequence[tuple[str, Array]]) -> Array:
+    """The first of some rules that each row misses, as a place among `NODE_RULES`; -1: it keeps them all."""
+    rule = np.full(np.shape(rules[0][1]), -1, np.int8)
+    for name, kept in rules:
+        rule = np.where((rule < 0) & ~kept, np.int8(NODE_RULES.index(name)), rule)
+    return rule
+
+
+def by_rule(rule: Array) -> Iterator[tuple[str, Array]]:
+    """The rows that each of `NODE_RULES` discards, by its place there."""
+    for index, name in enumerate(NODE_RULES):
+        yield name, np.flatnonzero(rule == index)
 
 
 def suffix_min(values: Array) -> Array:

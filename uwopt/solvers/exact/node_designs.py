@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward.columns import distinct
 from uwopt.forward.lamp_light import ImageLight
+from uwopt.forward.problem import Problem
+from uwopt.mission.sections.limits import Limits
+from uwopt.solvers.exact.imager_rules import limit
+from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.lightings import Lighting
+from uwopt.solvers.exact.node_bounds import LampChoices
+from uwopt.tolerances import ROUND
 
 Array = NDArray[Any]
 FIRST_VEILS, LARGEST_VEILS = 8, 256  # imagers whose veils are worked out together
@@ -24,18 +31,57 @@ class NodeDesigns:
     light: Array
     count: Array
     cost: Array
+    limit_cost: Array  # what counts against the budget
     mass_kg: Array
+
+    @staticmethod
+    def of(problem: Problem, imagers: Imagers, imager: Array, node: Array, light: Array, count: Array) -> NodeDesigns:
+        """These designs, priced and weighed."""
+        row = imager[node]
+        return NodeDesigns(
+            imager, node, light, count, imagers.cost[row] + problem.lamps_cost(light, count),
+            imagers.limit_cost[row] + problem.lamps_cost(light, count, "limit_price"),
+            imagers.mass_kg[row] + count * problem.lights.mass_kg[light],
+        )  # fmt: skip
+
+    @staticmethod
+    def every(imagers: Imagers, imager: Array, lamps: LampChoices) -> NodeDesigns:
+        """Each of these imagers under each of the lamps, in every number."""
+        node, item = np.divmod(np.arange(len(imager) * len(lamps.light)), max(len(lamps.light), 1))
+        row = imager[node]
+        return NodeDesigns(
+            imager, node, lamps.light[item], lamps.count[item], imagers.cost[row] + lamps.cost[item],
+            imagers.limit_cost[row] + lamps.limit_cost[item], imagers.mass_kg[row] + lamps.mass_kg[item],
+        )  # fmt: skip
+
+    def __len__(self) -> int:
+        return len(self.node)
+
+    @property
+    def row(self) -> Array:
+        """The imager of each design."""
+        return np.asarray(self.imager[self.node])
 
     def take(self, index: Array) -> NodeDesigns:
         """These designs only; the list of imagers stays."""
-        return NodeDesigns(
-            self.imager,
-            self.node[index],
-            self.light[index],
-            self.count[index],
-            self.cost[index],
-            self.mass_kg[index],
-        )
+        own = {f.name: getattr(self, f.name)[index] for f in fields(self) if f.name != "imager"}
+        return replace(self, **own)
+
+    def alone(self, index: Array) -> tuple[NodeDesigns, Array]:
+        """These designs only, without imagers of no design, and which of the imagers are left."""
+        used, back = distinct(self.node[index])
+        return replace(self.take(index), imager=self.imager[used], node=back), used
+
+    def kept_limits(self, limits: Limits) -> list[tuple[str, Array]]:
+        """The limits that the price and the mass of designs keep, by name."""
+        return [
+            ("cost", self.limit_cost <= limit(limits.cost) * ROUND),
+            ("mass_kg", self.mass_kg <= limit(limits.mass_kg) * ROUND),
+        ]
+
+    def within(self, limits: Limits) -> Array:
+        """Whether designs keep them both."""
+        return np.logical_and.reduce([kept for _, kept in self.kept_limits(limits)])
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.solvers.exact.node_bounds import NODE_RULES, NodeBounds
+from uwopt.solvers.exact.node_bounds import NodeBounds, by_rule
 
 Array = NDArray[Any]
 
@@ -113,15 +113,13 @@ class OpenNodes:
         self.power_w[nodes] = np.maximum(self.power_w[nodes], bounds.power)
         if self.slack is not None:
             self.slack[nodes] = np.minimum(self.slack[nodes], bounds.slack)
-        for index, name in enumerate(NODE_RULES):
-            failed = nodes[bounds.rule == index]
-            self.value[failed] = np.inf
-            yield name, failed
+        for name, failed in by_rule(bounds.rule):
+            self.value[nodes[failed]] = np.inf
+            yield name, nodes[failed]
 
     def failed(self) -> Iterator[tuple[str, Array]]:
         """By rule, the nodes that the first bounds discard."""
-        for index, name in enumerate(NODE_RULES):
-            yield name, np.nonzero(self.rule == index)[0]
+        return by_rule(self.rule)
 
 
 def by_turns(*orders: Array) -> Array:

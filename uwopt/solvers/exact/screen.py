@@ -16,7 +16,7 @@ from uwopt.forward.part_columns import FLASH, PULSED, Lights
 from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.bounds import Bounds
 from uwopt.solvers.exact.imager_rules import limit
-from uwopt.solvers.exact.node_bounds import NODE_RULES, NodeBounds
+from uwopt.solvers.exact.node_bounds import NodeBounds, first_missed
 from uwopt.tolerances import ROUND
 
 Array = NDArray[Any]
@@ -65,16 +65,14 @@ def pair_rules(
     )  # fmt: skip
     with np.errstate(invalid="ignore"):
         value = bounds.objective.cost_to_minimise(terms)
-    rule = np.full(shape, -1, np.int8)
-    for name, passes in (
+    rule = first_missed([
         ("light", able),
         ("cost", limit_cost <= limit(limits.cost) * ROUND),
         ("mass_kg", mass <= limit(limits.mass_kg) * ROUND),
         ("power_w", power <= limit(limits.power_w) * ROUND),
         ("energy_wh", mean_power <= duration.mean_power_limit_w * ROUND),
         ("bound", value <= threshold),
-    ):
-        rule = np.where((rule < 0) & ~passes, np.int8(NODE_RULES.index(name)), rule)
+    ])  # fmt: skip
     least = np.where(rule < 0, value, np.inf).min(axis=1, initial=np.inf)
     return rule, np.maximum(least, np.where(node.rule < 0, node.value, np.inf))
 

@@ -25,11 +25,10 @@ from uwopt.objectives.dominance import clearly, hypervolume
 from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.account import NOT_REACHED, RULES, Account
 from uwopt.solvers.exact.candidates import Candidates
-from uwopt.solvers.exact.imager_rules import limit
 from uwopt.solvers.exact.imagers import FittingPairs, Imagers, fitting_pairs
 from uwopt.solvers.exact.large import PairTree
-from uwopt.solvers.exact.lightings import Lighting
-from uwopt.solvers.exact.node_bounds import NODE_RULES
+from uwopt.solvers.exact.node_bounds import by_rule, first_missed
+from uwopt.solvers.exact.node_designs import NodeDesigns
 from uwopt.solvers.exact.search import Search, are_too_many
 from uwopt.solvers.front.curves import Curves
 from uwopt.solvers.front.hopeful import Hopeful
@@ -38,7 +37,6 @@ from uwopt.solvers.front.points import PointsFound, largest_left, quality_of
 from uwopt.solvers.front.trade_curves import Answers, Trade
 from uwopt.solvers.settings import windows
 from uwopt.solvers.settings.mean_limit import MeanLimit
-from uwopt.tolerances import ROUND
 
 Array = NDArray[Any]
 Progress = Callable[[float, str], None]
@@ -190,8 +188,8 @@ class FrontSearch:
         for k in range(len(self.search.tables.lightings)):
             seen = bounds.of_nodes(k, every)
             size = len(bounds.light_tables[k].light)
-            for index, name in enumerate(NODE_RULES):
-                self._charge(name, int((seen.rule == index).sum()) * size)
+            for name, lost in by_rule(seen.rule):
+                self._charge(name, len(lost) * size)
             alive = np.nonzero((seen.rule < 0) & np.isfinite(seen.value))[0]
             ideals.append(self.axes.minimised(seen.terms(alive, imagers.gsd_mm[alive])))
             lightings.append(np.full(len(alive), k))
@@ -245,51 +243,33 @@ class FrontSearch:
 
         Each stage works out more of the light, and discards what the points beat at all limits of power.
         """
-        search, table = self.search, self.search.bounds.light_tables[k]
-        lighting, imagers, limits = search.tables.lightings[k], search.imagers, search.limits
-        n_light = len(table.light)
-        node = np.repeat(np.arange(len(imager)), n_light)
-        item = np.tile(np.arange(n_light), len(imager))
-        dear = imagers.limit_cost[imager[node]] + table.limit_cost[item] > limit(limits.cost) * ROUND
-        heavy = ~dear & (imagers.mass_kg[imager[node]] + table.mass_kg[item] > limit(limits.mass_kg) * ROUND)
-        self.account["cost"] += int(dear.sum())
-        self.account["mass_kg"] += int(heavy.sum())
-        keep = ~dear & ~heavy
-        node, item = node[keep], item[keep]
-        lights: list[ImageLight] | None = None
+        search = self.search
+        lighting, every = search.tables.lightings[k], NodeDesigns.every(
+            search.imagers, imager, search.bounds.light_tables[k]
+        )
+        rule = first_missed(every.kept_limits(search.limits))
+        for name, lost in by_rule(rule):
+            self._charge(name, len(lost))
+        pairs, lights = every.take(np.flatnonzero(rule < 0)), None
         stages: tuple[Veils, ...] = ("none", "forward", "coarse") if self.problem.effects.veils else ()
         for stage in stages:
-            lights = self._lights(lighting, imager, lights, stage)
-            some = self._worth_solving(k, imager[node], node, item, lights, optimistic=True)
+            lights = search.tables.in_scenes(lighting, pairs.imager, known=lights, veils=stage, deadline=self.deadline)
+            some = self._worth_solving(k, pairs, lights, optimistic=True)
             kept = self._unbeaten(some, closely=stage != stages[-1])
             if len(kept) == 0:
                 return None
-            used, back = np.unique(node[kept], return_inverse=True)
-            imager, lights = imager[used], [light.take(used) for light in lights]
-            node, item = back.reshape(-1), item[kept]
-        lights = self._lights(lighting, imager, lights, "all")
-        return self._worth_solving(k, imager[node], node, item, lights, optimistic=False)
-
-    def _lights(
-        self, lighting: Lighting, imager: Array, known: list[ImageLight] | None, veils: Veils
-    ) -> list[ImageLight]:
-        """Light of these imagers in every scene, beside what is known; raises OutOfTimeError past the deadline."""
-        tables, n = self.search.tables, len(self.problem.scenes)
-        given = [None] * n if known is None else known
-        lights = []
-        for s in range(n):
-            self.deadline.check()  # veils of many images take long
-            lights.append(tables.exact(s, lighting, imager, veils=veils, known=given[s]))
-        return lights
+            pairs, used = pairs.alone(kept)
+            lights = [light.take(used) for light in lights]
+        lights = search.tables.in_scenes(lighting, pairs.imager, known=lights, deadline=self.deadline)
+        return self._worth_solving(k, pairs, lights, optimistic=False)
 
     def _worth_solving(
-        self, k: int, imager: Array, node: Array, item: Array, lights: list[ImageLight], *, optimistic: bool
+        self, k: int, pairs: NodeDesigns, lights: list[ImageLight], *, optimistic: bool
     ) -> Hopeful:
         """Designs as rows of settings."""
-        search, imagers, table = self.search, self.search.imagers, self.search.bounds.light_tables[k]
-        light, count = table.light[item], table.count[item]
+        search, imagers, imager = self.search, self.search.imagers, pairs.row
         rows = search.rows(
-            imager, [one.take(node) for one in lights], light, count, search.tables.lightings[k],
+            imager, [one.take(pairs.node) for one in lights], pairs.light, pairs.count, search.tables.lightings[k],
             optimistic=optimistic,
         )  # fmt: skip
         contrast: Array | float = 0.0
@@ -297,13 +277,10 @@ class FrontSearch:
             contrast = np.min([windows.nominal_contrast(r) for r in rows], axis=0)
         nothing = np.zeros(len(imager))
         fixed = self.axes.minimised(
-            Terms(
-                nothing, imagers.cost[imager] + table.cost[item], imagers.mass_kg[imager] + table.mass_kg[item],
-                nothing, imagers.gsd_mm[imager], contrast, nothing,
-            )
-        )  # fmt: skip
+            Terms(nothing, pairs.cost, pairs.mass_kg, nothing, imagers.gsd_mm[imager], contrast, nothing)
+        )
         return Hopeful(
-            np.full(len(imager), k), imager, light, count, rows, search.motorised[imager],
+            np.full(len(imager), k), imager, pairs.light, pairs.count, rows, search.motorised[imager],
             imagers.camera_power_w[imager], fixed, search.problem.scene_power_limit_w, MeanLimit.of(search.problem),
         )  # fmt: skip
 

@@ -20,14 +20,12 @@ from uwopt.deadline import Deadline
 from uwopt.forward.problem import Problem
 from uwopt.forward.views import table_reach_m
 from uwopt.solvers.exact.evaluation import MOST_ROWS_AT_ONCE
-from uwopt.solvers.exact.imager_rules import limit
 from uwopt.solvers.exact.imagers import Imagers, PortBlock
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.node_bounds import LampChoices
 from uwopt.solvers.exact.node_designs import NodeDesigns
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.warm.tables import imagers_of
-from uwopt.tolerances import ROUND
 
 Array = NDArray[Any]
 
@@ -142,23 +140,11 @@ def least_of_designs(search: Search, deadline: Deadline) -> Array:
 
 def least_under(search: Search, imager: Array, lighting: Lighting, table: LampChoices) -> Array:
     """The least that a design of each imager can have under one lighting without a veil, (n,)."""
-    imagers, limits, n_light = search.imagers, search.limits, len(table.light)
-    node, item = np.divmod(np.arange(len(imager) * n_light), n_light)
-    cost = imagers.limit_cost[imager[node]] + table.limit_cost[item]
-    mass = imagers.mass_kg[imager[node]] + table.mass_kg[item]
-    fits = (cost <= limit(limits.cost) * ROUND) & (mass <= limit(limits.mass_kg) * ROUND)
-    node, item = node[fits], item[fits]
-    least = np.full(len(imager), np.inf)
-    if len(node):
-        lights = [
-            search.tables.exact(index, lighting, imager, veils="none") for index in range(len(search.problem.scenes))
-        ]
-        designs = NodeDesigns(
-            imager, node, table.light[item], table.count[item],
-            imagers.cost[imager[node]] + table.cost[item], mass[fits],
-        )  # fmt: skip
-        own = [light.take(node) for light in lights]
-        np.minimum.at(least, node, search.solve(designs, own, lighting, optimistic=True, stage="none")[0])
+    designs, least = NodeDesigns.every(search.imagers, imager, table), np.full(len(imager), np.inf)
+    designs = designs.take(np.flatnonzero(designs.within(search.limits)))
+    if len(designs):
+        lights = [light.take(designs.node) for light in search.tables.in_scenes(lighting, imager, veils="none")]
+        np.minimum.at(least, designs.node, search.solve(designs, lights, lighting, optimistic=True, stage="none")[0])
     return least
 
 
