@@ -21,6 +21,7 @@ from uwopt.api.certain_points import CertainPoints, gives_way_with_certainty
 from uwopt.api.choosing import surer
 from uwopt.api.practice_known import PracticeKnown
 from uwopt.api.risks import risks_of
+from uwopt.api.searching import Searches
 from uwopt.api.whatif import Work, full_practice_notes
 from uwopt.api.yielding import YieldTrials, gives_way_alone, patience_of
 from uwopt.deadline import NEVER, Deadline
@@ -352,14 +353,21 @@ def test_practice_gives_way_so_that_what_is_recommended_holds_as_often_as_asked(
 ) -> None:
     """The step that is told holds as often if it is asked for; with less, and with all of practice, nothing does."""
     monkeypatch.setattr(search, "FRESH", 128)
-    lines: list[str] = []
-    result = uwopt.solve(in_doubt(), top=1, quick=True, so_far=lines.append)
+    mission, lines, scenes, honest = in_doubt(), list[str](), list[Any](), Searches.of
+
+    def of(self: Any, mission: Any, like: Any = None, scenes_of: Any = None) -> Any:
+        scenes.append(like or scenes_of)
+        return honest(self, mission, like, scenes_of)
+
+    monkeypatch.setattr(Searches, "of", of)
+    result = uwopt.solve(mission, top=1, quick=True, so_far=lines.append)
     by_central_numbers, with_all, proven = lines  # who waits reads what is known as soon as it is
     assert by_central_numbers.startswith("best by central numbers: ") and proven.startswith("proven best: ")
     share = re.search(r"it holds in (\d+) % of the scenarios, 90 % are asked", with_all)
     assert share is not None and float(share[1]) < 90
     assert given_way(result) == ["requirements.snr_at_less_db"] and result.confidence is not None
     assert result.confidence.enough and "good practice as often as is asked; " in risks_of(result)[0].what
+    assert scenes[0] is None and len(scenes) > 1 and None not in scenes[1:]  # light is worked out once
     step = result.mission["requirements"]["snr_at_less_db"]
     before = FRAME_LESS_DB[FRAME_LESS_DB.index(step) - 1]
     held = []
@@ -646,3 +654,43 @@ def test_hardware_that_fitted_is_asked_before_all_other(monkeypatch: pytest.Monk
 def test_a_long_time_that_is_given_is_no_shorter_than_none() -> None:
     assert patience_of(Deadline.after(1000.0)).left_s > yielding.YIELD_S
     assert patience_of(NEVER).left_s == pytest.approx(yielding.YIELD_S)
+
+
+def shares_held(monkeypatch: pytest.MonkeyPatch, held: Any) -> Any:
+    """Counts of hardware that holds in so large a share of 256 scenarios of a mission; 0.9 are asked."""
+    monkeypatch.setattr(yielding, "most_held", lambda counts, mission, known: held(mission))
+    return SimpleNamespace(seen=SimpleNamespace(share=0.9, scenarios=SimpleNamespace(count=256)))
+
+
+def test_what_gave_way_so_that_anything_fits_comes_back_where_the_rest_is_enough(monkeypatch: Any) -> None:
+    """Blur in hand was given up for a fit; it is not needed beside signal in hand, swath in hand still is."""
+    mission = load_mission({**survey(20.0), "reserve": {}})
+    swath, _, blur = YIELDS[:3]
+    (snr,) = (one for one in YIELDS if one.path == "reserve.snr_db")
+
+    def held(asked: Any) -> float:
+        return 0.95 if asked.reserve.swath == asked.reserve.snr_db == 0.0 else 0.4
+
+    counts = shares_held(monkeypatch, held)
+    every = yielding.all_to_hold(mission, (swath, blur))
+    assert yielding.fewest_to_hold(mission, (swath, blur), every, counts, NEVER, {}) == (swath, snr)
+
+
+def test_hardware_is_counted_once_for_each_mission_that_it_is_asked_of(monkeypatch: pytest.MonkeyPatch) -> None:
+    counted: list[float] = []
+
+    def held_with(problem: Any, goal: Any, found: Any, scenarios: Any, mission: Any) -> float:
+        counted.append(mission.reserve.snr_db)
+        return 0.5 if mission.reserve.snr_db else 0.8
+
+    monkeypatch.setattr("uwopt.solvers.confidence.deciding.set_and_held_with", held_with)
+    monkeypatch.setattr("uwopt.solvers.confidence.counted.names", lambda problem, found: found)
+    missions = [load_mission({**survey(20.0), "reserve": {"snr_db": snr_db}}) for snr_db in (3.0, 0.0, 3.0, 0.0)]
+    known = yielding.KnownToHold()
+    shares = []
+    for mission in missions:  # what is counted in each round is another object
+        tried = [SimpleNamespace(held=0.8, found=name) for name in "ab"]
+        seen = SimpleNamespace(share=0.9, scenarios=SimpleNamespace(count=256), tried=tried)
+        counts = cast(Any, SimpleNamespace(sought=SimpleNamespace(problem=None, goal=None), seen=seen))
+        shares.append(yielding.most_held(counts, mission, known))
+    assert shares == [0.5, 0.8, 0.5, 0.8] and counted == [3.0, 3.0, 0.0, 0.0]

@@ -10,7 +10,7 @@ from uwopt.api.common import halfway
 from uwopt.api.searching import Searched, Searches
 from uwopt.api.so_far import held_line
 from uwopt.api.watch import Watch
-from uwopt.api.yielding import all_to_hold, fewest_to_hold, most_held, share_to_hold
+from uwopt.api.yielding import KnownToHold, all_to_hold, fewest_to_hold, most_held, share_to_hold
 from uwopt.deadline import Deadline, effort_s
 from uwopt.mission.doubt import CENTRAL
 from uwopt.mission.mission import Mission
@@ -138,7 +138,7 @@ def held_by_yielding(
         return first
 
     def with_given_way(given_way: tuple[Yield, ...], counts: Counts, before: Recommendation) -> Recommendation:
-        found = searches.of(with_yields(asked, given_way))
+        found = searches.of(with_yields(asked, given_way), scenes_of=first.sought.problem)
         if not found.fits or not found.sought.outcome.complete:
             return before
         made = chosen_of(replace(found, given_way=given_way), watch, before=counts)
@@ -146,10 +146,10 @@ def held_by_yielding(
             return replace(before, cut=True)
         return replace(made, to_hold=True) if surer(first, made) is made and as_sure(made, before) else before
 
-    best = first
+    best, known = first, KnownToHold()
     watch.so_far(held_line(first))
     try:
-        counts, reached = counted_with(with_yields(asked, every), first, searches, watch)
+        counts, reached = counted_with(with_yields(asked, every), first, searches, watch, known)
         if first.counted is None or reached < halfway(first.counted.held, first.counted.asked):
             return first
         given_way = every
@@ -157,7 +157,7 @@ def held_by_yielding(
             if best.cut or best.counts is None:
                 break
             with watch.stage("practice"):
-                given_way = fewest_to_hold(asked, first.given_way, given_way, counts, watch.deadline)
+                given_way = fewest_to_hold(asked, first.given_way, given_way, counts, watch.deadline, known)
             made = with_given_way(given_way, counts, best) if given_way != best.given_way else best
             if made is best:
                 break
@@ -172,7 +172,7 @@ def held_by_yielding(
 
 
 def counted_with(
-    weaker: Mission, first: Recommendation, searches: Searches, watch: Watch
+    weaker: Mission, first: Recommendation, searches: Searches, watch: Watch, known: KnownToHold
 ) -> tuple[Counts, float]:
     """Hardware that may hold as often as is asked in a weaker mission, and in what share of the scenarios some does.
 
@@ -183,9 +183,9 @@ def counted_with(
     counts, counted = first.counts, first.counted
     assert counts is not None and counted is not None
     with watch.stage("practice"):
-        reached = most_held(counts, weaker)
+        reached = most_held(counts, weaker, known)
     if halfway(counted.held, counted.asked) <= reached < share_to_hold(counts):  # other hardware may do better
-        found = searches.of(weaker)
+        found = searches.of(weaker, scenes_of=counts.sought.problem)
         if found.fits and found.sought.outcome.complete:
             patient = watch.until(watch.deadline.or_after(CERTAINTY_S, effort_s))
             counts = counts_of(found.sought, patient, counts) or counts

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from uwopt.api.practice_known import PracticeKnown, on_hardware
 from uwopt.catalog.catalogue import Catalog
@@ -14,6 +14,7 @@ from uwopt.errors import MissionError
 from uwopt.forward.assembly import build_problem, load_catalog, selected
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
+from uwopt.mission.strictness import Asking
 from uwopt.mission.yielding import SNR_AT, SNR_LESS, YIELDS, Yield, with_yields, yields_of
 from uwopt.objectives.goal import goal_of
 from uwopt.results.design import (
@@ -41,6 +42,7 @@ SUREST = 2  # hardware of those counted, for which it is asked what would make i
 LUCK = 1.64  # standard errors: of a share that was chosen, one in twenty is as far above the truth
 MORE_SHARE = 0.25  # of what is open that is asked about first: that something fits takes a fifth of that nothing does
 TRIED_SET = 5  # of the best, of which one at least has to have settings
+KnownToHold = dict[tuple[Any, Asking], float]  # in how many scenarios hardware holds in a mission
 ROOM_DB = 1.0  # of signal to noise that is left where it can be: settings come in steps, and estimates may be wrong
 
 
@@ -237,9 +239,12 @@ def all_to_hold(asked: Mission, given_way: Collection[Yield]) -> tuple[Yield, ..
 
 
 def fewest_to_hold(
-    asked: Mission, given_way: Collection[Yield], every: Sequence[Yield], counts: Counts, deadline: Deadline
-) -> tuple[Yield, ...]:
+    asked: Mission, given_way: Collection[Yield], every: Sequence[Yield], counts: Counts, deadline: Deadline,
+    known: KnownToHold,
+) -> tuple[Yield, ...]:  # fmt: skip
     """The least that has to give way so that some hardware holds as often as is asked, where with `every` it does.
+
+    What gave way so that anything fits comes back, the latest first, where that is not needed beside the rest.
 
     asked : the mission with all of good practice
     given_way : what of it has given way so that anything fits
@@ -255,15 +260,20 @@ def fewest_to_hold(
         and with_yields(asked, _in_order(given_way, [one])).to_dict() != base.to_dict()
     )  # fmt: skip
 
-    def held(more: Collection[Yield]) -> float:
-        return most_held(counts, with_yields(base, more))
+    def held(gone: Collection[Yield]) -> float:
+        return most_held(counts, with_yields(asked, gone), known)
 
-    least = min(share_to_hold(counts), held(further))
+    least = min(share_to_hold(counts), held(_in_order(given_way, further)))
 
     def holds(more: Collection[Yield]) -> bool:
-        return held(more) >= least
+        return held(_in_order(given_way, more)) >= least
 
-    return _in_order(given_way, _fewest(base, further, holds, patience))
+    few = _in_order(given_way, _fewest(base, further, holds, patience))
+    for one in reversed([one for one in few if one in given_way]):
+        rest = tuple(other for other in few if other is not one)
+        if not patience.passed() and held(rest) >= least:
+            few = rest
+    return few
 
 
 def share_to_hold(counts: Counts) -> float:
@@ -272,16 +282,23 @@ def share_to_hold(counts: Counts) -> float:
     return min(share + LUCK * math.sqrt(share * (1.0 - share) / counts.seen.scenarios.count), 1.0)
 
 
-def most_held(counts: Counts, mission: Mission) -> float:
+def most_held(counts: Counts, mission: Mission, known: KnownToHold) -> float:
     """In how many of the same scenarios any of the hardware that held most often holds in a mission like that.
 
     As it can be recommended: at a stop at which it fits by central numbers as well.
+
+    known : what is counted so of hardware that is counted again, for the same mission
     """
+    from uwopt.solvers.confidence.counted import names
     from uwopt.solvers.confidence.deciding import set_and_held_with
 
     problem, goal, seen, most = counts.sought.problem, counts.sought.goal, counts.seen, 0.0
+    asks = Asking.of(mission)
     for one in sorted(seen.tried, key=lambda one: one.held, reverse=True)[:SUREST]:
-        most = max(most, set_and_held_with(problem, goal, one.found, seen.scenarios, mission))
+        key = names(problem, one.found), asks
+        if key not in known:
+            known[key] = set_and_held_with(problem, goal, one.found, seen.scenarios, mission)
+        most = max(most, known[key])
         if most >= share_to_hold(counts):
             break
     return most

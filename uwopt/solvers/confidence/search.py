@@ -297,12 +297,13 @@ def candidates(
             continue
         if any(worse >= share for share, fit in seen.fits.items() if not fit):
             continue  # nothing does with these, or with numbers that are less worse
-        changed, fits_here = worse_problem(problem, seen.scenarios, worse), False
+        changed, fits_here, imagers = worse_problem(problem, seen.scenarios, worse), False, None
         for goal in (objective, Objective.of("snr_db")):
             if done() or (goal is not objective and (hopeful() or not wants_light or not fits)):
                 break
             patience = deadline.at_most(PROOF_SHARE * deadline.left_s) if waiting else deadline
-            searched = Search(changed, goal, top=A_SEARCH, deadline=patience).whole()
+            search = Search(changed, goal, top=A_SEARCH, deadline=patience, imagers=imagers)
+            searched, imagers = search.whole(), search.every_imager
             if patience.passed():
                 yield waiting
                 raise OutOfTimeError
