@@ -539,16 +539,24 @@ DEFECTS = (
     Defect(
         name="a limit is told as far off as it was tried",
         file=f"{ROOM}/deciding.py",
-        old="nearest(asked, far, holds), unit",
-        new="far, unit",
+        old="far if coarse else nearest(ease.asked, far, holds)",
+        new="far",
         test="tests/solvers/test_confidence_deciding.py::test_a_limit_is_moved_as_far_as_its_number_reaches",
     ),
     Defect(
         name="no larger battery is thought of where energy is short",
         file=f"{ROOM}/deciding.py",
-        old="FARTHEST if OF_BATTERY in wanted else 1.0",
-        new="1.0",
+        old="(FARTHEST,) if OF_BATTERY in wanted else ()",
+        new="()",
         test="tests/solvers/test_confidence_deciding.py::test_a_battery_is_as_large_as_the_cameras_draw_may_be",
+    ),
+    Defect(
+        name="no vehicle keeps its height more steadily",
+        file=f"{ROOM}/deciding.py",
+        old="(TOLERANCE, STEADIER), ",
+        new="",
+        test="tests/solvers/test_confidence_deciding.py::"
+        "test_a_steadier_or_lower_height_is_told_where_a_vehicle_leaves_its_band",
     ),
     Defect(
         name="a proof keeps to itself what it takes for granted",

@@ -130,6 +130,18 @@ def test_less_signal_to_noise_holds_where_the_floor_is_dark() -> None:
         assert bool(made.held.max() >= 0.9) is enough
 
 
+def test_a_steadier_or_lower_height_is_told_where_a_vehicle_leaves_its_band() -> None:
+    """A pixel as large as from 2.52 m. Of 0.5 m about 2 m it leaves up to a quarter: 2.625 m; of 0.375 m, 2.47 m; a
+    tenth lower, 2.425 m."""
+    wanted = {"min_snr_db": 10.0, "max_gsd_mm": 0.5 * (2.52 + 0.08)}
+    sought = sought_of(one(wanted=wanted, vehicle={"altitude_tolerance_m": 0.5}), beyond_band=0.25)
+    one_, scenarios = seen(sought, 0.9, beyond_band=0.25)
+    assert 0.0 < one_.held < 0.9 and [*one_.outcomes.missed(one_.stop)] == ["max_gsd_mm"]
+    told = would_hold(sought.problem, sought.search.objective, one_, scenarios, 0.9, NEVER)
+    assert [made.name for made in told] == ["max_gsd_mm", "altitude_tolerance_m", "altitude_m"]
+    assert [(made.needed, made.nearest) for made in told[1:]] == [(0.375, False), (1.8, False)]
+
+
 def test_without_time_nothing_is_told(short_of_power: Sought) -> None:
     one_, scenarios = seen(short_of_power, 0.9)
     over = Deadline(0.0, lambda: 1.0)

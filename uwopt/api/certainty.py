@@ -39,7 +39,6 @@ from uwopt.solvers.recommend import Sought, best_settable, design_of, hardware_o
 
 MADE_IS_SURER = "made_is_surer"  # code of the warning that more parts to be made were taken, for they hold more often
 NOT_CERTAIN = "not_certain"  # code of the warning that nothing holds as often as asked
-EASED_S = 2.0  # of work, likewise, for what asked less would make certain enough
 MOST_SET = 6  # stops of a ring, of one hardware or the next, that are tried to be set
 OF_A_SYSTEM = 10_000  # scenarios in which a given system is counted
 
@@ -246,7 +245,6 @@ def eased(problem: Problem, goal: Objective, known: Confidence, choice: Certain,
 
     if known.enough or known.asked == ENDS:
         return known
-    deadline = deadline.or_after(EASED_S, effort_s).at_most(EASED_S)
     told = would_hold(problem, goal, choice.best, choice.scenarios, choice.asked, deadline)
     return replace(known, would_hold=told)
 

@@ -214,7 +214,7 @@ def surer_block(result: Result) -> Iterator[Block]:
         return
     lines: list[Line] = [sentence(decides_text(one)) for one in known.decided_by]
     if known.would_hold:
-        told = words.listed([move_text(move) for move in known.would_hold])
+        told = words.listed([move_text(move) for move in known.would_hold], "or")
         one_of = "with any one of these asked instead" if len(known.would_hold) > 1 else "with this asked instead"
         share = percent(float(known.asked))
         lines.append(sentence(f"With iris and focus set anew, this hardware holds in {share} {one_of}: {told}."))

@@ -82,7 +82,7 @@ def not_known_lines(result: Result | FrontResult) -> list[Line]:
     unsure += [move.name for move in why.moves if not move.nearest]
     told = []
     if why.not_known:
-        names = words.listed([formats.one_line(name, 40) for name in why.not_known]).replace(" and ", " or ")
+        names = words.listed([formats.one_line(name, 40) for name in why.not_known], "or")
         told.append(f"whether it is enough to give way in {names}{in_part_text(why.in_part)}")
     if unsure:
         names = words.listed([formats.one_line(name, 40) for name in unsure])

@@ -29,10 +29,10 @@ SETTINGS: Mapping[str, tuple[str, str]] = {
 
 #: Keys of a mission that may be moved.
 KEYS: Mapping[str, str] = {
-    "altitude_m": "altitude", "speed_m_s": "speed", "frame_interval_s": "time between images",
-    "duration_h": "duration", "battery_wh": "battery", "camera_between_images": "cameras between images",
-    "lamps_between_images": "lamps between images", "visibility_m": "visibility",
-    "secchi_m": "Secchi depth",
+    "altitude_m": "altitude", "altitude_tolerance_m": "tolerance of the altitude", "speed_m_s": "speed",
+    "frame_interval_s": "time between images", "duration_h": "duration", "battery_wh": "battery",
+    "camera_between_images": "cameras between images", "lamps_between_images": "lamps between images",
+    "visibility_m": "visibility", "secchi_m": "Secchi depth",
 }  # fmt: skip
 
 #: What a note is about, where that has no other name here.

@@ -9,13 +9,12 @@ What asked less would do is found by moving one requirement at a time, and count
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.deadline import Deadline, OutOfTimeError
+from uwopt.deadline import Deadline, OutOfTimeError, effort_s
 from uwopt.errors import MissionError
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
@@ -41,12 +40,15 @@ MOST_TOLD = 2  # numbers
 OF_LUCK = 20  # numbers that mean nothing: what tells no more than the most telling of them is not told
 #: What gives a lamp's light room, where too little or too much of it is what is missed first.
 FOR_LIGHT = ("min_snr_db", "min_snr_mean_db", "min_snr_red_db", "min_contrast", "max_gain_db", "max_blur_px")
-ALTITUDE = "altitude_m"
+ALTITUDE, TOLERANCE = "altitude_m", "altitude_tolerance_m"
 BATTERY, OF_BATTERY = "battery_wh", "energy_wh"  # what holds too little where that is missed
 FARTHEST = 4.0  # times as much, or as little
 FARTHEST_DB = 20.0
-NEAREST = 0.75  # of the altitude that is asked
+LOWER = (0.9, 0.75)  # of the altitude that is asked, in turn
 CLOSE = 0.05  # of a change: no nearer value is looked for
+HEIGHTS = (ALTITUDE, TOLERANCE)  # that are lit anew, which takes long: few values of them are tried, whatever the rest
+STEADIER = (0.75, 0.5, 0.25)  # of the tolerance that is asked, in turn
+EASED_S = 2.0  # of work, where no time is given: for keys that are not lit anew
 FIRST_STEP = 1 / 32  # of the way from what is asked to what lies far from it
 
 
@@ -83,27 +85,30 @@ def shares(held: NDArray[np.bool_], number: Array) -> tuple[float, float]:
 def would_hold(
     problem: Problem, objective: Objective, seen: Counted, scenarios: Scenarios, share: float, deadline: Deadline
 ) -> list[Moved]:
-    """Requirements of which less would let the hardware hold as often as asked, each moved alone, as far as time goes.
+    """Keys of which less would let the hardware hold as often as asked, each moved alone, as far as time goes.
 
     What is told was counted; its lens may stand at another stop then. With little time less is found than would do.
     """
-    made, missed = [], seen.outcomes.missed(seen.stop)
-    for key, unit, asked, far, mission_at in moves(problem.mission, missed):
+    made, patience = [], deadline.or_after(EASED_S, effort_s).at_most(EASED_S)
+    for ease in eases(problem.mission, seen.outcomes.missed(seen.stop)):
 
-        def holds(value: float, key: str = key, mission_at: Any = mission_at) -> bool:
-            deadline.check()
+        def holds(value: float, ease: Ease = ease) -> bool:
+            lit_anew = ease.key in HEIGHTS
+            (deadline if lit_anew else patience).check()
             try:
-                mission = mission_at(value)
+                mission = ease.mission_at(value)
             except MissionError:
                 return False
-            moved = key == ALTITUDE
-            return held_with(problem, objective, seen.found, scenarios, mission, moved=moved) >= share
+            return held_with(problem, objective, seen.found, scenarios, mission, moved=lit_anew) >= share
 
         try:
-            if holds(far):
-                made.append(Moved(key, asked, nearest(asked, far, holds), unit, True))
+            far = next((value for value in ease.values if holds(value)), None)
+            if far is not None:
+                coarse = len(ease.values) > 1
+                needed = far if coarse else nearest(ease.asked, far, holds)
+                made.append(Moved(ease.key, ease.asked, needed, ease.unit, not coarse))
         except OutOfTimeError:
-            break
+            continue
     return made
 
 
@@ -133,11 +138,22 @@ def nearest(asked: float, far: float, holds: Callable[[float], bool]) -> float:
     return far
 
 
-def moves(mission: Mission, missed: Iterable[str]) -> Iterator[tuple[str, str, float, float, Any]]:
-    """Key, unit, what is asked, a value far from it that asks for less, and the mission with a value.
+@dataclass(frozen=True)
+class Ease:
+    """A key of which less may be asked: values in turn, the first with which hardware holds is told."""
 
-    Of requirements those that are missed, the battery where it holds too little; at last the altitude, which eases most
-    of them.
+    key: str
+    unit: str
+    asked: float
+    values: tuple[float, ...]  # one alone lies far from what is asked: a nearer one is looked for
+    mission_at: Callable[[float], Mission]
+
+
+def eases(mission: Mission, missed: Iterable[str]) -> Iterator[Ease]:
+    """What may be eased where these requirements are missed: they, and what a vehicle would do to meet them.
+
+    A battery where it holds too little; a steadier height, without which little of a wide band is left for the
+    images; at last a lower one, which eases most.
     """
     wanted = {key for name in missed for key in (FOR_LIGHT if name == "light" else (name,))}
     for name, (section, key, _) in RELAXABLE.items():
@@ -153,16 +169,18 @@ def moves(mission: Mission, missed: Iterable[str]) -> Iterator[tuple[str, str, f
         def with_value(value: float, section: str = section, key: str = key, asked: float = asked) -> Mission:
             return with_limit(mission, section, key, asked, value)
 
-        yield key, unit, asked, far, with_value
-    for key, share in ((BATTERY, FARTHEST if OF_BATTERY in wanted else 1.0), (ALTITUDE, NEAREST)):
+        yield Ease(key, unit, asked, (far,), with_value)
+    battery = (FARTHEST,) if OF_BATTERY in wanted else ()
+    for key, shares in ((BATTERY, battery), (TOLERANCE, STEADIER), (ALTITUDE, LOWER)):
         values = {getattr(view.vehicle, key) for view in mission.views}
-        if share != 1.0 and len(values) == 1 and (asked := values.pop()):
+        if shares and len(values) == 1 and (asked := values.pop()):
             varied, there = VariedMission(mission, {}), Varied(key, "vehicle", key, ())
 
             def of_vehicle(value: float, varied: VariedMission = varied, there: Varied = there) -> Mission:
                 return varied.with_values({there: value})
 
-            yield key, split_unit(key)[1], asked, rounded_away(share * asked, asked), of_vehicle
+            there_to = tuple(rounded_away(one * asked, asked) for one in shares)
+            yield Ease(key, split_unit(key)[1], asked, there_to, of_vehicle)
 
 
 def held_with(

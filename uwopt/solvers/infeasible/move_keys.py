@@ -16,6 +16,7 @@ from uwopt.solvers.infeasible.least_change import rounded_away
 
 FARTHEST_SPEED = 0.1  # of the speed that is asked
 ALTITUDES = (0.4, 0.65, 1.5, 0.15)  # of the altitude that is asked; what is near and fits at all fits soonest
+STEADIEST = 0.25  # of the tolerance that is asked
 FARTHEST_CLARITY = (40.0, 8.0)  # times as clear: the first that is no more than water can be
 FARTHEST_TIME = 10.0  # times as long between images
 FARTHEST_ENERGY = (10.0, 100.0)  # times as short a mission, or as much in its battery
@@ -53,11 +54,13 @@ def shared_keys(mission: Mission, *, for_want_of_energy: bool) -> dict[str, floa
 
 
 def _vehicle(mission: Mission) -> Iterator[Try]:
-    """Height, speed, and the time between images."""
+    """Height, how steadily it is kept, speed, and the time between images."""
     altitude, speed = _common(mission, "altitude_m"), _common(mission, "speed_m_s")
     if altitude:
         values = tuple(rounded_away(factor * altitude, altitude) for factor in ALTITUDES)
         yield _try("vehicle", "altitude_m", altitude, values)
+    if tolerance := _common(mission, "altitude_tolerance_m"):
+        yield _try("vehicle", "altitude_tolerance_m", tolerance, (rounded_away(STEADIEST * tolerance, tolerance),))
     if speed:
         yield _try("vehicle", "speed_m_s", speed, (rounded_away(FARTHEST_SPEED * speed, speed),))
     if interval := _interval(mission):
