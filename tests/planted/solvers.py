@@ -201,8 +201,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="light for the gain bounded 50 % too high",
         file="uwopt/solvers/exact/bounds.py",
-        old="np.where(need.by_gain_e > 0, need.by_gain_e / signal[:, -1], 0.0)",
-        new="np.where(need.by_gain_e > 0, 1.5 * need.by_gain_e / signal[:, -1], 0.0)",
+        old="np.where(need.by_gain_e > 0, need.by_gain_e / signal_e[:, -1], 0.0)",
+        new="np.where(need.by_gain_e > 0, 1.5 * need.by_gain_e / signal_e[:, -1], 0.0)",
         test=f"{BOUNDS}test_a_unit_is_bounded_by_its_best[a wanted level]",
     ),
     Defect(
@@ -236,8 +236,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="bound of the electrons for the SNR loosened by a tenth",
         file="uwopt/solvers/exact/bounds.py",
-        old="np.where(need.by_snr_e > 0, need.by_snr_e / signal, 0.0)",
-        new="np.where(need.by_snr_e > 0, 0.9 * need.by_snr_e / signal, 0.0)",
+        old="np.where(need.by_snr_e > 0, need.by_snr_e / signal_e, 0.0)",
+        new="np.where(need.by_snr_e > 0, 0.9 * need.by_snr_e / signal_e, 0.0)",
         test=f"{BOUNDS}test_the_bound_of_a_unit_is_tight[least power]",
     ),
     Defect(

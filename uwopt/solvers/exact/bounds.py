@@ -22,6 +22,7 @@ from uwopt.model import sensor
 from uwopt.model.aberration import field_blur
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.exact import off_balance
+from uwopt.solvers.exact.any_lighting import AnyLighting
 from uwopt.solvers.exact.imager_rules import limit
 from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.least_veil import LeastVeil
@@ -65,6 +66,7 @@ class Bounds:
         )
         self._corners: dict[tuple[int, int, str], Corner] = {} if like is None else like._corners
         self._needs_of: tuple[Array, dict[int, Needs]] | None = None
+        self._any_lighting = AnyLighting(self)
 
     def of_nodes(self, k: int, rows: Array, pixel_e: Mapping[int, Array] | None = None) -> NodeBounds:
         """Bounds of these imagers under one lighting, worst scene.
@@ -172,7 +174,7 @@ class Bounds:
         for index in range(len(imagers.scenes)):
             need = self.needs(index, rows)
             light_time, wanted, most = self.light_needed(index, lighting, need, kind, rows, pixel_e.get(index))
-            light_time, wanted = self._within_pulse(k, kind, own, need, light_time, wanted)
+            light_time, wanted = self._within_pulse(table.light[own], kind, need, light_time, wanted)
             capacity_needed, rate_hz = np.maximum(capacity_needed, wanted), np.maximum(rate_hz, need.rate_hz)
             at = np.searchsorted(capacity, wanted * (1 - 1e-12))
             drawn = np.where(at < len(capacity), least_drawn[np.minimum(at, len(capacity) - 1)], np.inf)
@@ -296,25 +298,22 @@ class Bounds:
         electrons a unit of capacity can give at the nominal altitude."""
         signal = self._signal_bound(scene_index, lighting, rows)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            light_x = np.where(need.by_snr_e > 0, need.by_snr_e / signal, 0.0).max(axis=1)
+            light_x = light_for_signal(need, signal)
             if pixel_e is not None:
                 light_x = np.maximum(light_x, np.where(need.by_pixel_e > 0, need.by_pixel_e / pixel_e, 0.0))
-            light_x = np.maximum(light_x, np.where(need.by_gain_e > 0, need.by_gain_e / signal[:, -1], 0.0))
             if need.by_red_e is not None:
                 far = len(self.problem.scenes[scene_index].range_m) - 1
                 red = self.tables.bound(scene_index, lighting, far, rows, channel="red")
                 light_x = np.maximum(light_x, need.by_red_e / red)
-            light_time = np.where(light_x > 0, light_x * need.square, 0.0)
-            wanted = light_time if kind == FLASH else light_time / need.longest_s
-        wanted = np.where(need.longest_s > 0, wanted, np.inf)
+            light_time, wanted = light_times(need, light_x, kind)
         return light_time, wanted, signal[:, -1] * (1.0 if kind == FLASH else need.longest_s) / need.square
 
     def _within_pulse(
-        self, k: int, kind: int, own: Array, need: Needs, light_time: Array, wanted: Array
+        self, lights: Array, kind: int, need: Needs, light_time: Array, wanted: Array
     ) -> tuple[Array, Array]:
         """Light * time and capacity that are needed when a pulse is no longer than the longest of these lights',
         and the shutter lets in no more of a flash than of the shortest."""
-        lamp = self.problem.lights.take(self.light_tables[k].light[own])
+        lamp = self.problem.lights.take(lights)
         with np.errstate(divide="ignore", invalid="ignore"):
             if kind == FLASH:
                 share = np.max([one.most_share(need.longest_s) for one in quickest(lamp.flash)], axis=0)
@@ -325,6 +324,20 @@ class Bounds:
                 longest = np.minimum(need.longest_s, longest)
                 return light_time, np.where(longest > 0, light_time / longest, np.inf)
         return light_time, wanted
+
+    def capacity_needed(self, need: Needs, signal_e: Array, kind: int, lights: Array) -> Array:
+        """The capacity of lamps of one kind without which there is too little light, (n,).
+
+        signal_e : electrons per lm s at most, (n, 2); lights : of which none is abler in time
+        """
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            light_time, wanted = light_times(need, light_for_signal(need, signal_e), kind)
+        return self._within_pulse(lights, kind, need, light_time, wanted)[1]
+
+    def leaves_dark(self, rows: Array) -> Array:
+        """Which of these imagers `of_nodes` discards by the rule of light under every lighting, as far as is soon
+        known, (n,)."""
+        return self._any_lighting.leaves_dark(rows)
 
     def _dimmest(self, k: int, own: Array) -> float:
         """The least that any of these lights draws at its lowest level: W, or J a flash."""
@@ -487,3 +500,17 @@ class Bounds:
         return np.asarray(ratio_to_db(np.fmax(snr, 1e-300)))  # a mean level below black has no number
 
 
+def light_for_signal(need: Needs, signal_e: Array) -> Array:
+    """Light * time over the square of the f-number that the SNR of the mean and the gain need, (n,).
+
+    signal_e : electrons per lm s at most, at the farthest altitude and the nominal one, (n, 2)
+    """
+    light_x = np.where(need.by_snr_e > 0, need.by_snr_e / signal_e, 0.0).max(axis=1)
+    return np.asarray(np.maximum(light_x, np.where(need.by_gain_e > 0, need.by_gain_e / signal_e[:, -1], 0.0)))
+
+
+def light_times(need: Needs, light_x: Array, kind: int) -> tuple[Array, Array]:
+    """The same as light * time at the smallest f-number, and as the capacity of lamps of one kind that it takes."""
+    light_time = np.where(light_x > 0, light_x * need.square, 0.0)
+    wanted = light_time if kind == FLASH else light_time / need.longest_s
+    return light_time, np.where(need.longest_s > 0, wanted, np.inf)

@@ -266,6 +266,11 @@ class PairTree:
         own = self.none.bounds
         tables = OutlineTables(level, rows, imagers, self.none.tables)
         bounds = Bounds(self.objective, imagers, tables, lights=own.searched, like=own)
+        dark = bounds.leaves_dark(index)
+        if dark.any():
+            account.charge("light", int(size[index[dark]].sum()) * self._sizes)
+            self._remember("light", level, rows, index[dark])
+            index = index[~dark]
         best, rules = np.full((len(index), self.n_ideals), np.inf), []
         open_ = np.zeros(len(index), bool)
         for k in range(len(tables.lightings)):

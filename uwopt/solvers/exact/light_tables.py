@@ -56,6 +56,8 @@ class FieldTables:
         )
         self._widest: dict[tuple[int, int], Rectangles] = {} if like is None else like._widest
         self._losses: dict[tuple[int, int, int, int, int, str | None], float] = {} if like is None else like._losses
+        self._responses: dict[tuple[int, int, int, int], float] = {} if like is None else like._responses
+        self.brightest: dict[tuple[int, int, int], list[FloorLightBound]] = {} if like is None else like.brightest
         self._likely: dict[Any, Array] = {}
         self._balance: dict[tuple[int, Lighting], Array] = {}
         self._chunk: tuple[Array, dict[tuple[int, int], Rectangles], Array, Array] | None = None
@@ -66,7 +68,7 @@ class FieldTables:
         """Upper bound on the electrons per lm s of these imagers at one altitude, (n,); of one colour channel, which a
         mono sensor has not."""
         problem, imagers = self.problem, self.imagers
-        rectangles, curves, back = self._of_chunk(rows)
+        _, curves, back = self._of_chunk(rows)
         contraction = problem.contractions[scene_index]
         spectrum = int(contraction.spectrum_of[lighting.optics])
         collecting = imagers.scenes[scene_index].view.collecting_m2[rows]
@@ -81,12 +83,32 @@ class FieldTables:
             response = response * np.array([sees_colours(problem.efficiencies[int(q)]) for q in curves])
         if problem.paper:
             return np.asarray(collecting * response[back] * axis)
-        key = (scene_index, altitude)
+        rectangle = self._rectangles_of_chunk(scene_index, altitude, rows)
+        light = self.light_table(scene_index, lighting, altitude).most_light(rectangle)
+        return np.asarray(collecting * response[back] * light * rectangle.samples_per_m2)
+
+    def _rectangles_of_chunk(self, scene_index: int, altitude: int, rows: Array) -> Rectangles:
+        """The floor rectangles of these imagers at one altitude, which all lightings share."""
+        rectangles, key = self._of_chunk(rows)[0], (scene_index, altitude)
         if key not in rectangles:
             rectangles[key] = self.rectangles(scene_index, altitude, rows)
-        rectangle = rectangles[key]
-        light = self._light_table(scene_index, lighting, altitude).most_light(rectangle)
-        return np.asarray(collecting * response[back] * light * rectangle.samples_per_m2)
+        return rectangles[key]
+
+    def at_mounts(
+        self, scene_index: int, some: Sequence[Lighting], altitude: int, rows: Array
+    ) -> tuple[Rectangles, Array, Array]:
+        """Rectangles of these imagers, the efficiency curve of each, and by curve the most that light of the same
+        optics at any of some mounts becomes in it, as in `bound`."""
+        _, curves, back = self._of_chunk(rows)
+        contraction = self.problem.contractions[scene_index]
+        spectrum = int(contraction.spectrum_of[some[0].optics])
+        for q in curves:
+            key = scene_index, some[0].optics, altitude, int(q)
+            if key not in self._responses:
+                loss = max(self._least_loss(scene_index, one, altitude, int(q), None) for one in some)
+                self._responses[key] = contraction.response(spectrum, int(q)) * loss
+        response = [self._responses[scene_index, some[0].optics, altitude, int(q)] for q in curves]
+        return self._rectangles_of_chunk(scene_index, altitude, rows), back, np.array(response)
 
     def most_sun(self, scene_index: int, rows: Array) -> Array:
         """Upper bound of the sun's electrons a second, image-forming, of these imagers' means, (n, n_altitudes)."""
@@ -154,7 +176,7 @@ class FieldTables:
             )
         return float(scene.cache[key])
 
-    def _light_table(self, scene_index: int, lighting: Lighting, altitude: int) -> FloorLightBound:
+    def light_table(self, scene_index: int, lighting: Lighting, altitude: int) -> FloorLightBound:
         """Upper bounds of the light on rectangles, built once for the widest image of all."""
         key = (scene_index, lighting, altitude)
         if key not in self._light_tables:

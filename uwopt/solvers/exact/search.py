@@ -325,6 +325,7 @@ class Search(Evaluation):
         """
         start = time.perf_counter()
         few = len(rows) * len(self.tables.lightings) <= TOO_FEW_TO_BOUND
+        rows = rows if few else self._lit(rows)
         bounds: list[NodeBounds] = []
         for k in range(len(self.tables.lightings)):
             self.deadline.check()
@@ -338,6 +339,17 @@ class Search(Evaluation):
         for name, failed in nodes.failed():
             self._discard(name, nodes, failed)
         return nodes
+
+    def _lit(self, rows: Array) -> Array:
+        """Those that some lighting may give enough light; the others are counted."""
+        self.deadline.check()
+        dark = self.bounds.leaves_dark(rows)
+        if not dark.any():
+            return rows
+        every = sum(len(table.light) for table in self.bounds.light_tables)
+        self.account.charge("light", every * int(dark.sum()))
+        self._sample("light", rows[dark])
+        return rows[~dark]
 
     def _how_wide(self, rows: Array) -> Array | None:
         """How wide these imagers look, worst scene; None unless the first that fits ends the search, whatever it is."""

@@ -147,6 +147,8 @@ class Mover:
 
     def __post_init__(self) -> None:
         self.base = VariedMission(self.mission, {})
+        known = self.trials.relaxer.settled
+        self.useless |= {one.key.name: known[one.key.name] for one in self.tries if one.key.name in known}
 
     @property
     def mission(self) -> Mission:
@@ -156,7 +158,7 @@ class Mover:
     def try_few(self) -> None:
         """Move each key far and look among a few imagers, as `Singles.try_few`."""
         phase = self.trials.deadline.at_most(FEW_SHARE * self.trials.deadline.left_s)
-        for one in self.tries:
+        for one in self.left:
             for value in one.values:
                 if phase.passed() or self.trials.interrupted:
                     return

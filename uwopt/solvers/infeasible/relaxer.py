@@ -41,6 +41,7 @@ from uwopt.solvers.infeasible.freed_rules import (
     OTHER_WATER,
     in_the_way,
 )
+from uwopt.solvers.infeasible.settled import untouched
 from uwopt.solvers.recommend import Sought, seek
 from uwopt.solvers.warm.tables import asking, imagers_of
 
@@ -226,6 +227,14 @@ class Relaxer:
         """
         none = () if self.like is None or self.like.outcome.best else in_the_way(self.like, name)
         return in_the_way(found, name) or none
+
+    @cached_property
+    def settled(self) -> dict[str, tuple[str, ...]]:
+        """What the search that found nothing proves not to help alone, and what is in the way even so."""
+        like = self.like
+        if like is None or not like.outcome.complete or like.outcome.best or like.problem.mission != self.mission:
+            return {}
+        return {name: in_the_way(like, name) for name in untouched(like.outcome.account)}
 
     def effort(self, freed: Collection[str]) -> float:
         """How many imagers a search without these requirements looks at, about; inf: all there are."""

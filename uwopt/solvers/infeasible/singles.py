@@ -54,6 +54,10 @@ class Singles:
     drawn: dict[str, LeastLimit] = field(default_factory=dict)
     unmet: list[str] = field(default_factory=list)  # which nothing meets where no other is asked: each has to give
 
+    def __post_init__(self) -> None:
+        known = self.trials.relaxer.settled
+        self.useless |= {name: known[name] for name in self.trials.limits if name in known}
+
     def ask_suspects(self) -> None:
         """First of all drop those that likely stand in the way, and draw in what helps.
 

@@ -1,0 +1,69 @@
+"""Planted defects of all lightings bounded at once, and of what that settles."""
+
+from __future__ import annotations
+
+from planted.defect import Defect
+
+ANY, SETTLED = "uwopt/solvers/exact/any_lighting.py", "uwopt/solvers/infeasible/settled.py"
+TESTS = "tests/solvers/test_any_lighting.py"
+DARK = f"{TESTS}::test_only_what_is_dark_under_each_lighting_is_left_dark[level]"
+ONLY = f"{TESTS}::test_only_what_discarded_nothing_is_settled"
+
+DEFECTS = (
+    Defect(
+        name="of places of lamps the darkest stands for all",
+        file=ANY,
+        old="one, light=np.maximum(one.light, other.light)",
+        new="one, light=np.minimum(one.light, other.light)",
+        test=DARK,
+    ),
+    Defect(
+        name="the least able lamp stands for all",
+        file=ANY,
+        old="np.where(np.isnan(effective), np.inf, effective).max())",
+        new="np.where(np.isnan(effective), np.inf, effective).min())",
+        test=DARK,
+    ),
+    Defect(
+        name="all lightings at once discard nothing",
+        file=ANY,
+        old="            dark &= ~enough\n",
+        new="            dark &= False\n",
+        test=DARK,
+    ),
+    Defect(
+        name="what no lighting lights is not counted",
+        file="uwopt/solvers/exact/search.py",
+        old='        self.account.charge("light", every * int(dark.sum()))\n',
+        new="",
+        test=f"{TESTS}::test_every_combination_is_counted_as_it_is_one_lighting_after_another[45.0-one by one]",
+    ),
+    Defect(
+        name="rows of pairs that no lighting lights are not counted",
+        file="uwopt/solvers/exact/large.py",
+        old='            account.charge("light", int(size[index[dark]].sum()) * self._sizes)\n',
+        new="",
+        test=f"{TESTS}::test_every_combination_is_counted_as_it_is_one_lighting_after_another[45.0-by pairs]",
+    ),
+    Defect(
+        name="a limit of power is said not to help where it discarded designs",
+        file=SETTLED,
+        old="    if are_idle(*BUDGETS):\n",
+        new="    if True:\n",
+        test=f"{ONLY}[0-discarded1-settled1-open_yet1]",
+    ),
+    Defect(
+        name="what was tried in vain is settled by bounds",
+        file=SETTLED,
+        old="    if account.evaluated or ",
+        new="    if ",
+        test=f"{ONLY}[1-discarded3-settled3-open_yet3]",
+    ),
+    Defect(
+        name="a search of another mission settles what does not help",
+        file="uwopt/solvers/infeasible/relaxer.py",
+        old=" or like.problem.mission != self.mission:",
+        new=":",
+        test=f"{TESTS}::test_a_search_of_another_mission_settles_nothing",
+    ),
+)
