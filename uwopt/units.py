@@ -67,6 +67,8 @@ DIMENSIONS: Mapping[str, Mapping[str, float]] = MappingProxyType(
         "level": {"db": 1.0},
         "salinity": {"psu": 1.0, "ppt": 1.0},
         "turbidity": {"ntu": 1.0, "fnu": 1.0, "ftu": 1.0},
+        "area rate": {"m2_h": 1.0, "km2_h": 1e6, "ha_h": 1e4},
+        "attenuation": {"per_m": 1.0, "per_cm": 100.0, "per_km": 1e-3},
         "temperature": {"c": 1.0, "degc": 1.0, "celsius": 1.0},
     }
 )  # fmt: skip
