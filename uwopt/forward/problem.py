@@ -442,6 +442,12 @@ class Problem:
         """Whether each light is a lamp, and not none at all, (n_lights,) of 1 and 0."""
         return np.array([part.id != NO_LAMP.id for part in self.parts.lights], float)
 
+    @property
+    def lamp_variants(self) -> int:
+        """In how many numbers and mounts each lamp comes."""
+        low, high = self.count_range
+        return (high - low + 1) * len(self.mounts)
+
     def lamps_cost(self, light: Array, count: Array, name: Literal["price", "limit_price"] = "price") -> Array:
         """What so many lamps cost that are not owned yet, with what switches them, (n,)."""
         bought = self.lamps_to_buy(light, count) * getattr(self.lights, name)[light]

@@ -26,6 +26,7 @@ from uwopt.solvers.confidence.panels import anchors_of, least_covered, panel_of
 from uwopt.solvers.confidence.scenario_bounds import may_be_better
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.states import imagers_among
+from uwopt.solvers.exact.certificate import per_light
 from uwopt.solvers.exact.imagers import landscapes
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
@@ -147,9 +148,9 @@ class Prover:
     @property
     def _total(self) -> int:
         """All combinations."""
-        parts, (low, high) = self.problem.parts, self.problem.count_range
-        each = [len(one) for one in (parts.cameras, parts.lenses, parts.ports, parts.lights, self.problem.mounts)]
-        return prod(each) * (high - low + 1) * len(landscapes(self.problem))
+        parts = self.problem.parts
+        each = [len(one) for one in (parts.cameras, parts.lenses, parts.ports, parts.lights)]
+        return prod(each) * per_light(self.problem)
 
     def _variants(self, problem: Problem, best: Sequence[Found], ceiling: float) -> Iterator[Found]:
         """The same parts in every number, mount and orientation that is better in the panel; a search lists one."""

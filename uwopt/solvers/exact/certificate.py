@@ -18,8 +18,7 @@ KINDS = ("camera", "lens", "port", "light")
 
 def per_light(problem: Problem) -> int:
     """How many numbers and mounts each light comes in, times orientations of each imager."""
-    low, high = problem.count_range
-    return (high - low + 1) * len(problem.mounts) * len(problem.mission.vehicle.orientations)
+    return problem.lamp_variants * len(problem.mission.vehicle.orientations)
 
 
 def certificate(

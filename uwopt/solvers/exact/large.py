@@ -73,8 +73,7 @@ class PairTree:
         self.alike = alike  # every view that there is, and no other
         self.levels = [*grouped, *(Level(problem, groups) for groups in ports)]
         self.n_port, self.orientations = len(problem.parts.ports), landscapes(problem)
-        low, high = problem.count_range
-        self.every = len(problem.parts.lights) * (high - low + 1) * len(problem.mounts)
+        self.every = len(problem.parts.lights) * problem.lamp_variants
         self.outline_s = 0.0
         none = imagers_in(problem, [], Tally(samples=pairs.tally.samples))
         tables = FieldTables(

@@ -165,7 +165,7 @@ class Search(Evaluation):
             self.account.total = self._every_combination()
             self.account.leave_the_rest()
             return False, float(self._camera_floor().min(initial=np.inf)), time.perf_counter() - start
-        self._start_account(imagers)
+        self.start_account(imagers)
         imagers_s = time.perf_counter() - start
         return (*self._by_floor(), imagers_s)
 
@@ -185,7 +185,7 @@ class Search(Evaluation):
             )
         ))  # fmt: skip
 
-    def _start_account(self, imagers: Imagers) -> None:
+    def start_account(self, imagers: Imagers) -> None:
         """Every combination of the parts in the search, and what the imagers' rules discard."""
         discarded = imagers.tally.discarded
         for rule, count in discarded.items():
@@ -195,8 +195,7 @@ class Search(Evaluation):
     @property
     def _illuminators(self) -> int:
         """Lights with their numbers and mounts."""
-        low, high = self.problem.count_range
-        return len(self.problem.parts.lights) * (high - low + 1) * len(self.problem.mounts)
+        return len(self.problem.parts.lights) * self.problem.lamp_variants
 
     def _every_combination(self) -> int:
         """All of the parts in the search, or of the imagers that were given."""

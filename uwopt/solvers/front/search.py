@@ -23,7 +23,7 @@ from uwopt.forward.problem import Problem
 from uwopt.objectives.axes import Axes, Frame
 from uwopt.objectives.dominance import clearly, hypervolume
 from uwopt.objectives.objective import Terms
-from uwopt.solvers.exact.account import NOT_REACHED, RULES, Account
+from uwopt.solvers.exact.account import RULES, Account
 from uwopt.solvers.exact.candidates import Candidates
 from uwopt.solvers.exact.imagers import FittingPairs, Imagers, fitting_pairs
 from uwopt.solvers.exact.large import PairTree
@@ -50,7 +50,6 @@ FEWEST_ASKED, MOST_ASKED = 1024, 8192  # segments at a time, before the points f
 RARELY = 0.1  # share of the segments asked that hold something new
 TRIED_IN_VAIN = 0.75  # share of designs that stay open after tries: no more are made
 STALLED = 0.8  # of the gap before: bounds on settings that do not close are not asked for ever
-FRONT_RULES = (*(rule for rule in RULES if rule != "bound"), "dominated")
 
 
 @dataclass
@@ -93,7 +92,7 @@ class FrontSearch:
         self.solved: dict[bytes, list[Array]] = {}  # by what decides a curve: axes that no setting changes
         self.curves: list[Curves] = []
         self.kept: list[Imagers] = []  # of a large catalogue, those that the curves are about
-        self.account: dict[str, int] = dict.fromkeys(FRONT_RULES, 0) | {"evaluated": 0}
+        self.account = self.search.account  # what its rule `bound` discards is dominated
         self.history: list[tuple[float, Array]] = []
 
     # ------------------------------------------------------------ run
@@ -104,7 +103,7 @@ class FrontSearch:
         if are_too_many(self.problem, pairs):
             return self._run_large(pairs)
         imagers = self.search.prepare()
-        self._count_imagers()
+        self.search.start_account(imagers)
         complete, interrupted = True, False
         open_ideals = np.empty((0, len(self.axes)))
         if len(imagers):
@@ -116,39 +115,37 @@ class FrontSearch:
                     complete = self._refine()
             except KeyboardInterrupt:
                 complete, interrupted = False, True
-            self._count_left(lighting[left])
+            if left.any():
+                self.account.leave_the_rest()
             open_ideals = ideal[left]
         return self._front(complete, interrupted, open_ideals)
 
     def _run_large(self, pairs: FittingPairs) -> Front:
         """The same of the imagers that the tree of pairs leaves, some at a time."""
-        charged, objective = Account(), self.axes.objective
         goal = Undominated(self.axes, self.points.archive, self.among)
-        tree = PairTree(self.problem, objective, pairs, goal, charged)
+        tree = PairTree(self.problem, self.axes.objective, pairs, goal, self.account)
         tree.open_account()
         interrupted = False
         try:
             complete = tree.search(self.deadline) and self._refine()
         except KeyboardInterrupt:
             complete, interrupted = False, True
-        for rule, count in charged.discarded.items():
-            self._charge(rule, count)
         open_ideals = tree.open_ideals()
         if len(open_ideals):
-            self.account[NOT_REACHED] = charged.total - sum(self.account.values())
+            self.account.leave_the_rest()
         self.search.take_up(tree.none.others(Imagers.joined(self.kept or [tree.none.imagers])))
         return self._front(complete, interrupted, open_ideals)
 
     def among(self, candidates: Candidates) -> bool:
         """Nodes of these layer by layer; False when time ran out: then they count as not reached, and points stay."""
         self.search.take_up(candidates)
-        before, first, complete = dict(self.account), len(self.curves), False
+        before, first, complete = self.account.snapshot(), len(self.curves), False
         try:
             ideal, lighting, imager = self._units()
             complete = self._layers(ideal, lighting, imager, np.ones(len(ideal), bool))
         finally:
             if not complete:
-                self.account = before
+                self.account.restore(before)
             self._keep(first)
         return complete
 
@@ -160,22 +157,6 @@ class FrontSearch:
         for place, curves in enumerate(self.curves[first:], first):
             at = begin + np.searchsorted(used, curves.some.imager)
             self.curves[place] = replace(curves, some=replace(curves.some, imager=at))
-
-    def _charge(self, rule: str, count: int) -> None:
-        """So many more that a rule of the search discards: what its bound does is dominated."""
-        self.account["dominated" if rule == "bound" else rule] += count
-
-    def _count_imagers(self) -> None:
-        """What the imagers' rules discard, in combinations."""
-        low, high = self.problem.count_range
-        illuminators = len(self.problem.parts.lights) * (high - low + 1) * len(self.problem.mounts)
-        for rule, count in self.search.imagers.tally.discarded.items():
-            self._charge(rule, count * illuminators)
-
-    def _count_left(self, lighting: Array) -> None:
-        """Nodes that were not reached."""
-        if len(lighting):
-            self.account[NOT_REACHED] = int(self._sizes()[lighting].sum())
 
     def _sizes(self) -> Array:
         return np.array([len(t.light) for t in self.search.bounds.light_tables])
@@ -189,7 +170,7 @@ class FrontSearch:
             seen = bounds.of_nodes(k, every)
             size = len(bounds.light_tables[k].light)
             for name, lost in by_rule(seen.rule):
-                self._charge(name, len(lost) * size)
+                self.account.charge(name, len(lost) * size)
             alive = np.nonzero((seen.rule < 0) & np.isfinite(seen.value))[0]
             ideals.append(self.axes.minimised(seen.terms(alive, imagers.gsd_mm[alive])))
             lightings.append(np.full(len(alive), k))
@@ -203,12 +184,12 @@ class FrontSearch:
         while left.any():
             rows = np.nonzero(left)[0]
             beaten = self.points.archive.beats(ideal[rows])
-            self.account["dominated"] += int(sizes[lighting[rows[beaten]]].sum())
+            self.account.charge("bound", int(sizes[lighting[rows[beaten]]].sum()))
             left[rows[beaten]] = False
             rows = rows[~beaten]
             if len(rows) == 0:
                 break
-            if self._late():
+            if self.deadline.passed():
                 return False
             wave = rows[in_layers(ideal[rows])[:batch]]  # none dominates those, then those next to them
             if not self._take(lighting[wave], imager[wave]):
@@ -221,7 +202,7 @@ class FrontSearch:
 
     def _take(self, lighting: Array, imager: Array) -> bool:
         """Evaluate these nodes; cut short, they count as not reached, and points stay."""
-        before, done = dict(self.account), False
+        before, done = self.account.snapshot(), False
         try:
             parts = [self._bounded_again(int(k), imager[lighting == k]) for k in np.unique(lighting)]
             some = [part for part in parts if part is not None and len(part)]
@@ -230,11 +211,8 @@ class FrontSearch:
             return False
         finally:
             if not done:
-                self.account = before
+                self.account.restore(before)
         return done
-
-    def _late(self) -> bool:
-        return self.deadline.passed()
 
     # ------------------------------------------------------------ one wave
 
@@ -249,7 +227,7 @@ class FrontSearch:
         )
         rule = first_missed(every.kept_limits(search.limits))
         for name, lost in by_rule(rule):
-            self._charge(name, len(lost))
+            self.account.charge(name, len(lost))
         pairs, lights = every.take(np.flatnonzero(rule < 0)), None
         stages: tuple[Veils, ...] = ("none", "forward", "coarse") if self.problem.effects.veils else ()
         for stage in stages:
@@ -288,7 +266,7 @@ class FrontSearch:
         """Places of the designs that may hold something new, bounds drawn in or not; the others are counted."""
         least_w = self.trade.least_power_bound(some)
         possible = np.nonzero(np.isfinite(least_w))[0]
-        self.account["light"] += len(some) - len(possible)
+        self.account.charge("light", len(some) - len(possible))
         left = some.take(possible)
         best = self.points.values(
             left, least_w[possible], self.trade.bound_within(left, left.full_power_w), np.arange(len(left))
@@ -298,7 +276,7 @@ class FrontSearch:
         if bounds is not None:
             curves = Curves(self.trade, some.take(open_), bounds)
             open_ = open_[self._drawn_in(curves)[1] if closely else self.points.are_open(curves)]
-        self.account["dominated"] += len(possible) - len(open_)
+        self.account.charge("bound", len(possible) - len(open_))
         return open_
 
     # ------------------------------------------------------------ curves
@@ -306,11 +284,11 @@ class FrontSearch:
     def _solve(self, some: Hopeful) -> bool:
         """Ends of the curves, then segments that may still matter, coarsely; False: out of time."""
         apart = self._without_twins(some)
-        self.account["dominated"] += len(some) - len(apart)
+        self.account.charge("bound", len(some) - len(apart))
         some = some.take(apart)
         if len(some) == 0:
             return True
-        self.account["evaluated"] += len(some)
+        self.account.evaluated += len(some)
         curves = Curves.bounded(self.trade, some)
         if curves is not None:
             curves, _ = self._drawn_in(curves)
@@ -401,7 +379,7 @@ class FrontSearch:
                 which, spans = which[first], spans[first]
             order = np.argsort(-spans, kind="stable")[:most]
             which, spans = which[order], spans[order]
-            if self._late():
+            if self.deadline.passed():
                 return False
             pieces = np.clip(np.ceil(np.sqrt(spans / largest)), 2, MOST_PIECES).astype(int)
             answers = curves.ask(which, self.points.wanted(curves, which), pieces)
@@ -483,5 +461,12 @@ class FrontSearch:
                 upper = max(upper, hypervolume(still, frame))
         return Front(
             self.axes, every[kept], [designs[i] for i in kept], frame, lower, upper, complete, interrupted,
-            self.account, time.perf_counter() - self.start, self.history,
+            by_front_rule(self.account), time.perf_counter() - self.start, self.history,
         )  # fmt: skip
+
+
+def by_front_rule(account: Account) -> dict[str, int]:
+    """Where combinations went in a front's words: evaluated, or discarded by which rule."""
+    by_bound = {rule: count for rule, count in account.discarded.items() if rule != "bound"}
+    others = {rule: by_bound.pop(rule) for rule in [*by_bound] if rule not in RULES}
+    return {**by_bound, "dominated": account.discarded["bound"], **others, "evaluated": account.evaluated}
