@@ -253,6 +253,17 @@ class SceneRows(Columns):
         """What is drawn whatever the light."""
         return 0.0 if self.idle_w is None else self.idle_w
 
+    @property
+    def full_draw_w(self) -> Array:
+        """Power of all lights at full level, (n,): while they burn, or of flashes at the frame rate."""
+        return np.where(self.kind == FLASH, self.pulse_energy_j * self.rate_hz, self.full_power_w)
+
+    def share_within(self, limit_w: Array) -> Array:
+        """Share of their full draw that a mean power leaves the lights, (n,); inf where they draw nothing."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = (limit_w - self.idle) / self.full_draw_w
+        return np.where(np.isnan(share), np.inf, share)
+
     def exposing_w(self, exposure_s: Array) -> Array:
         """Mean power that cameras draw for an exposure beyond the shortest that they have, (n,)."""
         if self.camera_w is None or self.awake_s is None:

@@ -220,14 +220,6 @@ def wanted_stops(lens: Lenses, imagers: Imagers, rows: Array, every: bool) -> li
     return [float(n) for n in useful]
 
 
-def values_at(
-    group: Together, objective: Objective, rows: list[SceneRows], imager: Array, stop: Array
-) -> tuple[Array, Array]:
-    """Minimised objective of these imagers, each with its iris at its own stop; and what is missed first, by name."""
-    judge = Judge.of(group, objective, rows, imager, stop)
-    return judge.verdict(judge.adapted())
-
-
 @dataclass(frozen=True)
 class Judge:
     """Imagers with the iris of each at its own stop, and what they cost and weigh, (n,): judges their settings."""

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from uwopt.deadline import Deadline
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.confidence.outcomes import groups_of, values_at
+from uwopt.solvers.confidence.outcomes import Judge, groups_of
 from uwopt.solvers.confidence.panels import Anchor, least_covered
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.states import Together
@@ -50,8 +50,8 @@ def bounds_of(
             deadline.check()
             some = group.only(ours)
             rows = some.bounded_rows(objective, anchor, deadline)
-            seen = values_at(some, objective, rows, np.arange(len(ours)), np.full(len(ours), np.nan))[0]
-            value[some.hardware, some.scenario] = seen
+            judge = Judge.of(some, objective, rows, np.arange(len(ours)), np.full(len(ours), np.nan))
+            value[some.hardware, some.scenario] = judge.verdict(judge.adapted())[0]
     return value
 
 

@@ -196,11 +196,15 @@ class Together:
         iris = may_close(self.problem)
         return [eased(dimmed(rows, anchor.share[k][place]), iris=iris) for k, rows in enumerate(rows_in)]
 
-    def _lit(self, problem: Problem, objective: Objective, deadline: Deadline) -> list[SceneRows]:
+    def _lit(
+        self, problem: Problem, objective: Objective, deadline: Deadline,
+        narrowed: Narrowed | None = of_deciding_pixels, *, light_alone: bool = False,
+    ) -> list[SceneRows]:  # fmt: skip
         """Rows in the light of some water, by scene, each under its own light."""
-        made, parts = node_rows(problem, self.imagers, objective, deadline, of_deciding_pixels), []
+        made, parts = node_rows(problem, self.imagers, objective, deadline, narrowed), []
         for lighting, mine in self._under_each(made.tables.lightings):
-            parts.append((mine, rows_under(made, mine, self.light[mine], self.count[mine], lighting)))
+            lights, lamps = made.tables.in_scenes(lighting, mine), (self.light[mine], self.count[mine])
+            parts.append((mine, made.rows(mine, lights, *lamps, lighting, light_alone=light_alone)))
         every = range(len(problem.scenes))
         return [SceneRows.in_places([(mine, rows[k]) for mine, rows in parts], len(self.scenario)) for k in every]
 
@@ -254,14 +258,7 @@ class Together:
 
         def reference(scenes: list[SceneOptics]) -> list[SceneRows]:
             deadline.check()
-            made = node_rows(self.problem.in_scenes(scenes), alone.imagers, objective, deadline)
-            parts = [
-                (mine, rows_under(made, mine, alone.light[mine], alone.count[mine], lighting, light_alone=True))
-                for lighting, mine in alone._under_each(made.tables.lightings)
-            ]
-            return [
-                SceneRows.in_places([(mine, rows[k]) for mine, rows in parts], len(missing)) for k in range(len(scenes))
-            ]
+            return alone._lit(self.problem.in_scenes(scenes), objective, deadline, None, light_alone=True)
 
         if missing:
             made = WaterResponse.of_each(self.scenarios.waters, self.scenarios.all_states, reference, len(missing))
@@ -408,11 +405,3 @@ def node_rows(
     """What makes rows of these imagers under any lighting; `narrowed`: of each image, the pixels that count."""
     none = np.zeros(len(problem.parts.lights), bool)  # bounds of lights are not asked for
     return NodeRows(problem, objective, Candidates.of(problem, objective, imagers, lights=none), deadline, narrowed)
-
-
-def rows_under(
-    made: NodeRows, rows: Array, light: Array, count: Array, lighting: Lighting, *, light_alone: bool = False
-) -> list[SceneRows]:
-    """The settings' view of these imagers, each under its own light of one optics."""
-    lights = made.tables.in_scenes(lighting, rows)
-    return made.rows(rows, lights, light, count, lighting, light_alone=light_alone)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_left
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
@@ -49,6 +50,18 @@ class Found:
     snr_db: float
     settings: list[dict[str, float]]  # by scene
     pulse_s: float
+
+    @staticmethod
+    def of(imagers: Imagers, imager: int, settings: Sequence[dict[str, float]], **own: Any) -> Found:
+        """One of some imagers with its settings by scene, to which focus and rate are added; `own` are the rest."""
+        scenes = [
+            {**numbers, **{name: float(getattr(seen.focused, name)[imager]) for name in ("dioptre_per_m", "rate_hz")}}
+            for numbers, seen in zip(settings, imagers.scenes, strict=True)
+        ]
+        return Found(
+            imager, int(imagers.camera[imager]), int(imagers.lens[imager]), int(imagers.port[imager]),
+            bool(imagers.landscape[imager]), settings=scenes, pulse_s=max(s["time_s"] for s in scenes), **own,
+        )  # fmt: skip
 
     @property
     def behind(self) -> Behind:
@@ -147,22 +160,13 @@ class Ranking:
         self, i: int, imager: Array, light: Array, count: Array, lighting: Lighting, value: Array, terms: Terms,
         chosen: list[Any], exposure: list[Array],
     ) -> Found:  # fmt: skip
-        im, index = self.imagers, int(imager[i])
-        scenes = []
-        for scene_index, settings in enumerate(chosen):
-            columns = {name: getattr(settings, name) for name in settings.__dataclass_fields__}
-            numbers = {name: float(column[i]) for name, column in columns.items() if column is not None}
-            focused = im.scenes[scene_index].focused
-            numbers["exposure_s"] = float(exposure[scene_index][i])
-            numbers["dioptre_per_m"] = float(focused.dioptre_per_m[index])
-            numbers["rate_hz"] = float(focused.rate_hz[index])
-            scenes.append(numbers)
-        return Found(
-            imager=index, camera=int(im.camera[index]), lens=int(im.lens[index]), port=int(im.port[index]),
-            landscape=bool(im.landscape[index]), light=int(light[i]), count=int(count[i]), lighting=lighting,
+        settings = [
+            {**each.of_row(i), "exposure_s": float(open_s[i])} for each, open_s in zip(chosen, exposure, strict=True)
+        ]
+        return Found.of(
+            self.imagers, int(imager[i]), settings, light=int(light[i]), count=int(count[i]), lighting=lighting,
             minimised=float(value[i]), power_w=float(terms.power[i]), cost=float(terms.cost[i]),
-            mass_kg=float(terms.mass[i]), snr_db=float(terms.snr_db[i]), settings=scenes,
-            pulse_s=max(s["time_s"] for s in scenes),
+            mass_kg=float(terms.mass[i]), snr_db=float(terms.snr_db[i]),
         )  # fmt: skip
 
     def _insert(self, design: Found) -> None:

@@ -32,20 +32,11 @@ def found_of(search: Search, front: Front, place: int) -> Found:
     imager, k = int(some.imager[d]), int(some.lighting[d])
     table = search.bounds.light_tables[k]
     row = int(np.nonzero((table.light == some.light[d]) & (table.count == some.count[d]))[0][0])
-    scenes = []
-    for index, chosen in enumerate(answers.chosen):
-        focused = imagers.scenes[index].focused
-        numbers = {name: float(getattr(chosen, name)[at]) for name in chosen.__dataclass_fields__}
-        numbers["dioptre_per_m"] = float(focused.dioptre_per_m[imager])
-        numbers["rate_hz"] = float(focused.rate_hz[imager])
-        scenes.append(numbers)
-    return Found(
-        imager=imager, camera=int(imagers.camera[imager]), lens=int(imagers.lens[imager]),
-        port=int(imagers.port[imager]), landscape=bool(imagers.landscape[imager]), light=int(some.light[d]),
+    return Found.of(
+        imagers, imager, [chosen.of_row(at) for chosen in answers.chosen], light=int(some.light[d]),
         count=int(some.count[d]), lighting=search.tables.lightings[k], minimised=0.0,
         power_w=float(answers.power_w[at]), cost=float(imagers.cost[imager] + table.cost[row]),
-        mass_kg=float(imagers.mass_kg[imager] + table.mass_kg[row]), snr_db=math.nan, settings=scenes,
-        pulse_s=max(s["time_s"] for s in scenes),
+        mass_kg=float(imagers.mass_kg[imager] + table.mass_kg[row]), snr_db=math.nan,
     )  # fmt: skip
 
 

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.columns import Columns
-from uwopt.forward.part_columns import FLASH
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.solvers.settings import dark
 from uwopt.solvers.settings.mean_limit import MeanLimit
@@ -69,7 +68,7 @@ class Hopeful(Columns):
         drawn = []
         for r in self.rows:
             share = r.on_share(r.time_max_s)
-            lamps_w = full_draw_w(r) * np.minimum(r.max_level, 1.0) * np.maximum(share, 0.0) + r.idle
+            lamps_w = r.full_draw_w * np.minimum(r.max_level, 1.0) * np.maximum(share, 0.0) + r.idle
             drawn.append(lamps_w + r.exposing_w(r.longest_exposure_s))
         return np.minimum(self.camera_power_w + np.max(drawn, axis=0), self.power_limit_w)
 
@@ -77,11 +76,6 @@ class Hopeful(Columns):
     def stepped(self) -> Array:
         """Whether only the steps of the lights change the power, in every scene."""
         return np.asarray(np.logical_and.reduce([~r.dims_freely & ~r.timed for r in self.rows]))
-
-
-def full_draw_w(rows: SceneRows) -> Array:
-    """Power of all lights at full level: while they burn, or of flashes at the frame rate."""
-    return np.where(rows.kind == FLASH, rows.pulse_energy_j * rows.rate_hz, rows.full_power_w)
 
 
 def unhindered(rows: list[SceneRows]) -> list[SceneRows]:

@@ -189,7 +189,7 @@ class FrontSearch:
             rows = rows[~beaten]
             if len(rows) == 0:
                 break
-            if self.deadline.passed():
+            if self._late():
                 return False
             wave = rows[in_layers(ideal[rows])[:batch]]  # none dominates those, then those next to them
             if not self._take(lighting[wave], imager[wave]):
@@ -213,6 +213,9 @@ class FrontSearch:
             if not done:
                 self.account.restore(before)
         return done
+
+    def _late(self) -> bool:
+        return self.deadline.passed()
 
     # ------------------------------------------------------------ one wave
 
@@ -379,7 +382,7 @@ class FrontSearch:
                 which, spans = which[first], spans[first]
             order = np.argsort(-spans, kind="stable")[:most]
             which, spans = which[order], spans[order]
-            if self.deadline.passed():
+            if self._late():
                 return False
             pieces = np.clip(np.ceil(np.sqrt(spans / largest)), 2, MOST_PIECES).astype(int)
             answers = curves.ask(which, self.points.wanted(curves, which), pieces)

@@ -23,7 +23,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.solvers.beside import shares, side_by_side
 from uwopt.solvers.exact.node_bounds import bit_per_px_bound
 from uwopt.solvers.front.ceilings import most_information
-from uwopt.solvers.front.hopeful import Hopeful, full_draw_w, unhindered
+from uwopt.solvers.front.hopeful import Hopeful, unhindered
 from uwopt.solvers.front.information import information_of
 from uwopt.solvers.settings import closed_form, windows
 from uwopt.solvers.settings.best import best_settings
@@ -383,7 +383,7 @@ def first_limits_w(some: Hopeful, least_w: Array) -> Array:
     stepped = some.stepped
     if not stepped.any():
         return even
-    steps = np.concatenate([(r.levels * full_draw_w(r)[:, None]).T + r.idle for r in some.rows]).T
+    steps = np.concatenate([(r.levels * r.full_draw_w[:, None]).T + r.idle for r in some.rows]).T
     steps = np.where((steps >= least_w[:, None] / ABOVE) & (steps <= far[:, None] * ABOVE), steps, np.nan)
     steps = np.sort(np.where(np.isnan(steps), np.inf, steps), axis=1)
     width = max(LIMITS, steps.shape[1])

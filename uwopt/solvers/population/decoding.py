@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.forward.part_columns import FLASH, PULSED
+from uwopt.forward.part_columns import PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.solvers.settings import closed_form, windows
 from uwopt.solvers.settings.closed_form import Chosen
@@ -169,10 +169,7 @@ class SceneRange:
 
     def __init__(self, rows: SceneRows, light_limit_w: Array, shares: Shares):
         self.rows, self.shares = rows, shares
-        with np.errstate(divide="ignore", invalid="ignore"):
-            drawn = np.where(rows.kind == FLASH, rows.pulse_energy_j * rows.rate_hz, rows.full_power_w)
-            share = (light_limit_w - rows.idle) / drawn
-        self.power_share = np.where(np.isnan(share), np.inf, share)
+        self.power_share = rows.share_within(light_limit_w)
         self.low: Array | None = None
         self.high: Array | None = None
         if not rows.sunlit:

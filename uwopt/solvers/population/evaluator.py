@@ -88,28 +88,17 @@ class Evaluator:
         nan = np.full(len(good), np.nan)
         terms = Terms(**{name: figures.get(key, nan) for name, key in TERM_FIGURES.items()})
         value = self.search.objective.cost_to_minimise(terms)
-        columns = [
-            {
-                **{k: v[good] for k in c.__dataclass_fields__ if (v := getattr(c, k)) is not None},
-                "exposure_s": exposure[good],
-                "dioptre_per_m": scene.focused.dioptre_per_m[built.imager],
-                "rate_hz": scene.focused.rate_hz[built.imager],
-            }
-            for c, exposure, scene in zip(
-                solved.decoded.chosen, solved.decoded.exposure_s, imagers.scenes, strict=True
-            )
-        ]
-        result = []
-        for i, imager in enumerate(built.imager):
-            settings = [{name: float(column[i]) for name, column in scene.items()} for scene in columns]
-            result.append(Found(
-                imager=int(imager), camera=int(imagers.camera[imager]), lens=int(imagers.lens[imager]),
-                port=int(imagers.port[imager]), landscape=bool(imagers.landscape[imager]),
-                light=int(built.light[i]), count=int(built.count[i]),
+        decoded, result = solved.decoded, []
+        for i, (row, imager) in enumerate(zip(good.tolist(), built.imager.tolist(), strict=True)):
+            settings = [
+                {**chosen.of_row(row), "exposure_s": float(exposure[row])}
+                for chosen, exposure in zip(decoded.chosen, decoded.exposure_s, strict=True)
+            ]
+            result.append(Found.of(
+                imagers, imager, settings, light=int(built.light[i]), count=int(built.count[i]),
                 lighting=self.search.tables.lightings[int(built.lighting[i])], minimised=float(value[i]),
                 power_w=float(figures["power_w"][i]), cost=float(figures["cost"][i]),
-                mass_kg=float(figures["mass_kg"][i]), snr_db=float(figures["snr_db"][i]), settings=settings,
-                pulse_s=max(s["time_s"] for s in settings),
+                mass_kg=float(figures["mass_kg"][i]), snr_db=float(figures["snr_db"][i]),
             ))  # fmt: skip
         return solved.place[good], result
 

@@ -131,10 +131,7 @@ class SceneCells:
         if not self.sunlit:  # then no setting changes what bars keep, which is told of all pixels below
             self.rows = deciding_pixels(replace(self.rows, resolve_m=0.0))
         self.flash, self.flash_full_s = rows.flash, rows.flash.full_s
-        with np.errstate(divide="ignore", invalid="ignore"):
-            drawn = np.where(rows.kind == FLASH, rows.pulse_energy_j * rows.rate_hz, rows.full_power_w)
-            share = (light_limit_w - rows.idle) / drawn
-        self.share = np.where(np.isnan(share), np.inf, share)  # level allowed by mean power
+        self.share = rows.share_within(light_limit_w)  # level allowed by mean power
         pixels = 0 if self.rows.worst_e is None else int(np.prod(self.rows.worst_e.shape[1:]))
         self.rows_at_once = max(PIXELS_AT_ONCE // max(pixels, 1), 1)
         self.timed, self.leads_s = rows.timed, np.where(rows.timed, rows.leads_s, 0.0)
@@ -154,7 +151,7 @@ class SceneCells:
         """Level that mean power allows beside what cameras draw for an exposure; `rows` are those of `d`."""
         if rows.camera_w is None:
             return np.asarray(self.share[d])
-        drawn = np.where(rows.kind == FLASH, rows.pulse_energy_j * rows.rate_hz, rows.full_power_w)
+        drawn = rows.full_draw_w
         with np.errstate(divide="ignore", invalid="ignore"):
             taken = np.where(drawn > 0.0, rows.exposing_w(exposure_s) / drawn, 0.0)
         return np.asarray(self.share[d] - taken)
@@ -317,7 +314,7 @@ class SceneCells:
         with np.errstate(divide="ignore", invalid="ignore"):
             least_energy = np.maximum(bottom * duty, low * n2_lo / rows.light_lm * np.minimum(
                 1.0 / box.t_hi, rows.rate_hz * (1.0 + self.leads_s[d] / box.t_hi)))  # fmt: skip
-        drawn = np.where(rows.kind == FLASH, rows.pulse_energy_j * rows.rate_hz, rows.full_power_w)
+        drawn = rows.full_draw_w
         with np.errstate(invalid="ignore"):  # a lamp that draws nothing, at no level: dropped
             power = drawn * np.where(timed, least_energy, bottom) + rows.idle
         if rows.camera_w is not None:
@@ -457,7 +454,7 @@ class SceneCells:
         peak = closed_form.peak_power_w(rows, level)
         snr, contrast, holds = figures_at(dark_rows, light_x, gain, sun)
         blur_s = open_s if self.sunlit else self.blurred_s(d, time_s)
-        full_w = np.where(rows.kind == FLASH, rows.pulse_energy_j * rows.rate_hz, rows.full_power_w)
+        full_w = rows.full_draw_w
         drawn_most = (
             np.where(full_w > 0, self.share[d], 0.0) * full_w
         )  # a flash that never fires draws nothing

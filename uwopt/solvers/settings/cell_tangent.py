@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.forward.part_columns import FLASH, PULSED
+from uwopt.forward.part_columns import PULSED
 from uwopt.model.information import TEXTURE_CONTRAST
 from uwopt.objectives.objective import LEAST
 from uwopt.solvers.settings import closed_form
@@ -260,8 +260,7 @@ def vertices(
 def power_tangent(scene: SceneCells, d: Array, box: Box, shift: Array, centre: Array) -> Array:
     """Light power at vertices, from below: convex in the logarithms, so its tangent at the centre (n, t, u)."""
     rows = scene.rows
-    kind, rate = rows.kind[d], rows.rate_hz[d]
-    drawn = np.where(kind == FLASH, rows.pulse_energy_j[d] * rate, rows.full_power_w[d])
+    rate, drawn = rows.rate_hz[d], rows.full_draw_w[d]
     lead_s, timed = scene.leads_s[d], scene.timed[d]
     short = timed & ((lead_s + box.t_hi) * rate <= 1 + 1e-9)
     duty = np.where(timed & ~short, np.minimum(1.0, (lead_s + box.t_lo) * rate), 1.0)

@@ -40,6 +40,10 @@ class Chosen(Columns):
     peak_power_w: Array
     exposure_s: Array | None = None  # None: what the lamps need, `SceneRows.exposure_s`
 
+    def of_row(self, row: int) -> dict[str, float]:
+        """One design's settings by name."""
+        return {name: float(column[row]) for name, column in vars(self).items() if column is not None}
+
 
 def with_exposure(rows: SceneRows, chosen: Chosen) -> SceneRows:
     """The rows with dark current charged for the exposure that was chosen; infeasible ones stay as they are."""
@@ -251,15 +255,9 @@ def most_light(rows: SceneRows, f_number: Array, low: Array, high: Array, power_
 def light_by_level(rows: SceneRows, f_number: Array, low: Array, high: Array, power_limit_w: Array) -> Array:
     """Greatest X in the window at each level and f-number, (n, 1) or (n, n_levels), within a power; -inf: none."""
     square = np.square(f_number * rows.working_factor[:, None])
-    left_w = power_limit_w - rows.idle
     burnt = np.isfinite(rows.leads_s) & (rows.kind == CONTINUOUS)
     with np.errstate(divide="ignore", invalid="ignore"):
-        share = np.where(
-            rows.kind == FLASH,
-            left_w / (rows.pulse_energy_j * rows.rate_hz),
-            left_w / rows.full_power_w,
-        )
-        share = np.where(np.isnan(share), np.inf, share)
+        share = rows.share_within(power_limit_w)
         energy_cap = np.where(rows.kind == PULSED, share / rows.rate_hz, np.inf)
         level_cap = np.where(rows.kind == PULSED, np.inf, share)
         energy_cap = np.where(np.isnan(energy_cap), np.inf, energy_cap)

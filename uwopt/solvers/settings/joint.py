@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.forward.part_columns import FLASH
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.forward.sharpness import SharpRows
 from uwopt.model import sensor, sharpness
@@ -220,7 +219,7 @@ def _least_power(rows: SceneRows, amount: Array) -> Array:
             step = each(np.where(np.isnan(column), np.inf, column))
             found = np.where(step >= wanted * (1 - 1e-9), np.minimum(found, step), found)
         level[index] = found
-    drawn = each(np.where(rows.kind == FLASH, rows.pulse_energy_j * rows.rate_hz, rows.full_power_w))
+    drawn = each(rows.full_draw_w)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         paid = np.minimum(1.0 / longest, each(rows.rate_hz) * (1.0 + each(rows.leads_s) / longest))
         energy = np.maximum(level * each(rows.on_share(rows.time_min_s)), amount * paid)
