@@ -20,7 +20,7 @@ from thorough import THOROUGH
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.continuous.optimality import derivatives
-from uwopt.solvers.continuous.pieces import SmoothScene, pieces_of
+from uwopt.solvers.continuous.pieces import SmoothDesign, SmoothScene, pieces_of
 from uwopt.solvers.continuous.program import Program
 from uwopt.solvers.continuous.solve_settings import PROOF, ContinuousResult, solve_settings
 from uwopt.solvers.settings.best import best_settings
@@ -76,8 +76,10 @@ def rows_of(truth: Truth) -> SceneRows:
 def solved(truths: list[Truth], objective: Objective, method: Any, **more: Any) -> ContinuousResult:
     """The answer for lights alone: a camera's power would hide theirs."""
     return solve_settings(
-        [rows_of(one) for one in truths], motorised=False, objective=objective, camera_power_w=0.0, cost=0.0,
-        mass_kg=0.0, gsd_mm=0.0, power_limit_w=math.inf, method=method, **more,
+        SmoothDesign.of(
+            [rows_of(one) for one in truths], motorised=False, camera_power_w=0.0, cost=0.0, mass_kg=0.0, gsd_mm=0.0
+        ),
+        objective=objective, power_limit_w=math.inf, method=method, **more,
     )  # fmt: skip
 
 

@@ -23,7 +23,8 @@ from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.continuous import casadi_ipopt, opinions
 from uwopt.solvers.continuous.casadi_ipopt import solve_mixed
-from uwopt.solvers.continuous.mixed import Candidate, MixedProgram, Picked
+from uwopt.solvers.continuous.mixed import MixedProgram, Picked
+from uwopt.solvers.continuous.pieces import SmoothDesign
 from uwopt.solvers.recommend import Sought
 from uwopt.solvers.settings.best import best_settings
 from uwopt.solvers.settings.question import Question
@@ -42,8 +43,8 @@ HARDWARE: dict[str, tuple[list[SceneRows], float]] = {
 OBJECTIVES = ["power", "snr_db", {"power": 1.0, "snr_db": 2.0}, "cost"]
 
 
-def candidate(rows: list[SceneRows], camera_power_w: float, *, motorised: bool = False) -> Candidate:
-    return Candidate.of(
+def candidate(rows: list[SceneRows], camera_power_w: float, *, motorised: bool = False) -> SmoothDesign:
+    return SmoothDesign.of(
         rows, motorised=motorised, camera_power_w=camera_power_w, cost=COST + camera_power_w, mass_kg=MASS_KG,
         gsd_mm=GSD_MM,
     )  # fmt: skip

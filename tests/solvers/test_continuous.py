@@ -26,7 +26,7 @@ from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.continuous import solve_settings as continuous
 from uwopt.solvers.continuous.optimality import derivatives
-from uwopt.solvers.continuous.pieces import SmoothScene, SmoothSettings, pieces_of
+from uwopt.solvers.continuous.pieces import SmoothDesign, SmoothScene, SmoothSettings, pieces_of
 from uwopt.solvers.continuous.program import Program
 from uwopt.solvers.continuous.solve_settings import ContinuousResult, Method, solve_settings
 from uwopt.solvers.settings.best import best_settings
@@ -92,8 +92,10 @@ def solved(
 ) -> ContinuousResult:
     """The continuous answer for the same design."""
     return solve_settings(
-        rows, motorised=motorised, objective=objective, camera_power_w=CAMERA_W, cost=COST, mass_kg=MASS_KG,
-        gsd_mm=GSD_MM, power_limit_w=limit_w, method=method, **more,
+        SmoothDesign.of(
+            rows, motorised=motorised, camera_power_w=CAMERA_W, cost=COST, mass_kg=MASS_KG, gsd_mm=GSD_MM
+        ),
+        objective=objective, power_limit_w=limit_w, method=method, **more,
     )  # fmt: skip
 
 

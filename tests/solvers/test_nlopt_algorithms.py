@@ -14,7 +14,7 @@ from uwopt.forward.part_columns import CONTINUOUS, PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.continuous import nlopt_algorithms
-from uwopt.solvers.continuous.pieces import SmoothScene, pieces_of
+from uwopt.solvers.continuous.pieces import SmoothDesign, SmoothScene, pieces_of
 from uwopt.solvers.continuous.program import Program
 from uwopt.solvers.continuous.reduced import Reduced
 from uwopt.solvers.continuous.solve_settings import ALGORITHMS, FEASIBLE, ContinuousResult, solve_settings
@@ -69,8 +69,10 @@ def solved(
     rows: list[SceneRows], objective: Objective, method: Any, *, max_seconds: float | None = None
 ) -> ContinuousResult:
     return solve_settings(
-        rows, motorised=False, objective=objective, camera_power_w=CAMERA_W, cost=COST, mass_kg=MASS_KG, gsd_mm=GSD_MM,
-        power_limit_w=np.inf, method=method, max_seconds=max_seconds,
+        SmoothDesign.of(
+            rows, motorised=False, camera_power_w=CAMERA_W, cost=COST, mass_kg=MASS_KG, gsd_mm=GSD_MM
+        ),
+        objective=objective, power_limit_w=np.inf, method=method, max_seconds=max_seconds,
     )  # fmt: skip
 
 

@@ -27,6 +27,7 @@ from uwopt.errors import UwoptError
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.continuous.opinions import why_not_smooth
+from uwopt.solvers.continuous.pieces import SmoothDesign
 from uwopt.solvers.continuous.solve_settings import ALGORITHMS, FEASIBLE, Method, solve_settings
 from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.ranking import Ranking
@@ -120,8 +121,8 @@ def solve_one(ground: LoopGround, method: Method, built: Any, i: int, rows: list
     """The settings of one hardware, claimed if the solver says that they are feasible."""
     referee = ground.referee
     found = solve_settings(
-        rows, **ground.fixed(built, i), objective=ground.objective, power_limit_w=ground.power_limit_w, method=method,
-        max_seconds=max(referee.left_s, 1e-3),
+        SmoothDesign.of(rows, **ground.fixed(built, i)), objective=ground.objective,
+        power_limit_w=ground.power_limit_w, method=method, max_seconds=max(referee.left_s, 1e-3),
     )  # fmt: skip
     referee.evaluations += found.iterations
     if found.objective_value is None or found.status not in ("optimal", "feasible"):
@@ -141,7 +142,7 @@ def bonmin(referee: Referee, seed: int) -> None:
     """Bonmin over a few hardware at a time, in the same order as the continuous solvers."""
     smooth_or_raise(referee)
     from uwopt.solvers.continuous.casadi_ipopt import solve_mixed
-    from uwopt.solvers.continuous.mixed import Candidate, MixedProgram
+    from uwopt.solvers.continuous.mixed import MixedProgram
 
     ground = LoopGround(referee)
     for built, rows in ground.batches(np.random.default_rng(seed)):
@@ -150,7 +151,7 @@ def bonmin(referee: Referee, seed: int) -> None:
                 return
             some = range(start, min(start + CANDIDATES, len(built.imager)))
             taken = {i: [r.take(np.array([i])) for r in rows] for i in some}
-            candidates = [Candidate.of(taken[i], **ground.fixed(built, i)) for i in some]
+            candidates = [SmoothDesign.of(taken[i], **ground.fixed(built, i)) for i in some]
             program = MixedProgram(candidates, ground.objective, ground.power_limit_w)
             if not program.options:
                 continue

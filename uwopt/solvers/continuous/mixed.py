@@ -17,22 +17,21 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.forward.setting_rows import SceneRows
-from uwopt.objectives.objective import Objective, Terms
+from uwopt.objectives.objective import Objective
 from uwopt.solvers.continuous.optimality import violations
 from uwopt.solvers.continuous.pieces import (
     Piece,
+    SmoothDesign,
     SmoothScene,
     SmoothSettings,
     Symbolic,
-    minimised_value,
     pieces_of,
     wanted_dn,
 )
@@ -43,38 +42,6 @@ Array = NDArray[Any]
 LEAST_W = 1e-9  # stands for no power, which has no logarithm
 SLACK = 1e-9  # in logarithms: by which fixed quantities may be off
 ROOM = 1e-6  # added to what a rule can be missed by
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """One hardware that is open to choice, with what its settings do not change."""
-
-    scenes: tuple[SmoothScene, ...]
-    motorised: bool
-    camera_power_w: float
-    cost: float
-    mass_kg: float
-    gsd_mm: float
-
-    @staticmethod
-    def of(
-        rows: Sequence[SceneRows], *, motorised: bool, camera_power_w: float, cost: float, mass_kg: float,
-        gsd_mm: float,
-    ) -> Candidate:  # fmt: skip
-        """From one row a scene; a common aperture is drawn together to what all scenes allow."""
-        scenes = [SmoothScene.of(row) for row in rows]
-        if not motorised:
-            low = max(scene.n_low for scene in scenes)
-            high = min(scene.n_high for scene in scenes)
-            scenes = [replace(scene, n_low=low, n_high=high) for scene in scenes]
-        return Candidate(tuple(scenes), motorised, camera_power_w, cost, mass_kg, gsd_mm)
-
-    def value(self, objective: Objective, settings: Sequence[SmoothSettings]) -> float:
-        """The minimised objective of settings by scene."""
-        return minimised_value(
-            objective, self.scenes, settings, camera_power_w=self.camera_power_w, cost=self.cost, mass_kg=self.mass_kg,
-            gsd_mm=self.gsd_mm,
-        )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -109,9 +76,9 @@ class Picked:
 class MixedProgram:
     """min objective(x, y) under rules(x, y) <= 0, choices(y) = 0, low <= (x, y) <= high, y binary."""
 
-    def __init__(self, candidates: Sequence[Candidate], objective: Objective, power_limit_w: float):
+    def __init__(self, candidates: Sequence[SmoothDesign], objective: Objective, power_limit_w: float):
         self.objective, self.power_limit_w = objective, power_limit_w
-        self.candidates = list(candidates)
+        self.candidates = [one.drawn_together() for one in candidates]
         self.n_scenes = len(candidates[0].scenes) if candidates else 0
         self.options: list[Option] = []
         for index, candidate in enumerate(candidates):
@@ -263,17 +230,8 @@ class MixedProgram:
     @property
     def unit(self) -> float:
         """What the objective is divided by."""
-        fixed = [abs(self._fixed(k)) for k in self.open_to_choice]
+        fixed = [abs(self.candidates[k].fixed(self.objective)) for k in self.open_to_choice]
         return max(min(fixed, default=1.0), 1e-3)
-
-    def _fixed(self, index: int) -> float:
-        """What hardware adds to the objective whatever its settings."""
-        one = self.candidates[index]
-        nothing = np.array(0.0)
-        terms = Terms(
-            np.array(one.camera_power_w), np.array(one.cost), np.array(one.mass_kg), nothing, np.array(one.gsd_mm)
-        )  # fmt: skip
-        return float(self.objective.cost_to_minimise(terms))
 
     def formulas(self, x: Sequence[Symbolic]) -> tuple[Symbolic, list[Symbolic], list[Symbolic]]:
         """Objective, inequalities and equalities at a point: floats or symbols."""
@@ -282,7 +240,7 @@ class MixedProgram:
         total: Symbolic = 0.0
         for i, option in enumerate(self.options):
             if option.scene == 0:
-                total = total + self._fixed(option.candidate) * taken[i]
+                total = total + self.candidates[option.candidate].fixed(self.objective) * taken[i]
         if self.weighs_power:
             total = total + self.objective.weight("power") * np.exp(logs["power"])
         if self.weighs_snr:

@@ -12,6 +12,7 @@ import numpy as np
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
+from uwopt.solvers.continuous.pieces import SmoothDesign
 from uwopt.solvers.continuous.solve_settings import FEASIBLE, solve_settings
 from uwopt.solvers.exact.imager_rules import limit
 from uwopt.solvers.exact.ranking import Found
@@ -89,8 +90,7 @@ def opinion(
     """What a continuous solver finds for one hardware, beside the search's value."""
     objective = sought.goal
     answer = solve_settings(
-        scene_rows_of(sought.search, found),
-        **fixed_of(sought, found),
+        smooth_design(sought, found),
         objective=objective,
         power_limit_w=sought.problem.scene_power_limit_w,
         method=method,  # pyrefly: ignore[bad-argument-type]
@@ -137,7 +137,7 @@ def mixed_opinion(sought: Sought, *, max_seconds: float = BONMIN_S) -> dict[str,
     began = time.perf_counter()
     open_to_choice = shortlist(sought)
     power_limit_w = sought.problem.scene_power_limit_w
-    candidates = [candidate_of(sought, found) for found in open_to_choice]
+    candidates = [smooth_design(sought, found) for found in open_to_choice]
     program = MixedProgram(candidates, objective, power_limit_w)
     answer = solve_mixed(program, max_seconds=max_seconds)
     picked = program.picked(answer.x)
@@ -194,20 +194,11 @@ def shortlist(sought: Sought) -> list[Found]:
     return made[:MOST_CANDIDATES]
 
 
-def candidate_of(sought: Sought, found: Found) -> Any:
-    """One system as a candidate of the mixed-integer program."""
-    from uwopt.solvers.continuous.mixed import Candidate
-
-    return Candidate.of(scene_rows_of(sought.search, found), **fixed_of(sought, found))
-
-
-def fixed_of(sought: Sought, found: Found) -> dict[str, Any]:
-    """What settings do not change of a system, as the solvers of settings take it."""
+def smooth_design(sought: Sought, found: Found) -> SmoothDesign:
+    """One system as the solvers of settings take it."""
     imagers = sought.search.imagers
-    return {
-        "motorised": bool(sought.problem.lenses.motorised[found.lens]),
-        "camera_power_w": float(imagers.camera_power_w[found.imager]),
-        "cost": found.cost,
-        "mass_kg": found.mass_kg,
-        "gsd_mm": float(imagers.gsd_mm[found.imager]),
-    }
+    return SmoothDesign.of(
+        scene_rows_of(sought.search, found), motorised=bool(sought.problem.lenses.motorised[found.lens]),
+        camera_power_w=float(imagers.camera_power_w[found.imager]), cost=found.cost, mass_kg=found.mass_kg,
+        gsd_mm=float(imagers.gsd_mm[found.imager]),
+    )  # fmt: skip

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -363,28 +363,46 @@ def above_black_dn(scene: SmoothScene, level: float) -> float:
     )
 
 
-def minimised_value(
-    objective: Objective,
-    scenes: Sequence[SmoothScene],
-    settings: Sequence[SmoothSettings],
-    *,
-    camera_power_w: float,
-    cost: float,
-    mass_kg: float,
-    gsd_mm: float,
-) -> float:
-    """The minimised objective of one design's settings by scene: the worst scene's power and SNR count."""
-    snr = min(float(s.nominal_snr(at)) for s, at in zip(scenes, settings, strict=True))
-    terms = Terms(
-        power=np.array(camera_power_w + worst_light_w(scenes, settings)),
-        cost=np.array(cost),
-        mass=np.array(mass_kg),
-        snr_db=np.array(ratio_to_db(snr)),
-        gsd_mm=np.array(gsd_mm),
-    )
-    return float(objective.cost_to_minimise(terms))
-
-
 def worst_light_w(scenes: Sequence[SmoothScene], settings: Sequence[SmoothSettings]) -> float:
     """Mean power of the lights in the scene that needs most."""
     return max(float(scene.light_power_w(at)) for scene, at in zip(scenes, settings, strict=True))
+
+
+@dataclass(frozen=True)
+class SmoothDesign:
+    """One hardware in all its scenes, with what its settings do not change."""
+
+    scenes: tuple[SmoothScene, ...]
+    motorised: bool
+    camera_power_w: float
+    cost: float
+    mass_kg: float
+    gsd_mm: float
+
+    @staticmethod
+    def of(rows: Sequence[SceneRows], **fixed: Any) -> SmoothDesign:
+        """From one row a scene; `fixed` are the other fields."""
+        return SmoothDesign(tuple(SmoothScene.of(row) for row in rows), **fixed)
+
+    def drawn_together(self) -> SmoothDesign:
+        """With what all scenes allow of an aperture that is common to them."""
+        if self.motorised:
+            return self
+        low, high = max(scene.n_low for scene in self.scenes), min(scene.n_high for scene in self.scenes)
+        return replace(self, scenes=tuple(replace(scene, n_low=low, n_high=high) for scene in self.scenes))
+
+    def value(
+        self, objective: Objective, settings: Sequence[SmoothSettings], scenes: Sequence[SmoothScene] | None = None
+    ) -> float:
+        """The minimised objective of settings by scene, of all or of these alone: the worst power and SNR count."""
+        own = self.scenes if scenes is None else scenes
+        snr = min(float(scene.nominal_snr(at)) for scene, at in zip(own, settings, strict=True))
+        return self._minimised(objective, worst_light_w(own, settings), float(ratio_to_db(snr)))
+
+    def fixed(self, objective: Objective) -> float:
+        """What hardware adds to the objective whatever its settings."""
+        return self._minimised(objective, 0.0, 0.0)
+
+    def _minimised(self, objective: Objective, light_w: float, snr_db: float) -> float:
+        numbers = (self.camera_power_w + light_w, self.cost, self.mass_kg, snr_db, self.gsd_mm)
+        return float(objective.cost_to_minimise(Terms(*map(np.array, numbers))))

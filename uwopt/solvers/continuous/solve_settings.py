@@ -21,14 +21,12 @@ from typing import Any, Literal
 import numpy as np
 
 from uwopt.errors import SolverError
-from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.continuous.optimality import Attempt, derivatives, optimality_gap, rule_names, violations
 from uwopt.solvers.continuous.pieces import (
     Piece,
-    SmoothScene,
+    SmoothDesign,
     SmoothSettings,
-    minimised_value,
     pieces_of,
     worst_light_w,
 )
@@ -93,13 +91,8 @@ class ContinuousResult:
 class Task:
     """What all programs of one design share."""
 
-    scenes: tuple[SmoothScene, ...]
-    motorised: bool
+    design: SmoothDesign
     objective: Objective
-    camera_power_w: float
-    cost: float
-    mass_kg: float
-    gsd_mm: float
     power_limit_w: float
     method: Method
     start: tuple[SmoothSettings, ...] | None
@@ -115,21 +108,14 @@ class Task:
     def program(self, pieces: Sequence[Piece], only: int | None = None) -> Program:
         """The smooth program of one choice of pieces; of one scene alone when asked."""
         return Program(
-            scenes=self.scenes if only is None else (self.scenes[only],),
+            scenes=self.design.scenes if only is None else (self.design.scenes[only],),
             pieces=tuple(pieces),
-            motorised=self.motorised,
+            motorised=self.design.motorised,
             goal=self.goal,
             power_weight=self.objective.weight("power"),
             snr_weight=self.objective.weight("snr_db"),
-            light_limit_w=self.power_limit_w - self.camera_power_w,
+            light_limit_w=self.power_limit_w - self.design.camera_power_w,
         )
-
-    def value(self, scenes: Sequence[SmoothScene], settings: Sequence[SmoothSettings]) -> float:
-        """The minimised objective of settings, comparable with that of the exact search."""
-        return minimised_value(
-            self.objective, scenes, settings, camera_power_w=self.camera_power_w, cost=self.cost, mass_kg=self.mass_kg,
-            gsd_mm=self.gsd_mm,
-        )  # fmt: skip
 
     def value_per_unit(self, program: Program, x: Any) -> float:
         """Change of the minimised value per unit of the program's objective; watts when power is a tie."""
@@ -162,14 +148,9 @@ class Verdict:
 
 
 def solve_settings(
-    rows: list[SceneRows],
+    design: SmoothDesign,
     *,
-    motorised: bool,
     objective: Objective,
-    camera_power_w: float,
-    cost: float,
-    mass_kg: float,
-    gsd_mm: float,
     power_limit_w: float,
     method: Method,
     start: Sequence[SmoothSettings] | None = None,
@@ -179,10 +160,8 @@ def solve_settings(
 
     Parameters
     ----------
-    rows : one record a scene, each of one design (n = 1)
-    motorised : whether the f-number may differ from scene to scene
-    objective : power, snr_db or a weighted sum; other terms are the constants that follow
-    camera_power_w, cost, mass_kg, gsd_mm : of the design without its lights' power
+    design : in all its scenes
+    objective : power, snr_db or a weighted sum; other terms are constants of the design
     power_limit_w : of camera and lights together; inf when there is none
     method : casadi, global, or an algorithm of NLopt
     start : settings by scene to start from; else the middle of all ranges
@@ -200,13 +179,8 @@ def solve_settings(
         raise SolverError("continuous solvers take no negative weight of power or snr_db")
     began = time.perf_counter()
     task = Task(
-        scenes=tuple(SmoothScene.of(row) for row in rows),
-        motorised=motorised,
+        design=design,
         objective=objective,
-        camera_power_w=camera_power_w,
-        cost=cost,
-        mass_kg=mass_kg,
-        gsd_mm=gsd_mm,
         power_limit_w=power_limit_w,
         method=method,
         start=None if start is None else tuple(start),
@@ -227,7 +201,7 @@ def result_of(task: Task, verdict: Verdict, run_time_s: float) -> ContinuousResu
         time_s=tuple(at.time_s for at in found),
         level=tuple(at.level for at in found),
         gain=tuple(at.gain for at in found),
-        light_power_w=tuple(float(s.light_power_w(at)) for s, at in zip(task.scenes, found, strict=False)),
+        light_power_w=tuple(float(s.light_power_w(at)) for s, at in zip(task.design.scenes, found, strict=False)),
         max_violation=verdict.max_violation,
         kkt_residual=verdict.kkt_residual,
         multipliers=verdict.multipliers,
@@ -239,7 +213,7 @@ def result_of(task: Task, verdict: Verdict, run_time_s: float) -> ContinuousResu
 
 def best_choice(task: Task) -> Verdict:
     """The best of all choices of one piece a scene, best bound first."""
-    options = [pieces_of(scene) for scene in task.scenes]
+    options = [pieces_of(scene) for scene in task.design.scenes]
     for index, found in enumerate(options):
         if not found:
             return Verdict("infeasible", f"scene {index}: all settings are too dark or too bright")
@@ -366,7 +340,7 @@ def judged(task: Task, program: Program, found: Attempt) -> Verdict:
     return Verdict(
         status=status,
         message=found.message if feasible else f"{found.message}; {worst} missed by {max_violation:.3g}",
-        value=task.value(program.scenes, settings),
+        value=task.design.value(task.objective, settings, program.scenes),
         merit=merit_of(program, settings),
         light_power_w=worst_light_w(program.scenes, settings),
         settings=tuple(settings),
