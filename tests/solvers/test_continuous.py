@@ -26,7 +26,7 @@ from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.continuous import solve_settings as continuous
 from uwopt.solvers.continuous.optimality import derivatives
-from uwopt.solvers.continuous.pieces import SmoothDesign, SmoothScene, SmoothSettings, pieces_of
+from uwopt.solvers.continuous.pieces import SmoothDesign, SmoothScene, pieces_of
 from uwopt.solvers.continuous.program import Program
 from uwopt.solvers.continuous.solve_settings import ContinuousResult, Method, solve_settings
 from uwopt.solvers.settings.best import best_settings
@@ -263,13 +263,6 @@ def test_multiplier_says_what_more_snr_costs() -> None:
     slope = (more.objective_value - base.objective_value) / np.log(1.001)
     assert base.multipliers["min_snr[0]"] == pytest.approx(slope, rel=2e-3)
     assert base.kkt_residual is not None and base.kkt_residual < 1e-8
-
-
-def test_start_given_leads_to_the_same_answer() -> None:
-    start = [SmoothSettings(f_number=8.0, time_s=1e-4, level=0.9, gain=2.0)]
-    assert solved([scene()], start=start).objective_value == pytest.approx(
-        closed_form([scene()], POWER), rel=AGREE
-    )
 
 
 def test_solver_stopped_early_does_not_claim_an_optimum(monkeypatch: pytest.MonkeyPatch) -> None:

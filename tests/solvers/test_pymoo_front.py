@@ -234,9 +234,9 @@ def test_own_function_is_an_axis_and_agrees_with_figures():
     assert front.values[:, 1].min() == pytest.approx(value, rel=1e-6)  # rounding
 
 
-def test_own_objective_by_name_may_be_maximised():
+def test_own_objective_may_be_maximised():
     sharp_depth = OwnObjective("near", lambda f: f["dof_near_m"], "maximise", "m")
-    front = population_front(kept_search("power"), ("power", "near"), functions=[sharp_depth], **FEW)
+    front = population_front(kept_search("power"), ("power", sharp_depth), **FEW)
     assert (front.values[:, 1] < 0).all()
     assert nondominated(front.values).all()
 

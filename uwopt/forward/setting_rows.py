@@ -207,12 +207,10 @@ class SceneRows(Columns):
         sun = np.where(every > 0, share_of(shining, every), lamps)
         return np.minimum(lamps, sun), np.maximum(lamps, sun)
 
-    def sharp_enough(
-        self, *, f_number: Array, blur_s: Array, contrast: Array | None = None, slack: float = 1e-9
-    ) -> Array:
-        """Whether the bars that are asked for arrive, (n,); `contrast` (n, 3), None: the least there can be."""
+    def sharp_enough(self, *, f_number: Array, blur_s: Array, slack: float = 1e-9) -> Array:
+        """Whether the bars that are asked for arrive, (n,), with the least contrast that there can be."""
         enough = np.ones(len(f_number), bool)
-        least = self.contrast_within()[0] if contrast is None else contrast
+        least = self.contrast_within()[0]
         settings = dict(f_number=f_number, working_f_number=f_number * self.working_factor, blur_s=blur_s)
         for bars in self.bars:
             assert self.sharp is not None

@@ -95,7 +95,6 @@ class Task:
     objective: Objective
     power_limit_w: float
     method: Method
-    start: tuple[SmoothSettings, ...] | None
     deadline: float | None
 
     @property
@@ -153,7 +152,6 @@ def solve_settings(
     objective: Objective,
     power_limit_w: float,
     method: Method,
-    start: Sequence[SmoothSettings] | None = None,
     max_seconds: float | None = None,
 ) -> ContinuousResult:
     """Best settings of one design in all its scenes by one method.
@@ -164,7 +162,6 @@ def solve_settings(
     objective : power, snr_db or a weighted sum; other terms are constants of the design
     power_limit_w : of camera and lights together; inf when there is none
     method : casadi, global, or an algorithm of NLopt
-    start : settings by scene to start from; else the middle of all ranges
     max_seconds : after which the best so far counts
 
     Returns
@@ -183,7 +180,6 @@ def solve_settings(
         objective=objective,
         power_limit_w=power_limit_w,
         method=method,
-        start=None if start is None else tuple(start),
         deadline=None if max_seconds is None else began + max_seconds,
     )
     verdict = best_choice(task)
@@ -296,12 +292,10 @@ def attempt(task: Task, program: Program, start: Any) -> Attempt:
 
 
 def solve_program(task: Task, program: Program) -> Verdict:
-    """From the middle of the ranges or the start given; if that fails, from a point that meets the rules."""
+    """From the middle of the ranges; if that fails, from a point that meets the rules."""
     if program.empty:
         return Verdict("infeasible", "the scenes' f-numbers do not meet, or the power limit is too low")
-    given = task.start if task.start is not None and len(task.start) == len(program.scenes) else None
-    start = program.middle() if given is None else program.point(given)
-    first = judged(task, program, attempt(task, program, start))
+    first = judged(task, program, attempt(task, program, program.middle()))
     if first.status == "optimal" or task.seconds_left() == 0.0:
         return first
     search = replace(program, goal="restore")

@@ -40,7 +40,7 @@ def found_of(search: Search, front: Front, place: int) -> Found:
     )  # fmt: skip
 
 
-def few(values: Array, frame: Frame, most: int = MOST_POINTS) -> Array:
+def few(values: Array, frame: Frame) -> Array:
     """Places of points that stand for all: the best of every axis and the knee, then those that lie farthest apart.
 
     No two of them are within 0.1 % of each other in every objective.
@@ -51,7 +51,7 @@ def few(values: Array, frame: Frame, most: int = MOST_POINTS) -> Array:
     unit = frame.unit(values[order])
     chosen = list(dict.fromkeys([*(int(i) for i in unit.argmin(axis=0)), knee(unit)]))
     gap = np.min([np.abs(unit - unit[place]).max(axis=1) for place in chosen], axis=0)
-    while len(chosen) < min(most, len(order)):
+    while len(chosen) < min(MOST_POINTS, len(order)):
         chosen.append(int(gap.argmax()))
         gap = np.minimum(gap, np.abs(unit - unit[chosen[-1]]).max(axis=1))
     return order[np.array(sorted(set(chosen)))]

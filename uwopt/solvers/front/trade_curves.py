@@ -94,8 +94,8 @@ def with_exposures(rows: list[SceneRows], chosen: list[Chosen]) -> list[Chosen]:
 class Trade:
     """Least power and best quality of designs, quality being one term of an objective, or None."""
 
-    def __init__(self, quality: str | None, *, gap_rel: float = CURVE_GAP):
-        self.quality, self.gap_rel = quality, gap_rel
+    def __init__(self, quality: str | None):
+        self.quality = quality
 
     # ------------------------------------------------------------ settings
 
@@ -137,7 +137,7 @@ class Trade:
     def _asked(self, some: Hopeful, goal: Objective, limit_w: Array | float, **more: Any) -> Question:
         """For which settings of designs one goal asks."""
         return Question.of(
-            some.rows, some.motorised, goal, some.camera_power_w, limit_w, gap_rel=self.gap_rel,
+            some.rows, some.motorised, goal, some.camera_power_w, limit_w, gap_rel=CURVE_GAP,
             constant=some.camera_power_w if goal.weight("power") else 0.0, mean_limit=some.mean_limit, **more,
         )  # fmt: skip
 

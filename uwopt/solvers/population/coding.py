@@ -35,23 +35,18 @@ GRID = 1000  # steps of genes that are shares
 MOST_BOUNDED = 3_000_000  # imagers times lightings: bounding more of them takes longer than it saves
 
 
-def resolved_axes(
-    axes: Sequence[Axis], functions: Sequence[OwnObjective | OwnFunction] = ()
-) -> list[str | OwnObjective]:
-    """Names of built-in objectives and own ones; names may also be those of `functions`."""
-    own = {one.name: one for one in map(OwnObjective.of, functions)}
+def resolved_axes(axes: Sequence[Axis]) -> list[str | OwnObjective]:
+    """Names of built-in objectives and own ones."""
     found: list[str | OwnObjective] = []
     faults = []
     for axis in axes:
         if not isinstance(axis, str):
             found.append(OwnObjective.of(axis))
-        elif axis in own:
-            found.append(own[axis])
         elif axis in UNITS:
             found.append(axis)
         else:
-            near = nearest(axis, [*UNITS, *own])
-            hint = f"; did you mean {near}?" if near else f"; known: {', '.join([*UNITS, *own])}"
+            near = nearest(axis, UNITS)
+            hint = f"; did you mean {near}?" if near else f"; known: {', '.join(UNITS)}"
             faults.append(f"objective {axis!r} is not known{hint}")
     names = [a if isinstance(a, str) else a.name for a in found]
     faults += [

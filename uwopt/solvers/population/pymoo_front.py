@@ -21,7 +21,7 @@ from uwopt.documents.faults import nearest
 from uwopt.errors import MissionError
 from uwopt.objectives.axes import LOGARITHMIC, scale
 from uwopt.objectives.dominance import MARGIN, in_box
-from uwopt.objectives.own import OwnFunction, OwnObjective
+from uwopt.objectives.own import OwnObjective
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.population.archive import Archive
@@ -75,14 +75,14 @@ class PopulationFront:
 def population_front(
     search: Search, axes: Sequence[Axis], *, algorithm: str = "nsga2", seed: int = 0,
     seconds: float | None = None, pop_size: int | None = None, generations: int | None = None,
-    progress: Progress | None = None, functions: Sequence[OwnObjective | OwnFunction] = (),
+    progress: Progress | None = None,
 ) -> PopulationFront:  # fmt: skip
     """Trade-off between objectives by a population algorithm, over a search that is prepared.
 
     Parameters
     ----------
     search : after `prepare()`; its objective should weigh every built-in axis, so that bounds know them
-    axes : names of `objectives.objective.UNITS`, functions or `OwnObjective`s; names may be those of `functions`
+    axes : names of `objectives.objective.UNITS`, functions or `OwnObjective`s
     algorithm : one of `ALGORITHMS`
     seconds : stop after as many
     generations : stop after as many; by default when the hypervolume stagnates
@@ -93,7 +93,7 @@ def population_front(
         near = nearest(algorithm, ALGORITHMS)
         hint = f"; did you mean {near}?" if near else f"; known: {', '.join(ALGORITHMS)}"
         raise MissionError(f"algorithm {algorithm!r} is not known{hint}")
-    run = PymooRun(search, resolved_axes(axes, functions), algorithm, seed, pop_size or POP_SIZE)
+    run = PymooRun(search, resolved_axes(axes), algorithm, seed, pop_size or POP_SIZE)
     status = "complete"
     if not run.coding.empty:
         status = run.until(seconds, generations, progress or (lambda share, what: None))
