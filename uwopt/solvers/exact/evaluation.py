@@ -26,7 +26,7 @@ from uwopt.solvers.exact.imagers import Imagers, imagers_in
 from uwopt.solvers.exact.light_tables import FieldTables
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.node_bounds import LampChoices, by_rule, first_missed
-from uwopt.solvers.exact.node_designs import FIRST_VEILS, LARGEST_VEILS, NodeDesigns, Waiting
+from uwopt.solvers.exact.node_designs import NodeDesigns, Waiting
 from uwopt.solvers.exact.ranking import Ranking
 from uwopt.solvers.settings.best import best_settings
 from uwopt.solvers.settings.closed_form import Chosen
@@ -189,13 +189,12 @@ class Evaluation:
                 break
             pairs, used = pairs.alone(kept)
             lights, bound = [light.take(used) for light in lights], bound[kept]
-        solved = 0
-        if self._patient and len(kept):  # other nodes may hold better bounds
+        self.account.evaluated -= found
+        self.account.charge("bound", found)
+        if len(kept):
             self._waiting.append(Waiting.of(pairs, bound, lights, lighting))
-        elif len(kept):
-            solved = self._solve_best_first(pairs, bound, lights, lighting)
-        self.account.evaluated -= found - solved
-        self.account.charge("bound", found - solved)
+            if not self._patient:  # else other nodes may hold better bounds
+                self._solve_waiting()
 
     def _may_keep_rules(self, imager: Array, lighting: Lighting, table: LampChoices) -> Array:
         """Whether some number of the lamps keeps the rules which no setting can mend, by imager."""
@@ -246,24 +245,6 @@ class Evaluation:
         self.deadline.check()
         return self.tables.in_scenes(lighting, imager, known=lights, veils=veils, deadline=self.deadline)
 
-    def _solve_best_first(
-        self, pairs: NodeDesigns, bound: Array, lights: list[ImageLight], lighting: Lighting
-    ) -> int:
-        """Designs that may win, best bound first, with all their veils; how many were solved."""
-        order = np.lexsort((pairs.cost, bound))
-        nodes, first = np.unique(pairs.node[order], return_index=True)
-        order = nodes[np.argsort(first)]  # nodes by the best of their designs
-        batch, solved = FIRST_VEILS, 0
-        while len(order):
-            left = ~self._beaten(pairs, bound)
-            order = order[np.isin(order, pairs.node[left])]
-            nodes, order = order[:batch], order[batch:]
-            some = pairs.take(np.flatnonzero(left & np.isin(pairs.node, nodes)))
-            solved += len(some)
-            self._solve_fully(some, lights, lighting)
-            batch = min(2 * batch, LARGEST_VEILS)
-        return solved
-
     def _solve_fully(self, some: NodeDesigns, lights: list[ImageLight], lighting: Lighting) -> None:
         """Rank those of some designs that keep the rules, with all their veils beside the light of all nodes."""
         some = self._keeping_rules(some, lighting)
@@ -280,8 +261,7 @@ class Evaluation:
             if first.lowest > most:
                 break
             self.deadline.check()
-            nodes, group = first.taken(most)
-            some = first.pairs.take(np.isin(first.pairs.node, nodes) & (first.bound <= self.ranking.threshold()))
+            some, group = first.taken(most, ~self._beaten(first.pairs, first.bound))
             self._solve_fully(some, first.lights, first.lighting)
             self.account.evaluated += len(some)
             self.account.charge("bound", -len(some))

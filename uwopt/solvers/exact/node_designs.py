@@ -92,30 +92,30 @@ class Waiting:
     bound: Array
     lights: list[ImageLight]
     lighting: Lighting
-    order: Array
-    least: Array  # of the nodes in their order
-    begin: int = 0
+    least: Array  # bound of each node
+    order: Array  # of the nodes that wait
     batch: int = FIRST_VEILS
 
     @staticmethod
     def of(pairs: NodeDesigns, bound: Array, lights: list[ImageLight], lighting: Lighting) -> Waiting:
-        """All of a group."""
+        """All of a group: nodes by the best of their designs, of equals the cheapest first."""
         least = np.full(len(pairs.imager), np.inf)
         np.minimum.at(least, pairs.node, bound)
-        order = np.argsort(least, kind="stable")
-        return Waiting(pairs, bound, lights, lighting, order, least[order])
+        nodes, first = np.unique(pairs.node[np.lexsort((pairs.cost, bound))], return_index=True)
+        return Waiting(pairs, bound, lights, lighting, least, nodes[np.argsort(first)])
 
     @property
     def lowest(self) -> float:
         """The least bound that waits."""
-        return float(self.least[self.begin]) if self.begin < len(self.least) else np.inf
+        return float(self.least[self.order[0]]) if len(self.order) else np.inf
 
-    def taken(self, most: float) -> tuple[Array, Waiting]:
-        """The next nodes with no more than some bound, and the group without them."""
-        end = self.begin + int((self.least[self.begin : self.begin + self.batch] <= most).sum())
-        batch = min(2 * self.batch, LARGEST_VEILS)
-        return self.order[self.begin : end], replace(self, begin=end, batch=batch)
+    def taken(self, most: float, left: Array) -> tuple[NodeDesigns, Waiting]:
+        """Of the designs that are left those of the next nodes with no more than some bound, and the group without."""
+        order = self.order[np.isin(self.order, self.pairs.node[left])]
+        count = int((self.least[order[: self.batch]] <= most).sum())
+        some = self.pairs.take(np.flatnonzero(left & np.isin(self.pairs.node, order[:count])))
+        return some, replace(self, order=order[count:], batch=min(2 * self.batch, LARGEST_VEILS))
 
     def left(self) -> Array:
         """Which designs wait."""
-        return np.isin(self.pairs.node, self.order[self.begin :])
+        return np.isin(self.pairs.node, self.order)
