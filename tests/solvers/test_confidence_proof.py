@@ -303,7 +303,7 @@ def test_where_nothing_fits_no_worse_numbers_are_searched(monkeypatch: pytest.Mo
         worse.append(share)
         return problem
 
-    nothing = SimpleNamespace(whole=lambda: SimpleNamespace(best=[]))
+    nothing = SimpleNamespace(whole=lambda: SimpleNamespace(best=[]), every_imager=None)
     monkeypatch.setattr(search_module, "Search", lambda *_, **__: nothing)
     monkeypatch.setattr(search_module, "worse_problem", worse_problem)
     never = dict(done=lambda: False, hopeful=lambda: False)
