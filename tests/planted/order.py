@@ -49,6 +49,13 @@ DEFECTS = (
         test=f"{BOOK}::test_voltages_are_those_of_the_maker_s_sheet_and_all_others_are_to_be_asked",
     ),
     Defect(
+        name="what floats needs no ballast",
+        file="uwopt/report/text/not_counted.py",
+        old="> FLOATS_KG",
+        new="> 1e9",
+        test=f"{BOOK}::test_housings_that_float_need_ballast",
+    ),
+    Defect(
         name="a computer needs no place",
         file="uwopt/report/text/not_counted.py",
         old="if row.id in apart]:",

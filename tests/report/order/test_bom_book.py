@@ -175,6 +175,20 @@ def test_a_computer_needs_a_place_that_nobody_counted(make_result: Make) -> None
     assert told[1][place].startswith("computer that takes the images: neither size nor mass is counted")
 
 
+def test_housings_that_float_need_ballast(make_result: Make) -> None:
+    """10.315 l of lead in water weigh 10.315 (11.34 - 1.025) = 106.4 kg, 117 kg in air."""
+    result = make_result()
+    told = [
+        {one.what: one.known for one in not_counted(result, replace(
+            result.best, totals=replace(result.best.totals, mass_water_kg=mass_kg)))}.get("ballast")
+        for mass_kg in (None, 0.8, -0.09, -106.4)
+    ]  # fmt: skip
+    assert told[:3] == [None] * 3
+    assert told[3] == (
+        "cameras in their housings float with 106 kg; 117 kg of lead hold them; lamps and cables are not counted"
+    )
+
+
 def test_book_without_a_design_holds_no_old_lines(make_result: Make) -> None:
     book = opened(make_result(status="infeasible", recommendation=None))
     assert book["Order"].max_row == FIRST_LINE - 1

@@ -58,6 +58,8 @@ def _not_counted(result: Result, best: Design) -> Iterator[NotCounted]:
     if inside := [row.model for row in best.bom if row.id in apart]:
         what = "a place for computer and electronics" if "host-computer" in ids and not in_camera else ELECTRONICS
         yield NotCounted(what, place_needed(inside, depth))
+    if (lift_kg := -(totals.mass_water_kg or 0.0)) > FLOATS_KG:
+        yield NotCounted("ballast", ballast_needed(lift_kg))
     if fed := supply_voltages(best.bom):
         yield NotCounted("supply voltages", fed, bought=False)
     if "rest-spares" in ids:
@@ -70,6 +72,8 @@ def _not_counted(result: Result, best: Design) -> Iterator[NotCounted]:
 #: Lines of a bill that have neither size nor mass there, and are no cable.
 UNHOUSED = ("host-computer", "rest-lamp-control", "rest-synchronisation", "rest-link")
 ELECTRONICS = "a place for electronics"
+LEAD_KG_L, WATER_KG_L = 11.34, 1.025  # lead at 20 C (CRC handbook), sea water
+FLOATS_KG = 0.1  # of lift that nobody need make up for
 FED = ("camera", "complete", "light")  # kinds of parts that take power; so does the computer
 
 
@@ -80,6 +84,13 @@ def place_needed(names: Sequence[str], depth: str) -> str:
         "chosen for camera and lens alone. Ask whether a housing of the vehicle has room; else one more is to be "
         f"bought, rated {depth} or more"
     )
+
+
+def ballast_needed(lift_kg: float) -> str:
+    """What keeps housings down that float: lead weighs 1 / (1 - its water's density over its own) of that in air."""
+    lead = formats.quantity(lift_kg / (1.0 - WATER_KG_L / LEAD_KG_L), "kg", 3)
+    lift = formats.quantity(lift_kg, "kg", 3)
+    return f"cameras in their housings float with {lift}; {lead} of lead hold them; lamps and cables are not counted"
 
 
 def supply_voltages(rows: Sequence[BillRow]) -> str:
