@@ -287,7 +287,7 @@ def test_for_room_no_key_gives_way_that_would_after_those_that_have_to_unless_no
     mission = load_mission({**survey(20.0), "reserve": {}, "requirements": {"overlap": 0.3, "min_snr_db": 20.0}})
     every = yields_of(mission.without_gain_cap)
 
-    def fits(asked: YieldTrials, given_way: Any) -> bool:
+    def fits(asked: YieldTrials, given_way: Any, part: float = 0.0) -> bool:
         paths, roomy = {one.path for one in given_way}, asked.mission.requirements.min_snr != asks
         return ({"reserve.blur", "requirements.min_uniformity"} if roomy else {"reserve.blur"}) <= paths
 
@@ -654,6 +654,43 @@ def test_hardware_that_fitted_is_asked_before_all_other(monkeypatch: pytest.Monk
 def test_a_long_time_that_is_given_is_no_shorter_than_none() -> None:
     assert patience_of(Deadline.after(1000.0)).left_s > yielding.YIELD_S
     assert patience_of(NEVER).left_s == pytest.approx(yielding.YIELD_S)
+
+
+def all_that_may_give_way() -> tuple[Any, tuple[Any, ...]]:
+    """A mission with all of good practice, and what of it may give way."""
+    mission = load_mission({**survey(20.0), "reserve": {}}).without_gain_cap
+    return mission, yields_of(mission)
+
+
+def test_no_question_takes_the_time_of_those_after_it_but_whether_anything_fits(monkeypatch: Any) -> None:
+    mission, every = all_that_may_give_way()
+    spent, left_s = [0.0], list[float]()
+
+    def anything(weaker: Any, catalog: Any, like: Any, deadline: Deadline) -> Any:
+        """Nothing is found in all the time that it gets, but where all gives way: there it is at once."""
+        left_s.append(deadline.left_s)
+        found = with_yields(mission, every).to_dict() == weaker.to_dict()
+        spent[0] += 0.0 if found else deadline.left_s
+        return SimpleNamespace(outcome=SimpleNamespace(best=[1] if found else [], complete=False))
+
+    monkeypatch.setattr(yielding, "_anything", anything)
+    monkeypatch.setattr(YieldTrials, "_take", lambda *given: None)
+    patience = Deadline.after(100.0, lambda: spent[0])
+    made = yielding._least(mission, every, cast(Any, None), cast(Any, None), patience, PracticeKnown(), roomy=False)
+    assert left_s[:3] == pytest.approx([100.0, 25.0, 18.75]) and not patience.passed() and not made.is_least
+
+
+def test_known_hardware_is_asked_though_time_is_over(monkeypatch: Any) -> None:
+    """It needs no signal in hand to give way, and no other key: so much is known, that less does not do is not."""
+    mission, every = all_that_may_give_way()
+
+    def on_hardware(asked: YieldTrials, weaker: Any) -> bool | None:
+        return True if weaker.reserve.snr_db == 0.0 else None
+
+    monkeypatch.setattr(YieldTrials, "_on_hardware", on_hardware)
+    late, none = Deadline.after(0.0), cast(Any, None)
+    made = yielding._least(mission, every, none, none, late, PracticeKnown(), roomy=False)
+    assert [one.path for one in made.yields] == ["reserve.snr_db"] and not made.is_least and len(every) > 1
 
 
 def shares_held(monkeypatch: pytest.MonkeyPatch, held: Any) -> Any:

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 
 YIELD_S = 20.0  # of work, for what has to give way where no time is given: what is recommended hangs on it
 GIVEN_SHARE = 0.5  # of a time that is given
+A_QUESTION = 0.25  # of what is left of that, for one that need not be answered: else the first dear proof takes it all
 WITNESSES = 2  # hardware that fitted last, which is asked before all other
 SUREST = 2  # hardware of those counted, for which it is asked what would make it hold
 LUCK = 1.64  # standard errors: of a share that was chosen, one in twenty is as far above the truth
@@ -155,11 +156,12 @@ def _least(
     asked = YieldTrials(lifted, catalog, like, patience, known)
     for guess in known.guesses(every, roomy=roomy):
         asked.fits(guess)
-    if not asked.fits(every):
+    if not asked.fits(every, part=1.0):
         known.last[roomy] = ()
         return GivenWay(in_vain=asked.in_vain.get(frozenset(every)), is_in_vain=frozenset(every) in asked.missing)
-    known.last[roomy] = _fewest(lifted, every, asked.fits, patience)
-    return GivenWay(known.last[roomy], is_least=not patience.passed())
+    asked.unanswered = False
+    known.last[roomy] = _fewest(lifted, every, asked.fits)
+    return GivenWay(known.last[roomy], is_least=not asked.unanswered)
 
 
 @dataclass
@@ -175,13 +177,17 @@ class YieldTrials:
     missing: list[frozenset[Yield]] = field(default_factory=list)
     fitted: list[tuple[Problem, Found]] = field(default_factory=list)  # the last first
     in_vain: dict[frozenset[Yield], Sought] = field(default_factory=dict)  # searches that prove that nothing fits
+    unanswered: bool = False  # whether it was not known of some in time
     before: list[PartIds] = field(init=False)  # hardware that fitted in earlier missions, the last first
 
     def __post_init__(self) -> None:
         self.before = [*self.known.hardware]
 
-    def fits(self, given_way: Collection[Yield]) -> bool:
-        """Whether something fits where these have given way, as far as that is found in time."""
+    def fits(self, given_way: Collection[Yield], part: float = A_QUESTION) -> bool:
+        """Whether something fits where these have given way, as far as that is found in time; on known hardware always.
+
+        part : of the time that is left, for a search of all parts
+        """
         some = frozenset(given_way)
         if any(one <= some for one in self.fitting):
             return True
@@ -189,8 +195,11 @@ class YieldTrials:
             return False
         weaker = with_yields(self.mission, given_way)
         found = self.known.fits(weaker)
-        found = self._on_hardware(weaker) or self._anywhere(weaker, some) if found is None else found
-        if found is not None:
+        if found is None:
+            found = self._on_hardware(weaker) or self._anywhere(weaker, some, part)
+        if found is None:
+            self.unanswered = True
+        else:
             (self.fitting if found else self.missing).append(some)
         return bool(found)
 
@@ -206,9 +215,12 @@ class YieldTrials:
                 return True
         return None
 
-    def _anywhere(self, weaker: Mission, some: frozenset[Yield]) -> bool | None:
+    def _anywhere(self, weaker: Mission, some: frozenset[Yield], part: float) -> bool | None:
         """Whether anything of all parts fits; None where that is not known in time."""
-        sought = _anything(weaker, self.catalog, self.like, self.patience)
+        if self.patience.passed():
+            return None
+        patience = self.patience.at_most(part * self.patience.left_s)
+        sought = _anything(weaker, self.catalog, self.like, patience)
         self._take(sought)
         if sought.outcome.best:
             return True
@@ -266,9 +278,9 @@ def fewest_to_hold(
     least = min(share_to_hold(counts), held(_in_order(given_way, further)))
 
     def holds(more: Collection[Yield]) -> bool:
-        return held(_in_order(given_way, more)) >= least
+        return not patience.passed() and held(_in_order(given_way, more)) >= least
 
-    few = _in_order(given_way, _fewest(base, further, holds, patience))
+    few = _in_order(given_way, _fewest(base, further, holds))
     for one in reversed([one for one in few if one in given_way]):
         rest = tuple(other for other in few if other is not one)
         if not patience.passed() and held(rest) >= least:
@@ -305,18 +317,18 @@ def most_held(counts: Counts, mission: Mission, known: KnownToHold) -> float:
 
 
 def _fewest(
-    mission: Mission, known: tuple[Yield, ...], fits: Callable[[Collection[Yield]], bool], patience: Deadline
+    mission: Mission, known: tuple[Yield, ...], fits: Callable[[Collection[Yield]], bool]
 ) -> tuple[Yield, ...]:
     """The first of these with which it fits, but for what is not needed then; with all of them it does."""
     few, enough = 0, len(known)  # so many of the first do not do, and so many do
-    while enough - few > 1 and not patience.passed():
+    while enough - few > 1:
         middle = enough - max(1, round(MORE_SHARE * (enough - few)))
         few, enough = (few, middle) if fits(known[:middle]) else (middle, enough)
     given_way = known[:enough]
     for one in reversed(known[: enough - 1]):
         rest = tuple(other for other in given_way if other is not one)
         overruled = with_yields(mission, rest).to_dict() == with_yields(mission, given_way).to_dict()
-        if overruled or (not patience.passed() and fits(rest)):
+        if overruled or fits(rest):
             given_way = rest
     return given_way
 
