@@ -12,7 +12,7 @@ from uwopt.forward.problem import Problem
 from uwopt.solvers.confidence.fixed import Settings
 from uwopt.solvers.confidence.outcomes import Outcomes
 from uwopt.solvers.exact.ranking import Found, told_apart
-from uwopt.solvers.one_hardware import parts_of
+from uwopt.solvers.one_hardware import own_id, parts_of
 
 
 @dataclass(frozen=True)
@@ -58,5 +58,5 @@ def best_of(tried: Sequence[Counted], share: float) -> Counted | None:
 
 def names(problem: Problem, found: Found) -> tuple[Any, ...]:
     """What tells one hardware from another."""
-    ids = [getattr(part, "enclosure_id", part.id) for _, part in parts_of(problem, found)]
+    ids = [own_id(part) for _, part in parts_of(problem, found)]
     return (*ids, found.count, found.landscape, found.lighting.mount)

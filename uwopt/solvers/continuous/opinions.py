@@ -16,6 +16,7 @@ from uwopt.solvers.continuous.pieces import SmoothDesign
 from uwopt.solvers.continuous.solve_settings import FEASIBLE, solve_settings
 from uwopt.solvers.exact.imager_rules import limit
 from uwopt.solvers.exact.ranking import Found
+from uwopt.solvers.one_hardware import parts_of
 from uwopt.solvers.recommend import Sought, scene_rows_of
 from uwopt.solvers.settings.best import scenes_need_cells
 from uwopt.solvers.settings.closed_form import Chosen
@@ -165,14 +166,7 @@ def mixed_opinion(sought: Sought, *, max_seconds: float = BONMIN_S) -> dict[str,
 
 def part_ids(sought: Sought, found: Found) -> list[str]:
     """Camera, lens, port and light by id."""
-    parts = sought.problem.parts
-    named = (
-        parts.cameras[found.camera],
-        parts.lenses[found.lens],
-        parts.ports[found.port],
-        parts.lights[found.light],
-    )
-    return [part.id for part in named]
+    return [part.id for _, part in parts_of(sought.problem, found)]
 
 
 def shortlist(sought: Sought) -> list[Found]:

@@ -18,6 +18,7 @@ from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.attack import attack, fits
+from uwopt.solvers.exact.imagers import landscapes
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.settings.best import scenes_need_cells
@@ -149,7 +150,7 @@ def options_of(problem: Problem) -> dict[str, list[Any]]:
         "camera": list(range(len(parts.cameras))),
         "lens": list(range(len(parts.lenses))),
         "port": list(range(len(parts.ports))),
-        "landscape": [name == "landscape" for name in problem.mission.vehicle.orientations],
+        "landscape": landscapes(problem),
         "light": list(range(len(parts.lights))),
         "count": list(range(low, high + 1)),
         "mount": list(problem.mounts),

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.forward.columns import rows_alike
+from uwopt.forward.columns import Columns, rows_alike
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.model.information import TEXTURE_CONTRAST
 from uwopt.model.lateral import rms_px
@@ -40,7 +40,7 @@ IN_SUN = 2  # of these, for there the SNR of a piece is dear
 
 
 @dataclass(frozen=True)
-class Pieces:
+class Pieces(Columns):
     """Pieces of the f-numbers of designs within limits of power: rows and columns of (n, k) limits, (m,) each."""
 
     row: Array
@@ -53,10 +53,6 @@ class Pieces:
         row, column = np.repeat(self.row, parts), np.repeat(self.column, parts)
         number = np.repeat(self.number * parts, parts) + np.tile(np.arange(parts), len(self.number))
         return Pieces(row, column, number, self.of * parts)
-
-    def take(self, which: Array) -> Pieces:
-        """Some of them."""
-        return Pieces(self.row[which], self.column[which], self.number[which], self.of)
 
 
 @dataclass(frozen=True)

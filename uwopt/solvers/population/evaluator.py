@@ -120,8 +120,8 @@ class Evaluator:
             return Solved(place, built, Decoded([], [], violation[place]), none, {}, violation)
         scenes = range(len(self.problem.scenes))
         seen = [self.store.seen(s, built.imager, built.lighting, built.count) for s in scenes]
-        rows = [self._scene_rows(s, built, seen[s]) for s in scenes]
-        light_limit_w = self.problem.scene_power_limit_w - self._camera_power_w(built)
+        rows = [scene_rows(self.search, s, built, seen[s]) for s in scenes]
+        light_limit_w = self.problem.scene_power_limit_w - self.search.imagers.camera_power_w[built.imager]
         motorised = self.search.motorised[built.imager]
         decoded = self.coding.decoded(vectors[place], rows, motorised, light_limit_w)
         violation[place] = decoded.missing
@@ -136,12 +136,6 @@ class Evaluator:
         holds = np.nonzero(missed <= 0.0)[0]
         figures = {name: c[holds] for name, c in self._named(made, some).items()}
         return Solved(place, built, decoded, fits[holds], figures, violation)
-
-    def _camera_power_w(self, built: CodedHardware) -> Array:
-        return np.asarray(self.search.imagers.camera_power_w[built.imager])
-
-    def _scene_rows(self, s: int, built: CodedHardware, seen: SeenLight) -> SceneRows:
-        return scene_rows(self.search, s, built, seen)
 
     # ------------------------------------------------------------ figures
 

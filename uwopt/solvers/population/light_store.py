@@ -7,7 +7,7 @@ focal length on all cameras with the same sensor behind a port. What is known is
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Generic, TypeVar
 
@@ -106,7 +106,7 @@ class LightStore:
         area = view.collecting_m2[imager] / view.collecting_m2[self.images[image]]
         optics = np.array([item.optics for item in self.search.tables.lightings])[lighting]
         return SeenLight(
-            light.scaled(area), None if sun is None else scaled_sun(sun, area),
+            light.scaled(area), None if sun is None else sun.scaled(area),
             self.sharps[scene_index].rows(optics * len(self.imagers) + imager) if self.sharp else None,
             self._even(scene_index, by_count),
         )  # fmt: skip
@@ -237,13 +237,3 @@ class LightStore:
                 ).min()  # fmt: skip
                 known[int(key)] = bool(least >= wanted * (1 - 1e-9))
         return np.array([known[int(key)] for key in unique])[back.reshape(-1)]
-
-
-def scaled_sun(sun: SunLight, factor: Array) -> SunLight:
-    """Every row times its own factor."""
-    columns: dict[str, Any] = {f.name: getattr(sun, f.name) for f in fields(sun)}
-    made: dict[str, Any] = {
-        name: None if c is None else c * factor.reshape(-1, *([1] * (c.ndim - 1)))
-        for name, c in columns.items()
-    }
-    return SunLight(**made)

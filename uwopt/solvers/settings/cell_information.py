@@ -25,6 +25,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward.columns import Columns
 from uwopt.forward.sharpness import SharpRows
 from uwopt.model.information import (
     LEAST_ORDERS,
@@ -227,7 +228,7 @@ class NodeTangents:
 
 
 @dataclass(frozen=True)
-class Image:
+class Image(Columns):
     """Settings of m designs that decide the transfer: disc and lens may go with another f-number than the pupil."""
 
     design: Array
@@ -235,10 +236,6 @@ class Image:
     f_number: Array  # of disc and lens
     working: Array  # of the pupil
     blur_px: Array
-
-    def take(self, rows: Array) -> Image:
-        """Some of them."""
-        return Image(*(getattr(self, name)[rows] for name in Image.__dataclass_fields__))
 
 
 @dataclass(frozen=True)
