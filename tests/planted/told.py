@@ -162,7 +162,7 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="what a change gives up is told otherwise than solve has it", file="uwopt/api/practice_left.py",
         old="[each.as_held for each in made.yields] if", new="[each.as_held for each in made.yields] * 2 if",
-        test="tests/api/test_yielding.py::test_what_would_help_is_what_solve_answers[solve]",
+        test="tests/api/test_yielding.py::test_what_would_help_is_what_solve_answers",
     ),
     Defect(
         name="a sweep holds what gives way in solve", file="uwopt/sweeps/work.py",
