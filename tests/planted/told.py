@@ -165,6 +165,11 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/api/test_yielding.py::test_what_would_help_is_what_solve_answers",
     ),
     Defect(
+        name="explain does not ask what a change gives up of practice", file="uwopt/api/explaining.py",
+        old="if in_vain and not trials.interrupted:", new="if in_vain and not trials.interrupted and not would_yield:",
+        test="tests/api/test_yielding.py::test_explain_says_what_would_help_as_solve_does",
+    ),
+    Defect(
         name="a sweep holds what gives way in solve", file="uwopt/sweeps/work.py",
         old="None if job.ways.hold_practice else", new="None if not job.ways.hold_practice else",
         test="tests/api/test_yielding.py::test_a_sweep_lets_give_way_what_solve_does_and_names_it",
