@@ -5,7 +5,7 @@ from __future__ import annotations
 from planted.defect import Defect
 
 ANY, SETTLED = "uwopt/solvers/exact/any_lighting.py", "uwopt/solvers/infeasible/settled.py"
-TESTS = "tests/solvers/test_any_lighting.py"
+TESTS, AT_HAND = "tests/solvers/test_any_lighting.py", "tests/solvers/test_hardware_at_hand.py"
 DARK = f"{TESTS}::test_only_what_is_dark_under_each_lighting_is_left_dark[level]"
 ONLY = f"{TESTS}::test_only_what_discarded_nothing_is_settled"
 
@@ -65,5 +65,33 @@ DEFECTS = (
         old=" or like.problem.mission != self.mission:",
         new=":",
         test=f"{TESTS}::test_a_search_of_another_mission_settles_nothing",
+    ),
+    Defect(
+        name="a key is told though the hardware at hand does not fit",
+        file="uwopt/solvers/infeasible/moves.py",
+        old="known, one.key, value)\n                if found is not None and found.outcome.best:\n",
+        new="known, one.key, value)\n                if found is not None:\n",
+        test=f"{AT_HAND}::test_a_key_that_the_nearest_hardware_needs_moved_is_told_without_a_search",
+    ),
+    Defect(
+        name="a requirement helps though the hardware at hand does not fit",
+        file="uwopt/solvers/infeasible/singles.py",
+        old="            found = same_hardware(known, relaxed)\n            if found.outcome.best:\n",
+        new="            found = same_hardware(known, relaxed)\n            if found:\n",
+        test=f"{AT_HAND}::test_a_requirement_without_which_known_hardware_fits_helps",
+    ),
+    Defect(
+        name="the hardware at hand is asked of nothing else",
+        file="uwopt/solvers/infeasible/why_nothing.py",
+        old="    try_hardware(singles, mover)\n",
+        new="",
+        test=f"{AT_HAND}::test_what_hardware_does_is_told_where_no_search_of_a_moved_key_ends",
+    ),
+    Defect(
+        name="of a large catalogue no few are tried",
+        file="uwopt/solvers/infeasible/relaxer.py",
+        old="            pairs = FEW_PAIRS * (number",
+        new="            return None\n            pairs = FEW_PAIRS * (number",
+        test=f"{AT_HAND}::test_of_a_catalogue_too_large_to_list_a_few_pairs_are_tried_first",
     ),
 )

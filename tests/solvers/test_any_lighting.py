@@ -63,7 +63,7 @@ def test_only_what_is_dark_under_each_lighting_is_left_dark(pitch_deg):
 def test_every_combination_is_counted_as_it_is_one_lighting_after_another(most_imagers, asked_db, monkeypatch):
     monkeypatch.setattr(searching, "MOST_IMAGERS", most_imagers)
     at_once = searched(reef(asked_db)).outcome
-    monkeypatch.setattr(Bounds, "leaves_dark", lambda self, rows: np.zeros(len(rows), bool))
+    monkeypatch.setattr(Bounds, "leaves_dark", lambda self, rows, *_: np.zeros(len(rows), bool))
     each = searched(reef(asked_db)).outcome
     assert at_once.account == each.account and at_once.account.adds_up()
     assert [one.minimised for one in at_once.best] == [one.minimised for one in each.best]

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.deadline import spend
+from uwopt.deadline import NEVER, Deadline, spend
 from uwopt.solvers.exact.floor_rectangles import FloorLightBound
 from uwopt.solvers.exact.light_tables import FieldTables
 from uwopt.solvers.exact.lightings import Lighting
@@ -59,12 +59,13 @@ class AnyLighting:
             made[kind] = Ablest(light, most, frozenset(lighting.optics for lighting, _, mine in own if mine.any()))
         return made
 
-    def leaves_dark(self, rows: Array) -> Array:
-        """Which of these imagers the rule of light discards under every lighting, (n,)."""
+    def leaves_dark(self, rows: Array, deadline: Deadline = NEVER) -> Array:
+        """Which of these imagers the rule of light discards under every lighting, (n,). Raises OutOfTimeError."""
         bounds, tables, n = self.bounds, self.bounds.tables, len(rows)
         if n == 0 or len(tables.lightings) < FEW or tables.problem.paper:
             return np.zeros(n, bool)
-        dark, signals = np.ones(n, bool), [self._signals(index, rows) for index in range(len(bounds.imagers.scenes))]
+        scenes = range(len(bounds.imagers.scenes))
+        dark, signals = np.ones(n, bool), [self._signals(index, rows, deadline) for index in scenes]
         for kind, ablest in self.kinds.items():
             spend("bounds", n)
             enough = np.ones(n, bool)
@@ -75,14 +76,16 @@ class AnyLighting:
             dark &= ~enough
         return dark
 
-    def _signals(self, scene_index: int, rows: Array) -> dict[int, Array]:
+    def _signals(self, scene_index: int, rows: Array, deadline: Deadline) -> dict[int, Array]:
         """Most electrons per lm s at the farthest altitude and the nominal one by optics, (n, 2)."""
         tables, scene = self.bounds.tables, self.bounds.problem.scenes[scene_index]
         altitudes = len(scene.range_m) - 1, scene.nominal
-        return {
-            optics: np.stack([brightest(tables, scene_index, some, altitude, rows) for altitude in altitudes], axis=1)
-            for optics, some in of_like_optics(tables.lightings).items()
-        }
+        made = {}
+        for optics, some in of_like_optics(tables.lightings).items():
+            deadline.check()
+            most = [brightest(tables, scene_index, some, altitude, rows) for altitude in altitudes]
+            made[optics] = np.stack(most, axis=1)
+        return made
 
 
 def of_like_optics(lightings: Sequence[Lighting]) -> dict[int, list[Lighting]]:

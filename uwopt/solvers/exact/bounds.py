@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.deadline import spend
+from uwopt.deadline import NEVER, Deadline, spend
 from uwopt.forward import switching
 from uwopt.forward.detail import most_scattering_per_m, shows_detail, texture_gain
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
@@ -334,10 +334,10 @@ class Bounds:
             light_time, wanted = light_times(need, light_for_signal(need, signal_e), kind)
         return self._within_pulse(lights, kind, need, light_time, wanted)[1]
 
-    def leaves_dark(self, rows: Array) -> Array:
+    def leaves_dark(self, rows: Array, deadline: Deadline = NEVER) -> Array:
         """Which of these imagers `of_nodes` discards by the rule of light under every lighting, as far as is soon
-        known, (n,)."""
-        return self._any_lighting.leaves_dark(rows)
+        known, (n,). Raises OutOfTimeError."""
+        return self._any_lighting.leaves_dark(rows, deadline)
 
     def _dimmest(self, k: int, own: Array) -> float:
         """The least that any of these lights draws at its lowest level: W, or J a flash."""

@@ -341,8 +341,7 @@ class Search(Evaluation):
 
     def _lit(self, rows: Array) -> Array:
         """Those that some lighting may give enough light; the others are counted."""
-        self.deadline.check()
-        dark = self.bounds.leaves_dark(rows)
+        dark = self.bounds.leaves_dark(rows, self.deadline)
         if not dark.any():
             return rows
         every = sum(len(table.light) for table in self.bounds.light_tables)

@@ -16,7 +16,7 @@ from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Value, Varied, VariedMission, rounded
 from uwopt.results.basis import Moved
 from uwopt.solvers.infeasible.freed_rules import OTHER_WATER
-from uwopt.solvers.infeasible.least_change import Change, Narrowing
+from uwopt.solvers.infeasible.least_change import Change, Narrowing, same_hardware
 from uwopt.solvers.infeasible.move_keys import CLEAREST_FIRST, SWITCHES, Try, tries_of
 from uwopt.solvers.infeasible.trials import Trials
 from uwopt.solvers.recommend import Sought
@@ -166,6 +166,24 @@ class Mover:
                 if found is not None and found.outcome.best:
                     self.far.append(Far(one, value, found))
                     break
+
+    def try_hardware(self, known: Sought, phase: Deadline) -> None:
+        """Move each key far and see whether some hardware fits there, which takes no search: where not, all is open."""
+        for one in self.left:
+            for value in one.values:
+                if phase.passed() or self.trials.interrupted:
+                    return
+                found = self._with_hardware(known, one.key, value)
+                if found is not None and found.outcome.best:
+                    self.far.append(Far(one, value, found))
+                    break
+
+    def _with_hardware(self, known: Sought, key: Varied, value: Value) -> Sought | None:
+        """The best settings of some hardware with a key at another value; None where there is no such mission."""
+        try:
+            return same_hardware(known, self._at(key, value))
+        except UwoptError:
+            return None
 
     def take_for_far(self, name: str, value: Value | None, found: Sought) -> None:
         """Something is known to fit with a key at this value, all else as asked."""

@@ -73,7 +73,12 @@ class Relaxer:
     @cached_property
     def are_too_many(self) -> bool:
         """Whether the catalogue is too large to look at every imager."""
-        return are_too_many(self.problem, fitting_pairs(self.problem))
+        return are_too_many(self.problem, self.pairs)
+
+    @cached_property
+    def pairs(self) -> FittingPairs:
+        """Cameras with the lenses that go on them."""
+        return fitting_pairs(self.problem)
 
     @cached_property
     def broken(self) -> Broken | None:
@@ -89,6 +94,9 @@ class Relaxer:
         `few_first`: where one design is enough, look for it among a few imagers before all.
         """
         if not set(freed) <= FREES.keys() or self.are_too_many:
+            few_first &= enough and self.are_too_many
+            if few_first and (soon := fitting(self.among_few(mission, goal, freed, deadline))) is not None:
+                return soon
             return seek(
                 mission, self.catalog, goal, generic=self.generic, top=1, deadline=deadline, like=self.problem,
                 enough=enough, ceiling=ceiling,
@@ -111,8 +119,14 @@ class Relaxer:
 
         Where none of them fits, that proves nothing. `mission` differs in these requirements, which ask for less.
         """
-        if not set(freed) <= FREES.keys() or self.are_too_many or deadline.passed():
+        if not set(freed) <= FREES.keys() or deadline.passed():
             return None
+        if self.are_too_many:
+            pairs = FEW_PAIRS * (number or FEW_IMAGERS) // FEW_IMAGERS
+            asked = self.asking(mission)
+            return self._soon(
+                self.selection, asked, self.pairs, deadline, pairs, goal, enough=enough, ceiling=ceiling
+            )
         known, problem = self.known_in_best_housing, self.asking(mission)
         if known is not None and OF_LIGHT.issuperset(freed):
             share = len(known) // (number or FEW_IMAGERS)
@@ -157,7 +171,7 @@ class Relaxer:
         problem = build_problem(mission, selection, scenes=self.problem.scenes_for(mission))
         pairs = fitting_pairs(problem)
         few = not are_too_many(problem, pairs)
-        if few and few_first and (soon := fitting(self._soon(selection, problem, pairs, deadline))) is not None:
+        if few_first and (soon := fitting(self._soon(selection, problem, pairs, deadline))) is not None:
             return soon
         try:
             imagers = enumerate_imagers(problem, deadline=deadline) if few else None
@@ -175,8 +189,7 @@ class Relaxer:
             return self._of_known(mission, deadline, moved, few=True)
         selection = selected(mission, self.catalog, generic=self.generic)
         problem = build_problem(mission, selection, scenes=self.problem.scenes_for(mission))
-        pairs = fitting_pairs(problem)
-        return None if are_too_many(problem, pairs) else self._soon(selection, problem, pairs, deadline, number, goal)
+        return self._soon(selection, problem, fitting_pairs(problem), deadline, number, goal)
 
     def _is_known_of(self, moved: str) -> bool:
         """Whether the imagers that a moved key leaves are among those of which it is known what they break."""
@@ -200,7 +213,7 @@ class Relaxer:
 
     def _soon(
         self, selection: Selection, problem: Problem, pairs: FittingPairs, deadline: Deadline,
-        number: int | None = None, goal: Objective = ANY,
+        number: int | None = None, goal: Objective = ANY, *, enough: bool = True, ceiling: float = math.inf,
     ) -> Sought | None:  # fmt: skip
         """A search of a few pairs of camera and lens behind all ports."""
         every = [(int(ports[0]), landscape) for ports in problem.port_groups for landscape in landscapes(problem)]
@@ -214,7 +227,7 @@ class Relaxer:
             for start, place in enumerate(places)
         }
         imagers = imagers_of(problem, some, lambda block: in_best_housing(problem, block))
-        return found_among(selection, problem, goal, imagers, deadline)
+        return found_among(selection, problem, goal, imagers, deadline, enough=enough, ceiling=ceiling)
 
     def asking(self, mission: Mission) -> Problem:
         """The tables for a mission that asks for less of the same parts in the same scenes."""

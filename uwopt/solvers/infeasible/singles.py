@@ -15,7 +15,7 @@ from uwopt.mission.weakened import RELAXABLE, with_central_prices, without
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.infeasible.freed_rules import MAY_PASS, OF_LIGHT
 from uwopt.solvers.infeasible.joint_changes import few_that_give
-from uwopt.solvers.infeasible.least_change import in_rounds
+from uwopt.solvers.infeasible.least_change import in_rounds, same_hardware
 from uwopt.solvers.infeasible.least_limit import LeastLimit, Without
 from uwopt.solvers.infeasible.reached import missed_by
 from uwopt.solvers.infeasible.relaxer import ANY, CHEAPEST, FEW_IMAGERS, hope
@@ -59,7 +59,7 @@ class Singles:
         self.useless |= {name: known[name] for name in self.trials.limits if name in known}
 
     def ask_suspects(self) -> None:
-        """First of all drop those that likely stand in the way, and draw in what helps.
+        """First of all drop those that likely stand in the way.
 
         Where bounds tell soon, all others are dropped at once before: where nothing fits even so none of them helps,
         and that one has to give.
@@ -77,8 +77,6 @@ class Singles:
                 self._ask_suspect(name, SUSPECT_TURN if waiting else LAST_SUSPECT)
             then = asked_by(self.useless.get(name, ()), trials.limits)
             waiting += [other for other in then if other not in (*asked, *waiting)]
-        if self.helpful and not trials.over:
-            self.draw_in(SUSPECT_TURN)
 
     def _ask_suspect(self, name: str, share: float) -> None:
         """Drop one that likely stands in the way, in a share of the time left: among a few imagers, then among all."""
@@ -99,7 +97,7 @@ class Singles:
         every = [other for other in trials.limits if other in MAY_PASS and other != name]
         all_soon = relaxer.are_too_many or relaxer.is_soon_known(every)
         others = every if all_soon else [other for other in every if not MAY_PASS[other]]
-        found = trials.seek_without(others) if others else None
+        found = trials.seek_without(others, few_first=not relaxer.are_too_many) if others else None
         if found is None:
             return
         if found.outcome.best:
@@ -109,6 +107,19 @@ class Singles:
         self.useless |= {other: trials.relaxer.why_not(found, other) for other in left}
         if len(others) == len(every):
             self.unmet.append(name)
+
+    def try_hardware(self, known: Sought, phase: Deadline) -> None:
+        """Drop each and see whether some hardware fits then, which takes no search: where not, all is open."""
+        trials = self.trials
+        for name in self._open(trials.limits):
+            if phase.passed() or trials.interrupted:
+                return
+            relaxed = None if name == "depth_rating_m" else without(trials.mission, *RELAXABLE[name][:2])
+            if relaxed is None or self._asks_central_first(name):
+                continue
+            found = same_hardware(known, relaxed)
+            if found.outcome.best:
+                self.helpful.append(Without(name, trials.limits[name], relaxed, found))
 
     def try_few(self, number: int = FEW_IMAGERS) -> None:
         """Drop each and look among a few imagers.
@@ -344,11 +355,11 @@ class Singles:
 
     # ------------------------------------------------------------ the least change
 
-    def draw_in(self, share: float) -> None:
-        """Draw in those that help, in a share of the time left."""
+    def draw_in(self) -> None:
+        """Draw in those that are known to help, in a share of the time left."""
         trials = self.trials
         try:
-            in_rounds(self.changes(), trials.deadline.at_most(share * trials.deadline.left_s))
+            in_rounds(self.changes(), trials.deadline.at_most(SUSPECT_TURN * trials.deadline.left_s))
         except KeyboardInterrupt:
             trials.interrupted = True
 

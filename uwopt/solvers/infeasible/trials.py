@@ -105,12 +105,14 @@ class Trials:
         self.interrupted |= found is not None and found.outcome.interrupted
         return found
 
-    def seek_without(self, names: Collection[str]) -> Sought | None:
-        """A search without all of these; None where it ends before it knows."""
+    def seek_without(self, names: Collection[str], *, few_first: bool = True) -> Sought | None:
+        """A search without all of these; None where it ends before it knows. `few_first` as in `Relaxer.seek`."""
         if self.over:
             return None
         goal = BRIGHT if "min_snr" in names else ANY
-        found = self.relaxer.seek(self.without(names), goal, set(names), deadline=self.turn(), enough=True)
+        found = self.relaxer.seek(
+            self.without(names), goal, set(names), deadline=self.turn(), enough=True, few_first=few_first
+        )
         if found.outcome.interrupted:
             self.interrupted = True
             return None

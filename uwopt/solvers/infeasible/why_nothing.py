@@ -26,6 +26,7 @@ from uwopt.solvers.infeasible.singles import Singles
 from uwopt.solvers.infeasible.trials import Trials
 
 BOUNDED = ("light", "max_white_balance", "bound", "power_w", "energy_wh", "cost", "mass_kg")
+HARDWARE_SHARE = 0.5  # of the time left, for what the hardware that came nearest does with other changes
 LEAST_SHARE = 0.9  # of the time left, for the least of each change that helps
 QUICK_SHARE = 0.2  # of the time left, likewise, where single changes are soon known
 KEPT_SHARE = 0.35  # of the time left, for changes together where none is known to help alone
@@ -40,6 +41,9 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
     by_size = any(item.rule.startswith("housing") and item.count for item in certificate.discarded)
     singles, mover = Singles(trials), Mover(trials)
     singles.ask_suspects()
+    try_hardware(singles, mover)
+    if singles.helpful and not trials.over:
+        singles.draw_in()
     is_quick = trials.relaxer.is_soon_known()
     soon = first_that_help(trials, singles, mover, is_quick=is_quick)
     whole = trials.deadline
@@ -82,6 +86,20 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
         in_part={name: singles.in_part[name] for name in singles.left if name in singles.in_part},
         unmet=[*singles.unmet],
     )
+
+
+def try_hardware(singles: Singles, mover: Mover) -> None:
+    """With the hardware of each change that helps, ask of all others: what it does then needs no search to be known."""
+    trials = singles.trials
+    phase = trials.deadline.at_most(HARDWARE_SHARE * trials.deadline.left_s)
+    known = [one.found for one in singles.changes()] + [far.found for far in mover.far]
+    for found in known:
+        trials.say(0.0, "what the hardware of a change does beside")
+        try:
+            mover.try_hardware(found, phase)
+            singles.try_hardware(found, phase)
+        except KeyboardInterrupt:
+            trials.interrupted = True
 
 
 def first_that_help(trials: Trials, singles: Singles, mover: Mover, *, is_quick: bool) -> CommonFit | None:

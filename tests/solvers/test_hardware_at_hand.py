@@ -1,0 +1,79 @@
+"""Hardware that comes near is asked of every other change; of a large catalogue too a few imagers are tried first."""
+
+from __future__ import annotations
+
+import pytest
+from test_any_lighting import POWER, reef, searched
+
+from uwopt.deadline import NEVER
+from uwopt.forward.assembly import load_catalog
+from uwopt.mission.weakened import RELAXABLE, without
+from uwopt.solvers.exact import search as searching
+from uwopt.solvers.exact.certificate import certificate
+from uwopt.solvers.infeasible import relaxer as relaxing
+from uwopt.solvers.infeasible.moves import Mover
+from uwopt.solvers.infeasible.relaxer import Relaxer
+from uwopt.solvers.infeasible.singles import Singles
+from uwopt.solvers.infeasible.trials import BRIGHT, Trials
+from uwopt.solvers.infeasible.why_nothing import why_nothing
+from uwopt.solvers.recommend import Sought, seek
+
+DARK_DB = 38.0  # a little more than their lamps give in this water
+
+
+def trials() -> Trials:
+    """The reef with a little too little light."""
+    wanted = reef(DARK_DB)
+    return Trials(wanted, load_catalog(wanted), POWER, "never", like=searched(wanted))
+
+
+def found_without(name: str) -> Sought:
+    """What fits without one requirement."""
+    free = without(reef(DARK_DB), *RELAXABLE[name][:2])
+    assert free is not None
+    return seek(free, load_catalog(free), BRIGHT if name == "min_snr" else POWER, generic="never", top=1)
+
+
+@pytest.fixture
+def no_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    def ask(self: Relaxer, *_: object, **__: object) -> None:
+        return None
+
+    for name in ("any_design", "few_designs"):
+        monkeypatch.setattr(Relaxer, name, ask)
+
+
+def test_a_key_that_the_nearest_hardware_needs_moved_is_told_without_a_search(no_search):
+    mover = Mover(trials())
+    mover.try_hardware(found_without("min_snr"), NEVER)
+    assert [(far.tried.key.name, far.value) for far in mover.far] == [("water", "I")]
+    assert {one.key.name for one in mover.left} == {"altitude_m", "speed_m_s"}
+    assert not mover.useless, "that one hardware does not fit proves nothing"
+
+
+def test_a_requirement_without_which_known_hardware_fits_helps():
+    singles = Singles(trials())
+    open_before = dict(singles.useless)
+    singles.try_hardware(found_without("mean_level"), NEVER)
+    assert {one.name for one in singles.helpful} == {"min_snr", "mean_level"}
+    assert all(one.found.outcome.best and searched(one.mission).outcome.best for one in singles.helpful)
+    assert singles.useless == open_before
+
+
+def test_what_hardware_does_is_told_where_no_search_of_a_moved_key_ends(no_search):
+    asked = trials()
+    like = asked.like
+    assert like is not None
+    why = why_nothing(asked, certificate(like.selection, like.problem, like.outcome, POWER))
+    assert [(move.name, move.needed, move.nearest) for move in why.moves] == [("water", "I", False)]
+
+
+def test_of_a_catalogue_too_large_to_list_a_few_pairs_are_tried_first(monkeypatch):
+    monkeypatch.setattr(searching, "MOST_IMAGERS", 0)
+    monkeypatch.setattr(relaxing, "FEW_PAIRS", 4)
+    few = trials().relaxer
+    free = found_without("min_snr").problem.mission
+    assert few.are_too_many
+    found = few.among_few(free, BRIGHT, {"min_snr"})
+    assert found is not None and found.outcome.best
+    assert found.outcome.account.total < searched(free).outcome.account.total
