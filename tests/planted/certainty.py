@@ -551,12 +551,18 @@ DEFECTS = (
         test="tests/solvers/test_confidence_deciding.py::test_a_battery_is_as_large_as_the_cameras_draw_may_be",
     ),
     Defect(
+        name="light at the ends of a narrower band is that at the old ends",
+        file=f"{ROOM}/response.py",
+        old="through_band(count, share * np",
+        new="through_band(count, np",
+        test="tests/solvers/test_confidence_deciding.py::test_light_in_a_narrower_band_is_that_worked_out_there",
+    ),
+    Defect(
         name="no vehicle keeps its height more steadily",
         file=f"{ROOM}/deciding.py",
         old="(TOLERANCE, STEADIER), ",
         new="",
-        test="tests/solvers/test_confidence_deciding.py::"
-        "test_a_steadier_or_lower_height_is_told_where_a_vehicle_leaves_its_band",
+        test="tests/solvers/test_confidence_deciding.py::test_a_steadier_height_is_told_where_a_vehicle_leaves_its_band",
     ),
     Defect(
         name="a proof keeps to itself what it takes for granted",

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,9 +47,8 @@ FARTHEST = 4.0  # times as much, or as little
 FARTHEST_DB = 20.0
 LOWER = (0.9, 0.75)  # of the altitude that is asked, in turn
 CLOSE = 0.05  # of a change: no nearer value is looked for
-HEIGHTS = (ALTITUDE, TOLERANCE)  # that are lit anew, which takes long: few values of them are tried, whatever the rest
 STEADIER = (0.75, 0.5, 0.25)  # of the tolerance that is asked, in turn
-EASED_S = 2.0  # of work, where no time is given: for keys that are not lit anew
+EASED_S = 2.0  # of work, where no time is given: for keys of which any value may do
 FIRST_STEP = 1 / 32  # of the way from what is asked to what lies far from it
 
 
@@ -91,20 +91,22 @@ def would_hold(
     """
     made, patience = [], deadline.or_after(EASED_S, effort_s).at_most(EASED_S)
     for ease in eases(problem.mission, seen.outcomes.missed(seen.stop)):
+        coarse = len(ease.values) > 1
+        if made and ease.key == ALTITUDE:
+            break
 
-        def holds(value: float, ease: Ease = ease) -> bool:
-            lit_anew = ease.key in HEIGHTS
-            (deadline if lit_anew else patience).check()
+        def holds(value: float, ease: Ease = ease, until: Deadline = deadline if coarse else patience) -> bool:
+            until.check()
             try:
                 mission = ease.mission_at(value)
             except MissionError:
                 return False
-            return held_with(problem, objective, seen.found, scenarios, mission, moved=lit_anew) >= share
+            light = light_with(ease, value, scenarios)
+            return held_with(problem, objective, seen.found, scenarios, mission, light) >= share
 
         try:
             far = next((value for value in ease.values if holds(value)), None)
             if far is not None:
-                coarse = len(ease.values) > 1
                 needed = far if coarse else nearest(ease.asked, far, holds)
                 made.append(Moved(ease.key, ease.asked, needed, ease.unit, not coarse))
         except OutOfTimeError:
@@ -152,8 +154,8 @@ class Ease:
 def eases(mission: Mission, missed: Iterable[str]) -> Iterator[Ease]:
     """What may be eased where these requirements are missed: they, and what a vehicle would do to meet them.
 
-    A battery where it holds too little; a steadier height, without which little of a wide band is left for the
-    images; at last a lower one, which eases most.
+    A battery where it holds too little; a steadier height, for all must hold over the band; at last a lower one, which
+    eases most, but takes longest: light is worked out anew.
     """
     wanted = {key for name in missed for key in (FOR_LIGHT if name == "light" else (name,))}
     for name, (section, key, _) in RELAXABLE.items():
@@ -183,11 +185,19 @@ def eases(mission: Mission, missed: Iterable[str]) -> Iterator[Ease]:
             yield Ease(key, split_unit(key)[1], asked, there_to, of_vehicle)
 
 
+def light_with(ease: Ease, value: float, scenarios: Scenarios) -> dict[Any, Any]:
+    """How light changes with the water once a key has another value, by image, as far as that is known."""
+    if ease.key == TOLERANCE:
+        return {image: known.in_narrower_band(value / ease.asked) for image, known in scenarios.responses.items()}
+    return {} if ease.key == ALTITUDE else scenarios.responses
+
+
 def held_with(
-    problem: Problem, objective: Objective, found: Found, scenarios: Scenarios, mission: Mission, *, moved: bool = False
-) -> float:
-    """Share of the same scenarios in which one hardware holds in another mission; `moved`: at another altitude."""
-    return float(outcomes_with(problem, objective, found, scenarios, mission, moved=moved)[1].outcomes.held.max())
+    problem: Problem, objective: Objective, found: Found, scenarios: Scenarios, mission: Mission,
+    light: dict[Any, Any] | None = None,
+) -> float:  # fmt: skip
+    """Share of the same scenarios in which one hardware holds in another mission; `light`: as of `outcomes_with`."""
+    return float(outcomes_with(problem, objective, found, scenarios, mission, light)[1].outcomes.held.max())
 
 
 def set_and_held_with(
@@ -202,11 +212,15 @@ def set_and_held_with(
 
 
 def outcomes_with(
-    problem: Problem, objective: Objective, found: Found, scenarios: Scenarios, mission: Mission, *, moved: bool = False
-) -> tuple[Problem, Counted]:
-    """One hardware alone in another mission, counted in the same scenarios."""
+    problem: Problem, objective: Objective, found: Found, scenarios: Scenarios, mission: Mission,
+    light: dict[Any, Any] | None = None,
+) -> tuple[Problem, Counted]:  # fmt: skip
+    """One hardware alone in another mission, counted in the same scenarios.
+
+    light : how it changes with the water, by image, at the heights of that mission; None: they are the same
+    """
     alone = problem_of(problem, found, mission=mission, scenes=problem.scenes_for(mission))
     here = scenarios.seen_by(mission, alone.scenes)
-    here = replace(here, known=scenarios.known, responses={} if moved else scenarios.responses)
+    here = replace(here, known=scenarios.known, responses=scenarios.responses if light is None else light)
     there = replace(found, camera=0, lens=0, port=0, light=0)
     return alone, Counted(there, outcomes(alone, there, objective, here), 0)

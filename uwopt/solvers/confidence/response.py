@@ -72,6 +72,13 @@ class TableResponse:
         return made
 
 
+    def in_band(self, weight: Array) -> TableResponse:
+        """At other altitudes of the band, by the weight of each that is known, (n_altitudes, n_known)."""
+        clarity, leg = (np.einsum("ak,nk...->na...", weight, nodes) for nodes in (self.clarity, self.leg))
+        corners = {side: over_band(weight, beyond) for side, beyond in self.corners.items()}
+        return TableResponse(clarity, leg, over_band(weight, self.centre), corners)
+
+
 @dataclass(frozen=True)
 class WaterResponse:
     """How each light column of one imager changes with the state of the water, by scene."""
@@ -135,6 +142,37 @@ class WaterResponse:
                 factor = factor * (1.0 + (bright - 1.0) * self.from_floor[index][name])
             changes[name] = getattr(rows, name) * factor
         return balanced(replace(rows, **changes))
+
+
+    def in_narrower_band(self, share: float) -> WaterResponse:
+        """Where the altitudes are kept within so much of their tolerance; itself where there is but one altitude."""
+        columns, from_floor = [], []
+        for known, shares in zip(self.columns, self.from_floor, strict=True):
+            made, of_floor = {}, {}
+            for name, tables in known.items():
+                count = len(next(iter(tables.values())).centre)
+                weight = through_band(count, share * np.linspace(-1.0, 1.0, count))
+                made[name] = {table: one.in_band(weight) for table, one in tables.items()}
+                if name in shares:
+                    of_floor[name] = np.clip(over_band(weight, shares[name]), 0.0, 1.0)
+            columns.append(made)
+            from_floor.append(of_floor)
+        return WaterResponse(self.clarity, self.leg, columns, from_floor)
+
+
+def through_band(count: int, at: Array) -> Array:
+    """Weights of evenly spaced altitudes of a band, from -1 to 1, at others, (*at.shape, count).
+
+    Of the polynomial through all of them; 1 where there is but one.
+    """
+    nodes = np.linspace(-1.0, 1.0, count) if count > 1 else np.zeros(1)
+    return np.stack([np.prod([np.ones_like(at), *((at - b) / (a - b) for b in nodes if b != a)], axis=0)
+                     for a in nodes], axis=-1)  # fmt: skip
+
+
+def over_band(weight: Array, values: Array) -> Array:
+    """Values by altitude, (n_known, ...), at others."""
+    return np.asarray(np.einsum("ak,k...->a...", weight, values))
 
 
 def level(rows: SceneRows, name: str, row: int) -> Array:

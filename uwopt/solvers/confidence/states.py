@@ -25,7 +25,7 @@ from uwopt.forward.sharpness import SharpRows
 from uwopt.forward.spectra import TINY
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.panels import CLOSED, SHORTER, Anchor, may_close
-from uwopt.solvers.confidence.response import LIT, VEILED, WaterResponse, of_deciding_pixels
+from uwopt.solvers.confidence.response import LIT, VEILED, WaterResponse, of_deciding_pixels, through_band
 from uwopt.solvers.confidence.scenarios import SAME_FIELD, Scenarios
 from uwopt.solvers.confidence.sealed_focus import meant_foci_m
 from uwopt.solvers.confidence.waters import may_leave_band, over_band_of
@@ -339,16 +339,14 @@ def over_wider_band(rows: SceneRows, beyond: Array) -> SceneRows:
 
     Logarithms of the light over the altitudes of the band go on as the polynomial through all of them.
     """
-    nodes = np.linspace(-1.0, 1.0, rows.signal_e.shape[1])
-    if len(nodes) == 1:
+    count = rows.signal_e.shape[1]
+    if count == 1:
         return rows
-    at = (1.0 + beyond)[:, None] * nodes
-    shares = [np.prod([(at - b) / (a - b) for b in nodes if b != a], axis=0) for a in nodes]
-    weight = np.stack(shares, axis=2)  # (n, altitude, node)
+    weight = through_band(count, (1.0 + beyond)[:, None] * np.linspace(-1.0, 1.0, count))  # (n, altitude, node)
     changes = {}
     for name in (*LIT, *VEILED):
         column = getattr(rows, name)
-        if column is not None and column.shape[1] == len(nodes):
+        if column is not None and column.shape[1] == count:
             seen = (column > 0.0).all(axis=1, keepdims=True)
             beyond_it = np.exp(np.einsum("nak,nk...->na...", weight, np.log(np.where(seen, column, 1.0))))
             changes[name] = np.where(seen, beyond_it, column)
