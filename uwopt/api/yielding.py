@@ -28,7 +28,7 @@ from uwopt.results.design import (
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.infeasible.relaxer import ANY
 from uwopt.solvers.one_hardware import best_of, problem_of
-from uwopt.solvers.recommend import Sought, best_settable, seek
+from uwopt.solvers.recommend import Sought, design_of, leans, seek, within_reach
 from uwopt.solvers.warm.parts import PartIds
 from uwopt.units import ratio_to_db
 
@@ -87,7 +87,7 @@ def gives_way(
 def _can_be_set(
     mission: Mission, catalog: Catalog, like: Problem, deadline: Deadline, known: PracticeKnown
 ) -> bool:
-    """Whether the best of a mission has settings to type in; so it is taken to be where time is over."""
+    """Whether any of the best of a mission has settings to type in; so it is taken to be where time is over."""
     if known.can_be_set(mission):
         return True
     sought = seek(
@@ -96,10 +96,13 @@ def _can_be_set(
     )  # fmt: skip
     if not sought.outcome.best:
         return True
-    design = best_settable(sought, deadline)[1]
-    if design.rounded is not None and design.is_settable:
-        known.set_in(mission)
-    return design.is_settable
+    for found in within_reach(sought, deadline):
+        design = design_of(sought, found, deadline=deadline)
+        if design.is_settable and (found is sought.outcome.best[0] or not leans(design)):
+            if design.rounded is not None:
+                known.set_in(mission)
+            return True
+    return False
 
 
 def patience_of(deadline: Deadline) -> Deadline:
