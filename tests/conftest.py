@@ -7,7 +7,7 @@ import math
 import os
 import sys
 from collections.abc import Callable, Iterator
-from functools import cache, partial
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -133,14 +133,14 @@ def unhurried() -> Iterator[None]:
     Of a front some points are evaluated by default, not all that a user is shown: each is a design with every figure.
     """
     from uwopt.api import trading as api_pareto
-    from uwopt.solvers.front.designs import MOST_POINTS
+    from uwopt.solvers.front import designs
     from uwopt.solvers.population import pymoo_front
 
     honest, short = pymoo_front.population_front, {"seconds": None, "pop_size": 40, "generations": 10}
     with pytest.MonkeyPatch.context() as patch:
         for name in ("EXACT_S", "PEER_S", "PEER_ALONE_S"):
             patch.setattr(api_pareto, name, math.inf)
-        patch.setattr(api_pareto, "few", partial(api_pareto.few, most=drawn(16, MOST_POINTS)))
+        patch.setattr(designs, "MOST_POINTS", drawn(16, designs.MOST_POINTS))
         patch.setattr(
             pymoo_front, "population_front", lambda *given, **more: honest(*given, **(more | short))
         )
