@@ -85,13 +85,13 @@ Seconds are of the processor, in a process that has started, with no time given:
 after 9 s, or 5 s after the search that finds nothing, and it says what is open; where nothing is known to help by then
 it goes on, up to four times as long in all. *told* counts single changes, and *+ n* changes that help together.
 
-The rows of `0d76faf6` were made on a machine that takes 1.6 to 1.8 times as long for the same as that of the others
+The rows of `0d76faf6` and `b6ea20ef` were made on a machine that takes 1.6 to 1.8 times as long as that of the others
 (`mbari-lass-2013` by min_swath_m 1.7 and 2.8 s, `ooi-camhd` 1.6 and 2.8, `paper-tank` 1.6 and 2.9), so that the same
 patience answers less; there a mission of good practice is impossible if it is with as little of it as may be.
 
 What falls short: where images are dear (stereo pairs, plankton, the harbour) half of the requirements are answered at
 best, changes are told without proof that less does not do, and the search alone may be beyond 10 s: plankton that is
-asked for light too even takes 72 s. reef-mosaic by max_gsd_mm 0.5 is told 0.727 mm in 60 s, where 0.66 does and 0.63
+asked for light too even takes 57 s. reef-mosaic by max_gsd_mm 0.5 is told 0.727 mm in 60 s, where 0.66 does and 0.63
 does not.
 
 """
