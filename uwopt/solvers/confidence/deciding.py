@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.deadline import Deadline, OutOfTimeError, effort_s
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError, effort_s
 from uwopt.errors import MissionError
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
@@ -49,6 +49,7 @@ LOWER = (0.9, 0.75)  # of the altitude that is asked, in turn
 CLOSE = 0.05  # of a change: no nearer value is looked for
 STEADIER = (0.75, 0.5, 0.25)  # of the tolerance that is asked, in turn
 EASED_S = 2.0  # of work, where no time is given: for keys of which any value may do
+TRIED_S = 10.0  # likewise, after these: for keys of which a few values are tried, as light may have to be made anew
 FIRST_STEP = 1 / 32  # of the way from what is asked to what lies far from it
 
 
@@ -89,20 +90,23 @@ def would_hold(
 
     What is told was counted; its lens may stand at another stop then. With little time less is found than would do.
     """
-    made, patience = [], deadline.or_after(EASED_S, effort_s).at_most(EASED_S)
+    made, was_coarse = [], False
+    patience = deadline.or_after(EASED_S, effort_s).at_most(EASED_S)
     for ease in eases(problem.mission, seen.outcomes.missed(seen.stop)):
         coarse = len(ease.values) > 1
+        if coarse and not was_coarse:  # these come last
+            patience, was_coarse = deadline.or_after(TRIED_S, effort_s).at_most(TRIED_S), True
         if made and ease.key == ALTITUDE:
             break
 
-        def holds(value: float, ease: Ease = ease, until: Deadline = deadline if coarse else patience) -> bool:
+        def holds(value: float, ease: Ease = ease, until: Deadline = patience) -> bool:
             until.check()
             try:
                 mission = ease.mission_at(value)
             except MissionError:
                 return False
             light = light_with(ease, value, scenarios)
-            return held_with(problem, objective, seen.found, scenarios, mission, light) >= share
+            return held_with(problem, objective, seen.found, scenarios, mission, light, until) >= share
 
         try:
             far = next((value for value in ease.values if holds(value)), None)
@@ -194,10 +198,10 @@ def light_with(ease: Ease, value: float, scenarios: Scenarios) -> dict[Any, Any]
 
 def held_with(
     problem: Problem, objective: Objective, found: Found, scenarios: Scenarios, mission: Mission,
-    light: dict[Any, Any] | None = None,
+    light: dict[Any, Any] | None = None, deadline: Deadline = NEVER,
 ) -> float:  # fmt: skip
-    """Share of the same scenarios in which one hardware holds in another mission; `light`: as of `outcomes_with`."""
-    return float(outcomes_with(problem, objective, found, scenarios, mission, light)[1].outcomes.held.max())
+    """Share of the same scenarios in which one hardware holds in another mission; the rest as of `outcomes_with`."""
+    return float(outcomes_with(problem, objective, found, scenarios, mission, light, deadline)[1].outcomes.held.max())
 
 
 def set_and_held_with(
@@ -213,14 +217,15 @@ def set_and_held_with(
 
 def outcomes_with(
     problem: Problem, objective: Objective, found: Found, scenarios: Scenarios, mission: Mission,
-    light: dict[Any, Any] | None = None,
+    light: dict[Any, Any] | None = None, deadline: Deadline = NEVER,
 ) -> tuple[Problem, Counted]:  # fmt: skip
     """One hardware alone in another mission, counted in the same scenarios.
 
     light : how it changes with the water, by image, at the heights of that mission; None: they are the same
+    deadline : raises OutOfTimeError past it
     """
     alone = problem_of(problem, found, mission=mission, scenes=problem.scenes_for(mission))
     here = scenarios.seen_by(mission, alone.scenes)
     here = replace(here, known=scenarios.known, responses=scenarios.responses if light is None else light)
     there = replace(found, camera=0, lens=0, port=0, light=0)
-    return alone, Counted(there, outcomes(alone, there, objective, here), 0)
+    return alone, Counted(there, outcomes(alone, there, objective, here, deadline), 0)
