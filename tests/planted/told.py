@@ -6,6 +6,20 @@ from planted.defect import Defect
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="what would help is told by keys that nobody speaks of",
+        file="uwopt/report/text/helps.py",
+        old="names = words.listed([words.key_name(name) for name in why.not_known]",
+        new="names = words.listed([formats.one_line(name) for name in why.not_known]",
+        test="tests/report/test_short.py::test_what_does_not_help_is_told_with_what_stands_in_the_way",
+    ),
+    Defect(
+        name="a limit of signal to noise is told by a key that would take it for a ratio",
+        file="uwopt/report/text/vocabulary.py",
+        old='{"min_snr": "min_snr_db"}',
+        new="{}",
+        test="tests/report/test_short.py::test_what_does_not_help_is_told_with_what_stands_in_the_way",
+    ),
+    Defect(
         name="images that are mostly noise are praised first",
         file="uwopt/report/text/short.py",
         old='return "; ".join(text for text in (noise_clause(result), said) if text)',

@@ -351,13 +351,13 @@ def test_what_does_not_help_is_told_with_what_stands_in_the_way(make_result: Mak
     why["not_known"] = ["overlap", "water"]
     made = make_result(status="infeasible", recommendation=None, runners_up=[], infeasible=why)
     told = " ".join(str(line) for line in infeasible_block(made).lines)
-    assert "moved far: min_snr and cost (even so swath too narrow); power_w (even so no light gives" in told
-    assert "wanted signal, or colours too far apart)." in told
-    assert "whether it is enough to give way in overlap or water." in told
+    assert "moved far: signal to noise (min_snr_db) and cost (cost) (even so swath too narrow)" in told
+    assert "; power (power_w) (even so no light gives the wanted signal, or colours too far apart)." in told
+    assert "give way in overlap along track (overlap) or type of water (water)." in told
     begun = why | {"in_part": {"overlap": 66507}}
     made = make_result(status="infeasible", recommendation=None, runners_up=[], infeasible=begun)
     told = " ".join(str(line) for line in infeasible_block(made).lines)
-    assert "in overlap or water (without overlap 66 507 systems were looked at in vain, not yet all)." in told
+    assert "water (water) (without overlap along track 66 507 systems were looked at in vain, not yet all)." in told
     assert "Which single change" not in told  # as that says no more
 
 
@@ -367,12 +367,12 @@ def test_moves_and_contradictions_are_told(make_result: Make) -> None:
     why = {"requirements": [], "relaxations": [], "nearest_miss": None, "moves": moves,
            "contradiction": ["min_snr", "min_swath_m"]}  # fmt: skip
     text = text_of(make_result(status="infeasible", recommendation=None, runners_up=[], infeasible=why))
-    assert "speed (speed_m_s) 1.500 m/s 0.6200 m/s no less will do water III IB less may do" in text
-    assert "whether less than what is told of water is enough. uwopt explain with --seconds 60 goes on." in text
+    assert "speed (speed_m_s) 1.500 m/s 0.6200 m/s no less will do type of water (water) III IB less may do" in text
+    assert "whether less than what is told of type of water (water) is enough. uwopt explain with" in text
     assert "These contradict each other" in text and "swath (min_swath_m)" in text
     unmet = why | {"contradiction": [], "unmet": ["min_snr", "cost"]}
     text = text_of(make_result(status="infeasible", recommendation=None, runners_up=[], infeasible=unmet))
-    assert "all of them have to give: signal to noise (min_snr) and cost (cost)" in text
+    assert "all of them have to give: signal to noise (min_snr_db) and cost (cost)" in text
 
 
 @pytest.mark.parametrize(("most_db", "darkest_db", "told"), [

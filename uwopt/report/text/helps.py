@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 from uwopt.mission.reserves import depth_factor
 from uwopt.report.text import formats, words
 from uwopt.report.text.layout import Line, sentence
-from uwopt.report.text.vocabulary import KEYS
 from uwopt.results.basis import Moved
 from uwopt.results.result import Result
 
@@ -35,16 +34,15 @@ def moves_of(result: Result | FrontResult) -> list[Moved]:
 
 
 def move_text(move: Moved) -> str:
-    """`altitude_m 5.00 m -> 3.15 m`, and whether less is known not to do."""
-    _, asked, needed = move_texts(move)
-    text = f"{formats.one_line(move.name, 40)} {asked} -> {needed}"
+    """`altitude (altitude_m) 5.00 m -> 3.15 m`, and whether less is known not to do."""
+    name, asked, needed = move_texts(move)
+    text = f"{name} {asked} -> {needed}"
     return text if move.nearest else f"{text} (less may do)"
 
 
 def move_texts(move: Moved) -> tuple[str, str, str]:
     """Key, where it stands, where something fits."""
-    key = formats.one_line(move.name, 40)
-    name = f"{KEYS[key]} ({key})" if key in KEYS else key
+    name = words.key_name(move.name)
     if isinstance(move.asked, str) or isinstance(move.needed, str):
         return name, formats.one_line(move.asked, 20), formats.one_line(move.needed, 20)
     asked, needed = formats.quantities_apart(move.asked, move.needed, unit=move.unit, digits=4)
@@ -63,7 +61,7 @@ def no_help_lines(result: Result | FrontResult) -> list[Line]:
     why = result.infeasible
     groups: dict[tuple[str, ...], list[str]] = {}
     for item in why.no_help if why is not None else []:
-        groups.setdefault(tuple(sorted(item.still)), []).append(formats.one_line(item.name, 40))
+        groups.setdefault(tuple(sorted(item.still)), []).append(words.key_name(item.name))
     if not groups:
         return []
     told = [
@@ -82,10 +80,10 @@ def not_known_lines(result: Result | FrontResult) -> list[Line]:
     unsure += [move.name for move in why.moves if not move.nearest]
     told = []
     if why.not_known:
-        names = words.listed([formats.one_line(name, 40) for name in why.not_known], "or")
+        names = words.listed([words.key_name(name) for name in why.not_known], "or")
         told.append(f"whether it is enough to give way in {names}{in_part_text(why.in_part)}")
     if unsure:
-        names = words.listed([formats.one_line(name, 40) for name in unsure])
+        names = words.listed([words.key_name(name) for name in unsure])
         told.append(f"whether less than what is told of {names} is enough")
     if not told:
         return []
@@ -98,7 +96,7 @@ def in_part_text(looked_at: Mapping[str, int]) -> str:
     """` (without cost 66 507 systems were looked at in vain, not all)`; "" where nothing was looked at."""
     if not looked_at:
         return ""
-    each = [f"without {formats.one_line(name, 40)} {formats.count_text(count)}" for name, count in looked_at.items()]
+    each = [f"without {words.note_subject(name)} {formats.count_text(count)}" for name, count in looked_at.items()]
     return f" ({words.listed(each)} systems were looked at in vain, not yet all)"
 
 
@@ -144,7 +142,7 @@ def contradiction_lines(result: Result | FrontResult) -> list[Line]:
     names = [] if why is None else why.contradiction or (why.unmet if len(why.unmet) > 1 else [])
     if not names:
         return []
-    told = words.listed([f"{words.requirement_name(name)} ({formats.one_line(name)})" for name in names])
+    told = words.listed([words.key_name(name) for name in names])
     if len(names) == 1:
         return [sentence(f"As the scene and the vehicle are, no parts meet this even by itself: {told}.")]
     assert why is not None

@@ -20,7 +20,6 @@ from uwopt.report.text.helps import (
     not_known_lines,
 )
 from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, sentence
-from uwopt.report.text.vocabulary import KEYS
 from uwopt.results.basis import Excluded, Moved, Relaxed
 from uwopt.results.design import PRACTICE_IN_VAIN
 from uwopt.results.result import Result
@@ -87,7 +86,7 @@ def practice_lines(result: Result | FrontResult) -> list[Line]:
     for item in [*relaxations_of(result), *moves_of(result)]:
         name, asked, possible = change_texts(result, item)
         if item.gives_up is None:
-            unknown.append(formats.one_line(item.name, 40))
+            unknown.append(words.key_name(item.name))
         else:
             told = "; ".join(one.words for one in yields_named(", ".join(item.gives_up)))
             made.append(sentence(f"With {possible} instead of {asked} of {name} something fits, and then {told}."))
@@ -180,7 +179,7 @@ def miss_sentence(result: Result | FrontResult) -> Text | None:
 
 
 def miss_text(result: Result | FrontResult) -> str:
-    """`meets all that is asked but signal to noise (min_snr): 28 dB instead of 30 dB`; "" if not known.
+    """`meets all that is asked but signal to noise (min_snr_db): 28 dB instead of 30 dB`; "" if not known.
 
     Where as little of good practice is asked as may be, it says so: else it would be taken for met.
     """
@@ -248,7 +247,7 @@ def relaxation_texts(result: Result | FrontResult, item: Relaxed) -> tuple[str, 
     unit = {"cost": currency, "min_snr": "dB"}.get(item.name, split_unit(item.name)[1])
     asked, possible = formats.quantities_apart(item.limit, item.needed, unit=unit, digits=4)
     return (
-        f"{KEYS.get(item.name) or words.requirement_name(item.name)} ({formats.one_line(item.name)})",
+        words.key_name(item.name),
         asked,
         "left out" if item.needed is None else possible,
     )

@@ -33,8 +33,10 @@ KEYS: Mapping[str, str] = {
     "frame_interval_s": "time between images", "duration_h": "duration", "battery_wh": "battery",
     "camera_between_images": "cameras between images", "lamps_between_images": "lamps between images",
     "visibility_m": "visibility", "secchi_m": "Secchi depth", "c_per_m": "beam attenuation",
-    "turbidity_ntu": "turbidity",
+    "turbidity_ntu": "turbidity", "water": "type of water",
 }  # fmt: skip
+
+AS_WRITTEN: Mapping[str, str] = {"min_snr": "min_snr_db"}  # keys that a mission writes otherwise than rules name them
 
 #: What a note is about, where that has no other name here.
 SUBJECTS: Mapping[str, str] = {

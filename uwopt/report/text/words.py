@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from uwopt.report.text.formats import cost_text, count_text, money, one_line, quantity
 from uwopt.report.text.vocabulary import (
+    AS_WRITTEN,
     KEYS,
     PARTS_OF_THE_SEARCH,
     PIECES,
@@ -43,6 +44,12 @@ def requirement_name(requirement: str, kinds: Mapping[str, str] | None = None) -
     if kind:
         return f"{words} of the {kind}"
     return one_line(words + (f" ({rest}" if rest else ""))
+
+
+def key_name(name: str) -> str:
+    """`tolerance of the altitude (altitude_tolerance_m)`: a requirement or key in words, and as a mission writes it."""
+    said = (KEYS.get(name) or requirement_name(name)).partition(", ")[0]  # what sets it apart the key beside it says
+    return f"{said} ({one_line(AS_WRITTEN.get(name, name), 40)})"
 
 
 def note_subject(path: str) -> str:
