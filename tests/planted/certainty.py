@@ -13,6 +13,20 @@ BANDS = "tests/solvers/test_own_bands.py::test_each_camera_sees_what_it_sees_ove
 
 DEFECTS = (
     Defect(
+        name="what would make an answer hold is looked for without end where no time is given",
+        file="uwopt/solvers/confidence/deciding.py",
+        old="patience, was_coarse = deadline.or_after(TRIED_S, effort_s).at_most(TRIED_S), True",
+        new="patience, was_coarse = deadline, True",
+        test="tests/solvers/test_confidence_deciding.py::test_what_would_hold_is_looked_for_in_counted_work",
+    ),
+    Defect(
+        name="a count of what would make an answer hold knows of no end",
+        file="uwopt/solvers/confidence/deciding.py",
+        old="outcomes(alone, there, objective, here, deadline), 0)",
+        new="outcomes(alone, there, objective, here), 0)",
+        test="tests/solvers/test_confidence_deciding.py::test_what_would_hold_is_looked_for_in_counted_work",
+    ),
+    Defect(
         name="parts are made before what is sold is looked at closely",
         file="uwopt/api/counting.py",
         old="        count_near(sought.problem, sought.goal, seen, watch.deadline, NEAR_SHARE)",

@@ -10,10 +10,12 @@ import pytest
 from one_of_each import RATE_HZ, one, with_parts
 from test_confidence import FAST, NOTHING, between, counted, sought_of
 
-from uwopt.deadline import NEVER, Deadline, OutOfTimeError
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError, add_effort, effort_s
 from uwopt.mission.doubt import Doubt
 from uwopt.solvers.confidence.counted import Counted
 from uwopt.solvers.confidence.deciding import (
+    EASED_S,
+    TRIED_S,
     decided_by,
     eases,
     held_with,
@@ -166,6 +168,28 @@ def test_without_time_nothing_is_told(short_of_power: Sought) -> None:
     one_, scenarios = seen(short_of_power, 0.9)
     over = Deadline(0.0, lambda: 1.0)
     assert would_hold(short_of_power.problem, short_of_power.search.objective, one_, scenarios, 0.9, over) == []
+
+
+def test_what_would_hold_is_looked_for_in_counted_work(
+    short_of_power: Sought, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each count would take a thousand times as long as there is; it is broken off, by work alone, at what is given."""
+    one_, scenarios = seen(short_of_power, 0.9, clarity=True)
+    problem, goal, mission = short_of_power.problem, short_of_power.search.objective, short_of_power.problem.mission
+    with pytest.raises(OutOfTimeError):
+        held_with(problem, goal, one_.found, scenarios, mission, {}, Deadline(0.0, lambda: 1.0))  # light is made anew
+
+    def count_slowly(*args: Any) -> float:
+        until = args[6]
+        for _ in range(1000):
+            add_effort(TRIED_S / 10.0)
+            until.check()
+        return 0.0
+
+    monkeypatch.setattr("uwopt.solvers.confidence.deciding.held_with", count_slowly)
+    began_s = effort_s()
+    assert would_hold(problem, goal, one_, scenarios, 0.9, NEVER) == []
+    assert EASED_S < effort_s() - began_s <= (EASED_S + TRIED_S) * 1.2
 
 
 def test_where_time_runs_out_the_nearest_that_was_counted_is_told() -> None:
