@@ -15,7 +15,6 @@ from uwopt.solvers.exact.ranking import Found
 
 RULES = (*IMAGER_RULES, *(rule for rule in NODE_RULES if rule not in IMAGER_RULES))
 NOT_REACHED = "not_reached"
-Sample = tuple[int, int, int, bool, int | None]  # camera, lens, port, landscape, lighting or None for any
 
 
 @dataclass

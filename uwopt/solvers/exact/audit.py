@@ -102,16 +102,16 @@ def from_rules(search: Search, count: int, rng: np.random.Generator) -> list[tup
     """Combinations from each rule's discards, as evenly as there are rules."""
     problem = search.problem
     low, high = problem.count_range
-    pools = {rule: pool for rule, pool in search.discarded_samples(max(count, 1), rng).items() if pool}
+    pools = {rule: pool for rule, pool in search.discarded_samples().items() if pool}
     picked: list[tuple[str, Hardware]] = []
     rules, n_lights = sorted(pools), len(problem.parts.lights)
     for number in range(count if rules and n_lights else 0):
         rule = rules[number % len(rules)]
-        camera, lens, port, landscape, light = pools[rule][int(rng.integers(len(pools[rule])))]
-        chosen = int(rng.integers(n_lights)) if light is None else light
+        camera, lens, port, landscape, k = pools[rule][int(rng.integers(len(pools[rule])))]
+        light = int(rng.integers(n_lights)) if k is None else int(rng.choice(search.bounds.light_tables[k].light))
         mount = problem.mounts[int(rng.integers(len(problem.mounts)))]
         picked.append(
-            (rule, Hardware(camera, lens, port, landscape, chosen, int(rng.integers(low, high + 1)), mount))
+            (rule, Hardware(camera, lens, port, landscape, light, int(rng.integers(low, high + 1)), mount))
         )
     return picked
 

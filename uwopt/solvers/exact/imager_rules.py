@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import reduce
 from typing import Any
@@ -18,10 +18,9 @@ from uwopt.model.imaging import FARTHEST
 from uwopt.tolerances import ROUND
 
 Array = NDArray[Any]
-SAMPLES = 24  # discarded imagers remembered per rule, port and orientation, for an audit
+SAMPLES, MOST_SAMPLES = 24, 1024  # discarded imagers remembered per rule: about so many at a time, and most
 
-
-Sample = tuple[int, int, int, bool]  # camera, lens, port, landscape
+Sample = tuple[int, int, int, bool, int | None]  # camera, lens, port, landscape, lighting or None for any
 
 
 @dataclass(frozen=True)
@@ -53,21 +52,27 @@ class Tally:
             lost = np.flatnonzero(passed & ~passes)
             if len(lost) == 0:
                 continue
-            pair, of = np.divmod(some_of(len(lost) * n_port), n_port)
-            self.count(rule, len(lost) * n_port, behind, lost[pair], of)
+            self.count(rule, len(lost) * n_port, behind, lambda at, lost=lost: (lost[at // n_port], at % n_port))
             passed &= passes
         return np.flatnonzero(passed)
 
-    def count(self, rule: str, number: int, behind: Behind, pair: Array, port: Array) -> None:
+    def count(self, rule: str, number: int, behind: Behind, place: Callable[[int], tuple[int, int]]) -> None:
         """So many imagers that a rule discards, and which some of them are, by places of pair and port."""
         self.discarded[rule] = self.discarded.get(rule, 0) + number
-        rows = behind.camera[pair].tolist(), behind.lens[pair].tolist(), behind.ports[port].tolist()
-        self.samples.setdefault(rule, []).extend((*row, behind.landscape) for row in zip(*rows, strict=True))
 
+        def one(at: int) -> Sample:
+            pair, port = place(at)
+            camera, lens = int(behind.camera[pair]), int(behind.lens[pair])
+            return camera, lens, int(behind.ports[port]), behind.landscape, None
 
-def some_of(count: int) -> Array:
-    """Places among so many, evenly spread, to be remembered."""
-    return np.arange(0, count, max(1, count // SAMPLES))
+        self.remember(rule, number, one)
+
+    def remember(self, rule: str, count: int, one: Callable[[int], Sample], about: int = SAMPLES) -> None:
+        """Some of so many that a rule discards, evenly spread, for an audit; of very many in all every second."""
+        kept = self.samples.setdefault(rule, [])
+        kept += [one(at) for at in range(0, count, max(1, count // about))]
+        if len(kept) > MOST_SAMPLES:
+            del kept[1::2]
 
 
 def beaten_housings(problem: Problem, ports: Array, alive: Array) -> Array:

@@ -36,13 +36,12 @@ from uwopt.solvers.exact.imager_rules import (
     beaten_housings,
     focus_rules,
     own_rules,
-    some_of,
     totals,
     view_rules,
 )
 
 Array = NDArray[Any]
-PAIR_SAMPLES = 256  # discarded pairs of camera and lens remembered per rule
+PAIR_SAMPLES = 256  # discarded pairs of camera and lens remembered per rule, about
 
 IMAGER_RULES = (
     "complete", "mount", "image_circle", "lens_rating", "view", "horizon", "focus", "max_gsd_mm", "min_swath_m",
@@ -93,7 +92,7 @@ class Imagers(Columns):
         """These rows only, without the account of what was discarded."""
         return replace(super().take(index), tally=Tally())
 
-    def sample(self, row: int, lighting: int | None) -> tuple[int, int, int, bool, int | None]:
+    def sample(self, row: int, lighting: int | None) -> Sample:
         """One imager under one lighting, or any, for an audit."""
         return (
             int(self.camera[row]),
@@ -158,7 +157,7 @@ def fitting_pairs(problem: Problem, *, cameras: Array | None = None) -> FittingP
     """All pairs that fit by mount, image circle and, where it counts, the lens's rating."""
     parts = problem.parts
     n_camera, n_lens, n_port = len(parts.cameras), len(parts.lenses), len(parts.ports)
-    tally = no_tally()
+    tally, orientations = no_tally(), landscapes(problem)
     if 0 in (n_camera, n_lens, n_port):
         return FittingPairs(np.empty(0, int), np.empty(0, int), tally)
     fits = mount_compatible([c.mounts for c in parts.cameras], [part.mounts for part in parts.lenses])
@@ -173,22 +172,16 @@ def fitting_pairs(problem: Problem, *, cameras: Array | None = None) -> FittingP
     alive = np.ones(fits.shape, bool)
     for rule, passes in asked:
         lost = np.flatnonzero(alive & ~passes)
-        tally.discarded[rule] = len(lost) * n_port * len(landscapes(problem))
-        tally.samples[rule] = sampled_pairs(problem, lost)
+        tally.discarded[rule] = len(lost) * n_port * len(orientations)
+
+        def behind_any(at: int, lost: Array = lost) -> Sample:  # ports and orientations by turns
+            turn, pair = at // max(1, len(lost) // PAIR_SAMPLES), divmod(int(lost[at]), n_lens)
+            return *pair, turn % n_port, orientations[turn % len(orientations)], None
+
+        tally.remember(rule, len(lost), behind_any, PAIR_SAMPLES)
         alive &= passes
     camera, lens = np.nonzero(alive)
     return FittingPairs(camera, lens, tally)
-
-
-def sampled_pairs(problem: Problem, lost: Array) -> list[Sample]:
-    """Some of these pairs, counted lens by lens, evenly spread, behind the ports and orientations by turns."""
-    n_port, n_lens = len(problem.parts.ports), len(problem.parts.lenses)
-    orientations = landscapes(problem)
-    some = lost[:: max(1, len(lost) // PAIR_SAMPLES)]
-    return [
-        (int(camera), int(lens), i % n_port, orientations[i % len(orientations)])
-        for i, (camera, lens) in enumerate(zip(*np.divmod(some, n_lens), strict=True))
-    ]
 
 
 def circles_ok(problem: Problem) -> Array:
@@ -266,7 +259,7 @@ def housed(problem: Problem, sharp: SharpPairs, behind: Behind, tally: Tally) ->
         lost = np.flatnonzero(alive & ~(passes if passes.ndim == 2 else passes[:, None]))
         if len(lost) == 0:
             return
-        tally.count(rule, len(lost), of_sharp, *np.divmod(lost[some_of(len(lost))], len(ports)))
+        tally.count(rule, len(lost), of_sharp, lambda at: divmod(int(lost[at]), len(ports)))
         alive.ravel()[lost] = False
 
     rates = [scene.focused.rate_hz for scene in sharp.scenes]

@@ -24,7 +24,7 @@ from uwopt.solvers.exact.account import Account, snr_ceiling
 from uwopt.solvers.exact.bounds import Bounds
 from uwopt.solvers.exact.candidates import Candidates
 from uwopt.solvers.exact.floor_rectangles import Rectangles
-from uwopt.solvers.exact.imager_rules import SAMPLES, Behind, Sample, Tally, limit
+from uwopt.solvers.exact.imager_rules import Behind, Tally, limit
 from uwopt.solvers.exact.imagers import FittingPairs, imagers_in, landscapes
 from uwopt.solvers.exact.light_tables import FieldTables
 from uwopt.solvers.exact.node_bounds import by_rule
@@ -39,7 +39,6 @@ Array = NDArray[Any]
 FIRST_ROWS, LARGEST_ROWS = 512, 32768  # of an outline, that are bounded together
 SHARE_OF_GROUPS = 16  # of that many are groups of pairs, which come apart into many rows
 FIRST_LEAVES, LARGEST_LEAVES = 256, 16384  # imagers that are searched together
-MOST_SAMPLES = 1024  # discarded imagers remembered per rule, for an audit
 
 
 class Goal(Protocol):
@@ -75,7 +74,8 @@ class PairTree:
         self.n_port, self.orientations = len(problem.parts.ports), landscapes(problem)
         self.every = len(problem.parts.lights) * problem.lamp_variants
         self.outline_s = 0.0
-        none = imagers_in(problem, [], Tally(samples=pairs.tally.samples))
+        self.tally = Tally(samples=pairs.tally.samples)  # of what is discarded here
+        none = imagers_in(problem, [], self.tally)
         tables = FieldTables(
             problem, none, widest_m=[CORNERS_REACH * self._farthest_m(i) for i in range(len(problem.scenes))]
         )
@@ -246,9 +246,7 @@ class PairTree:
 
     def _remember(self, rule: str, level: Level, rows: OutlineRows, discarded: Array) -> None:
         """Some of what a rule discards, for an audit: the first imager of each row."""
-        kept = self.samples.setdefault(rule, [])
-        if len(discarded) and len(kept) < MOST_SAMPLES:
-            kept += [level.one_of(rows, int(i)) for i in discarded[:: max(1, len(discarded) // SAMPLES)]]
+        self.tally.remember(rule, len(discarded), lambda at: (*level.one_of(rows, int(discarded[at])), None))
 
     def _bounded(self, level: Level, rows: OutlineRows) -> tuple[OutlineRows, Array]:
         """The rows that may matter, with their ideals; the others are counted by what discards them."""
@@ -294,7 +292,7 @@ class PairTree:
 
     def candidates(self, rows: OutlineRows) -> Candidates:
         """The imagers behind the ports of these rows that pass all rules."""
-        groups, tally = self.levels[-1].groups, Tally(dict.fromkeys(self.account.discarded, 0), self.samples)
+        groups, tally = self.levels[-1].groups, Tally(dict.fromkeys(self.account.discarded, 0), self.tally.samples)
         asked = []
         for number in np.unique(rows.group):
             alike = groups.order[groups.start[number] : groups.stop[number]]
@@ -304,9 +302,4 @@ class PairTree:
         imagers = imagers_in(self.problem, asked, tally)
         for rule, count in tally.discarded.items():
             self.account.charge(rule, count * self.every)
-        return self.none.others(replace(imagers, tally=Tally(samples=self.samples)))
-
-    @property
-    def samples(self) -> dict[str, list[Sample]]:
-        """Some of what is discarded, by rule."""
-        return self.none.imagers.tally.samples
+        return self.none.others(replace(imagers, tally=self.tally))

@@ -20,10 +20,10 @@ from numpy.typing import NDArray
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective, Terms
-from uwopt.solvers.exact.account import NOT_REACHED, Outcome, Sample, snr_ceiling
+from uwopt.solvers.exact.account import NOT_REACHED, Outcome, snr_ceiling
 from uwopt.solvers.exact.candidates import Candidates
 from uwopt.solvers.exact.evaluation import Evaluation
-from uwopt.solvers.exact.imager_rules import Tally
+from uwopt.solvers.exact.imager_rules import Sample, Tally
 from uwopt.solvers.exact.imagers import (
     FittingPairs,
     Imagers,
@@ -52,7 +52,7 @@ FIRST_CHUNK = 400_000  # imagers times lightings that are bounded first: cheaper
 LARGEST_CHUNK = 65536  # imagers that are bounded together
 MOST_IMAGERS = 600_000  # beyond which pairs of camera and lens are bounded before their ports
 MOST_UNITS = 6_000_000  # imagers times lightings: what memory allows
-SAMPLES_A_TIME, MOST_SAMPLES = 64, 1024
+SAMPLES = 64  # of nodes that a rule discards, about
 TOO_FEW_TO_BOUND = 8  # nodes: evaluating them is cheaper
 MOST_PAIRS = 500_000  # imagers times lights that are bounded together
 FIRST_SIFTED, LARGEST_SIFTED = 8, 2048  # nodes that are evaluated together once their light is known
@@ -110,7 +110,7 @@ class Search(Evaluation):
         self.progress = progress or (lambda share, what: None)
         self.bounds_s = 0.0
         self.interrupted = False
-        self._samples: dict[str, list[Sample]] = {}
+        self.tally = Tally()  # some of the nodes that are discarded; of imagers, theirs has it
 
     # ------------------------------------------------------------ run
 
@@ -226,7 +226,7 @@ class Search(Evaluation):
         """Leave the search with the imagers of the best designs alone."""
         found = imagers_in(self.problem, [one.behind for one in self.ranking.best])
         best = [replace(one, imager=place) for place, one in enumerate(self.ranking.best)]
-        self.take_up(tree.none.others(replace(found, tally=Tally(samples=tree.samples))))
+        self.take_up(tree.none.others(replace(found, tally=tree.tally)))
         self.ranking.best = best
 
     def among(self, candidates: Candidates) -> bool:
@@ -450,29 +450,16 @@ class Search(Evaluation):
             batch = min(4 * batch, LARGEST_SIFTED)
 
     def _sample(self, rule: str, imager: Array, lighting: Array | None = None) -> None:
-        """Remember some of the nodes that a rule discards, evenly spread, for an audit; None: with any light."""
-        kept = self._samples.setdefault(rule, [])
-        if len(imager) and len(kept) < MOST_SAMPLES:
-            places = range(0, len(imager), max(1, len(imager) // SAMPLES_A_TIME))[: 2 * SAMPLES_A_TIME]
-            kept += [
-                self.imagers.sample(int(imager[at]), None if lighting is None else int(lighting[at])) for at in places
-            ]
+        """Remember some of the nodes that a rule discards, for an audit; None: with any light."""
+        self.tally.remember(rule, len(imager), lambda at: self.imagers.sample(
+            int(imager[at]), None if lighting is None else int(lighting[at])
+        ), SAMPLES)  # fmt: skip
 
-    def discarded_samples(
-        self, count: int, rng: np.random.Generator
-    ) -> dict[str, list[tuple[int, int, int, bool, int | None]]]:
-        """Combinations that each rule discarded, as (camera, lens, port, landscape, light or None for any)."""
-        imagers = self.imagers
-        pools: dict[str, list[tuple[int, int, int, bool, int | None]]] = {
-            rule: [(c, le, p, o, None) for c, le, p, o in samples]
-            for rule, samples in imagers.tally.samples.items()
-        }
-        for rule, nodes in self._samples.items():
-            pool = pools.setdefault(rule, [])
-            for place in rng.permutation(len(nodes))[: max(count, 1)]:
-                camera, lens, port, landscape, k = nodes[int(place)]
-                lights = None if k is None else self.bounds.light_tables[k].light
-                if lights is None or len(lights):  # a table of no lights holds no combination
-                    light = None if lights is None else int(rng.choice(lights))
-                    pool.append((camera, lens, port, landscape, light))
+    def discarded_samples(self) -> dict[str, list[Sample]]:
+        """Combinations that each rule discarded; a lighting without lamps holds none."""
+        pools: dict[str, list[Sample]] = {}
+        for tally in (self.imagers.tally, self.tally):
+            for rule, some in tally.samples.items():
+                held = (one for one in some if one[4] is None or len(self.bounds.light_tables[one[4]].light))
+                pools.setdefault(rule, []).extend(held)
         return pools
