@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
@@ -20,7 +21,7 @@ from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.part_columns import Lenses
 from uwopt.forward.problem import Problem
 from uwopt.forward.setting_rows import SceneRows
-from uwopt.objectives.objective import Objective, Terms
+from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.fixed import Settings, best_fixed
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.states import Together
@@ -30,7 +31,6 @@ from uwopt.solvers.exact.node_designs import NodeDesigns
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.settable.steps import stops
 from uwopt.solvers.settings.best import best_settings
-from uwopt.solvers.settings.mean_limit import MeanLimit
 from uwopt.solvers.settings.question import Best, Question
 from uwopt.tolerances import ROUND
 
@@ -240,27 +240,20 @@ class Judge:
             ~np.logical_and.reduce([may_stand_at(r, stop) for r in own]),
         )  # fmt: skip
 
-    @property
-    def camera_power_w(self) -> Array:
-        """What cameras draw, (n,)."""
-        return self.group.imagers.camera_power_w[self.designs.imager]
+    @cached_property
+    def question(self) -> Question:
+        """What is asked of the settings in each scenario."""
+        return self.designs.asked(self.group.problem, self.group.imagers, self.objective, self.rows, gap_rel=GAP)
 
     def adapted(self) -> Best:
         """The best settings in each scenario, once the water is seen."""
-        problem, imagers, imager = self.group.problem, self.group.imagers, self.designs.imager
-        none = np.zeros(len(imager))
-        terms = Terms(self.camera_power_w, self.designs.cost, self.designs.mass_kg, none, imagers.gsd_mm[imager])
-        return best_settings(Question.of(
-            self.rows, problem.lenses.motorised[imagers.lens[imager]], self.objective, self.camera_power_w,
-            problem.scene_power_limit_w, gap_rel=GAP, constant=self.objective.constant(terms),
-            mean_limit=MeanLimit.of(problem),
-        ))  # fmt: skip
+        return best_settings(self.question)
 
     def verdict(self, best: Best) -> tuple[Array, Array]:
         """Minimised objective with these settings, inf where they miss something, and what is missed first, by name."""
         problem = self.group.problem
-        power = self.camera_power_w + np.max([c.light_power_w for c in best.chosen], axis=0)
-        limits, designs = problem.mission.limits, self.designs
+        value, terms = self.designs.worth(self.group.imagers, self.question, best)
+        limits, designs, power = problem.mission.limits, self.designs, terms.power
         misses = {
             "min_dof_m": self.misplaced,
             **{name: ~kept for name, kept in designs.kept_limits(limits)},
@@ -270,10 +263,6 @@ class Judge:
             "energy_wh": power > problem.scene_power_limit_w * ROUND,  # what is left of it for one scene
         }
         feasible = ~np.logical_or.reduce(list(misses.values()))
-        gsd_mm = self.group.imagers.gsd_mm[designs.imager]
-        terms = Terms(power, designs.cost, designs.mass_kg, best.snr_db, gsd_mm, best.contrast, best.information)
-        with np.errstate(invalid="ignore"):
-            value = self.objective.cost_to_minimise(terms)
         first = np.select(list(misses.values()), list(misses), "")
         return np.where(feasible & np.isfinite(value), value, np.inf), first
 

@@ -30,7 +30,6 @@ from uwopt.solvers.exact.node_designs import NodeDesigns, Waiting
 from uwopt.solvers.exact.ranking import Ranking
 from uwopt.solvers.settings.best import best_settings
 from uwopt.solvers.settings.closed_form import Chosen
-from uwopt.solvers.settings.mean_limit import MeanLimit
 from uwopt.solvers.settings.question import GAP, Question
 from uwopt.tolerances import ROUND, SLACK
 
@@ -296,41 +295,30 @@ class Evaluation:
         `best_settings`. Raises OutOfTimeError past the deadline.
         """
         self.deadline.check()
-        imager, cost, mass = pairs.row, pairs.cost, pairs.mass_kg
+        imager = pairs.row
         rows = self.rows(imager, lights, pairs.light, pairs.count, lighting, optimistic=optimistic, stage=stage)
-        motorised = self.motorised[imager]
-        camera_power = self.imagers.camera_power_w[imager]
-        fixed = Terms(camera_power, cost, mass, np.zeros(len(imager)), self.imagers.gsd_mm[imager])
-        hardware = rows_alike(imager, pairs.light)[1]
-        question = Question.of(
-            rows, motorised, self.objective, camera_power, self.problem.scene_power_limit_w,
-            gap_rel=ROUGH_GAP if optimistic else GAP, constant=self.objective.constant(fixed),
-            cutoff=self.ranking.threshold(), hardware=hardware, top=None if optimistic else self.top,
-            mean_limit=MeanLimit.of(self.problem), deadline=self.deadline,
+        question = pairs.asked(
+            self.problem, self.imagers, self.objective, rows, gap_rel=ROUGH_GAP if optimistic else GAP,
+            cutoff=self.ranking.threshold(), hardware=rows_alike(imager, pairs.light)[1],
+            top=None if optimistic else self.top, deadline=self.deadline,
         )  # fmt: skip
         best = best_settings(question, closed_alone=closed_alone)
-        chosen = best.chosen
-        power = camera_power + np.max([c.light_power_w for c in chosen], axis=0)
-        feasible = best.feasible & (power <= self.problem.scene_power_limit_w * ROUND)
+        value, terms = pairs.worth(self.imagers, question, best)
+        feasible = best.feasible & (terms.power <= self.problem.scene_power_limit_w * ROUND)
         if best.lower_bound is not None and not optimistic:
             open_ = np.isfinite(best.lower_bound) & ~feasible & (best.lower_bound <= self.ranking.threshold())
             hopeless = self._draw_too_much(question, np.flatnonzero(open_))
             best = replace(best, lower_bound=np.where(hopeless, np.inf, best.lower_bound))
-        terms = Terms(
-            power, cost, mass, best.snr_db, self.imagers.gsd_mm[imager], best.contrast, best.information
-        )
-        with np.errstate(invalid="ignore"):
-            value = self.objective.cost_to_minimise(terms)
         value = np.where(feasible & np.isfinite(value), value, np.inf)
         exposure = [
             r.exposure_s(c.time_s) if c.exposure_s is None else c.exposure_s
-            for r, c in zip(rows, chosen, strict=True)
+            for r, c in zip(rows, best.chosen, strict=True)
         ]
         if best.lower_bound is not None:
             if optimistic:
-                return best.lower_bound, terms, chosen, exposure
+                return best.lower_bound, terms, best.chosen, exposure
             self.open_gap_bound = min(self.open_gap_bound, float(best.lower_bound.min(initial=np.inf)))
-        return value, terms, chosen, exposure
+        return value, terms, best.chosen, exposure
 
     def _draw_too_much(self, question: Question, which: Array) -> Array:
         """Which of some designs draw more than the limit at any settings, by a bound of their power alone, (n,)."""

@@ -11,11 +11,15 @@ from numpy.typing import NDArray
 from uwopt.forward.columns import distinct
 from uwopt.forward.lamp_light import ImageLight
 from uwopt.forward.problem import Problem
+from uwopt.forward.setting_rows import SceneRows
 from uwopt.mission.sections.limits import Limits
+from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.exact.imager_rules import limit
 from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.node_bounds import LampChoices
+from uwopt.solvers.settings.mean_limit import MeanLimit
+from uwopt.solvers.settings.question import Best, Question
 from uwopt.tolerances import ROUND
 
 Array = NDArray[Any]
@@ -78,6 +82,26 @@ class NodeDesigns:
             ("cost", self.limit_cost <= limit(limits.cost) * ROUND),
             ("mass_kg", self.mass_kg <= limit(limits.mass_kg) * ROUND),
         ]
+
+    def asked(
+        self, problem: Problem, imagers: Imagers, objective: Objective, rows: list[SceneRows], **more: Any
+    ) -> Question:
+        """The question for the best settings of these designs; rows by scene, `more` as in `Question`."""
+        row = self.row
+        camera_w, none = imagers.camera_power_w[row], np.zeros(len(row))
+        constant = objective.constant(Terms(camera_w, self.cost, self.mass_kg, none, imagers.gsd_mm[row]))
+        return Question.of(
+            rows, problem.lenses.motorised[imagers.lens[row]], objective, camera_w, problem.scene_power_limit_w,
+            constant=constant, mean_limit=MeanLimit.of(problem), **more,
+        )  # fmt: skip
+
+    def worth(self, imagers: Imagers, question: Question, best: Best) -> tuple[Array, Terms]:
+        """Minimised objective with these settings, feasible or not, and its terms."""
+        power = question.camera_power_w + np.max([c.light_power_w for c in best.chosen], axis=0)
+        gsd_mm = imagers.gsd_mm[self.row]
+        terms = Terms(power, self.cost, self.mass_kg, best.snr_db, gsd_mm, best.contrast, best.information)
+        with np.errstate(invalid="ignore"):
+            return np.asarray(question.objective.cost_to_minimise(terms)), terms
 
     def within(self, limits: Limits) -> Array:
         """Whether designs keep them both."""
