@@ -21,6 +21,7 @@ from hand_made_rows import STEPS, scene
 import uwopt
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective, Terms
+from uwopt.results.basis import Opinion
 from uwopt.solvers.continuous import casadi_ipopt, opinions
 from uwopt.solvers.continuous.casadi_ipopt import solve_mixed
 from uwopt.solvers.continuous.mixed import MixedProgram, Picked
@@ -147,9 +148,9 @@ def sought_of(seed: int) -> Sought:
 
 
 @cache
-def told_of(seed: int) -> dict[str, Any]:
+def told_of(seed: int) -> Opinion:
     """What Bonmin says of it."""
-    return opinions.mixed_opinion(sought_of(seed))
+    return opinions.mixed_opinion(sought_of(seed), max_seconds=opinions.BONMIN_S)
 
 
 @pytest.mark.parametrize("seed", CASES)
@@ -185,7 +186,7 @@ def test_rivals_with_other_numbers_of_lamps_keep_their_own_price() -> None:
 
 def test_missions_outside_its_program_are_told_so_and_do_not_fail() -> None:
     other = SimpleNamespace(objective=Objective.of({"power": 1.0, "contrast": 1.0}))
-    told = opinions.mixed_opinion(replace(sought_of(CASES[0]), search=cast(Any, other)))
+    told = opinions.mixed_opinion(replace(sought_of(CASES[0]), search=cast(Any, other)), max_seconds=opinions.BONMIN_S)
     assert told["status"] == "not applicable" and not told["agrees"] and "not run" in told["message"]
 
 

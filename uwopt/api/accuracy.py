@@ -17,6 +17,7 @@ from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.model.fineness import DEFAULT, Fineness
+from uwopt.results.basis import Opinion
 from uwopt.results.design import Design, Note
 from uwopt.results.record import plain as plain_values
 from uwopt.results.result import Certificate
@@ -114,7 +115,7 @@ def plain_accuracy(
     measured: Accuracy | None,
     tolerance: float,
     proof: Certificate | None,
-    opinions: list[dict[str, Any]],
+    opinions: list[Opinion],
 ) -> dict[str, Any]:
     """A result's section: always gap and residual of a search, and the estimated errors where asked for.
 
@@ -122,7 +123,7 @@ def plain_accuracy(
     """
     plain: dict[str, Any] = {}
     if proof is not None:
-        residuals = [word["kkt_residual"] for word in opinions if word.get("kkt_residual") is not None]
+        residuals = [word.kkt_residual for word in opinions if word.kkt_residual is not None]
         plain = {
             "gap_abs": proof.gap_abs,
             "gap_rel": proof.gap_rel,

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from uwopt.api.search_notes import cut_warnings, patience_warnings
 from uwopt.api.watch import STAGES, Watch
 from uwopt.deadline import Deadline, PatientClock
-from uwopt.results.basis import Price
+from uwopt.results.basis import Opinion, Price
 from uwopt.results.design import Design
 from uwopt.results.result import Result
 from uwopt.solvers.beside import side_by_side
@@ -48,7 +48,6 @@ def doubted(made: Result, chosen: Recommendation, wanted: ToTell, watch: Watch) 
     from uwopt.solvers.explain.prices import prices
 
     sought, winner, cut = chosen.sought, chosen.design, False
-    none = list[dict[str, Any]]()
     clock = PatientClock()
     patient = watch.until(watch.deadline.or_after(DOUBTS_S, clock))
     try:
@@ -57,7 +56,7 @@ def doubted(made: Result, chosen: Recommendation, wanted: ToTell, watch: Watch) 
         if wanted.doubts:
             slow = watch if wanted.solver != "exact" else patient  # what is asked for by name takes its time
             opinions = slow.within(
-                "second_opinion", lambda limit: second_opinions(sought, wanted.solver, limit), none
+                "second_opinion", lambda limit: second_opinions(sought, wanted.solver, limit), list[Opinion]()
             )
             made = replace(made, solvers=opinions)
             costs = patient.within(
@@ -162,7 +161,7 @@ def beside_it(made: Result, sought: Sought, deadline: Deadline) -> list[Any]:
     return beside_best(sought.selection, sought.search, sought.goal, made.recommendation, deadline, least)
 
 
-def second_opinions(sought: Sought, solver: str, deadline: Deadline) -> list[dict[str, Any]]:
+def second_opinions(sought: Sought, solver: str, deadline: Deadline) -> list[Opinion]:
     """The winner's settings solved again by continuous solvers, compared by objective."""
     from uwopt.solvers.continuous import opinions
 

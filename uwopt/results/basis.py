@@ -20,6 +20,24 @@ class ObjectiveValue(Record):
 
 
 @dataclass(frozen=True, config=RECORD)
+class Opinion(Record):
+    """What another solver finds for the settings of one hardware; null and 0 where it does not tell."""
+
+    method: str = Field(description="solver, or algorithm of NLopt")
+    hardware: list[str] = Field(default_factory=list, description="camera, lens, port and light by id")
+    status: str = Field(default="not applicable", description="optimal | feasible | failed | not applicable")
+    objective_value: Number | None = Field(default=None, description="of the settings that it found")
+    difference_rel: Number | None = Field(default=None, description="from the search's value, a share")
+    agrees: Flag = Field(default=False, description="whether that is no more than rounding")
+    max_violation: Number | None = Field(default=None, description="of the rule that is missed most, a share")
+    kkt_residual: Number | None = Field(default=None, description="how nearly the conditions of an optimum hold")
+    multipliers: dict[str, Number | None] = Field(default_factory=dict, description="of rules that bind")
+    iterations: Whole = Field(default=0, description="or nodes")
+    run_time_s: Number = Field(default=0.0, description="of this solver")
+    message: str = Field(default="", description="its own words")
+
+
+@dataclass(frozen=True, config=RECORD)
 class UsedEffect(Record):
     """A part of the physics that a scene may not need."""
 

@@ -14,6 +14,7 @@ from uwopt.results.basis import (
     Assumption,
     Knee,
     ObjectiveValue,
+    Opinion,
     OtherMaker,
     Price,
     Risk,
@@ -87,7 +88,7 @@ class Result(Shown, FiledRecord):
     )
     prices: list[Price] = Field(default_factory=list, description="what more of a binding requirement costs")
     risks: list[Risk] = Field(default_factory=list, description="what may go wrong, the most serious first")
-    solvers: list[dict[str, Any]] = Field(default_factory=list, description="second opinions on the settings")
+    solvers: list[Opinion] = Field(default_factory=list, description="second opinions on the settings")
     audit: dict[str, Any] | None = Field(default=None, description="the attack on what was discarded")
     warnings: list[Note] = Field(default_factory=list, description="what to know of this result")
     accuracy: dict[str, Any] = Field(default_factory=dict, description="gap, residual, and errors of figures")

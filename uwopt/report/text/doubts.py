@@ -262,18 +262,16 @@ def second_opinion_block(result: Result) -> Block:
             ("verdict", "left"),
         )
         for item in result.solvers:
-            off = item.get("difference_rel")
+            off = item.difference_rel
             table.add_row(
-                Text(formats.one_line(item.get("method") or item.get("solver") or "")),
-                Text(whose(result, [str(name) for name in item.get("hardware") or []])),
-                Text(words.objective_text(result, item.get("objective_value"))),
+                Text(formats.one_line(item.method)),
+                Text(whose(result, item.hardware)),
+                Text(words.objective_text(result, item.objective_value)),
                 Text(formats.quantity(None) if off is None else formats.share(off)),
-                Text("agrees" if item.get("agrees") else formats.one_line(item.get("status") or "differs"),
-                     "" if item.get("agrees") else "yellow"),
+                Text("agrees" if item.agrees else formats.one_line(item.status), "" if item.agrees else "yellow"),
             )  # fmt: skip
         lines += [sentence("The settings solved again by other means:"), table]
-        mixed = [item for item in result.solvers if item.get("method") == "bonmin"]
-        lines += [sentence(formats.one_line(item.get("message") or "")) for item in mixed]
+        lines += [sentence(formats.one_line(item.message)) for item in result.solvers if item.method == "bonmin"]
     if result.audit:
         lines.append(audit_sentence(result.audit))
     return block("Second opinions", lines)

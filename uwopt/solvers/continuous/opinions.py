@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
-from uwopt.deadline import NEVER, Deadline
+from uwopt.deadline import Deadline
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
+from uwopt.results.basis import Opinion
 from uwopt.solvers.continuous.pieces import SmoothDesign
 from uwopt.solvers.continuous.solve_settings import FEASIBLE, solve_settings
 from uwopt.solvers.exact.imager_rules import limit
@@ -46,7 +46,7 @@ def why_not_smooth(problem: Problem, objective: Objective) -> str:
     return ""
 
 
-def aperture_opinions(sought: Sought, found: Found) -> list[dict[str, Any]]:
+def aperture_opinions(sought: Sought, found: Found) -> list[Opinion]:
     """CasADi's word on the aperture of a winner chosen for its information, one a scene.
 
     None where power counts too: the best aperture for information alone takes more light than is worth its power.
@@ -63,31 +63,18 @@ def aperture_opinions(sought: Sought, found: Found) -> list[dict[str, Any]]:
         chosen = Chosen(**{n: np.array([numbers[n]]) for n in names if n in numbers})
         word = confirmed(row, chosen)
         if word is not None:
-            made.append(
-                {
-                    "method": "casadi",
-                    "hardware": part_ids(sought, found),
-                    "status": "optimal" if word["kkt_residual"] < APERTURE_RESIDUAL else "failed",
-                    "objective_value": objective.reported(found.minimised) * (1.0 + word["gain_rel"])
-                    if objective.single or objective.quality
-                    else None,
-                    "difference_rel": abs(word["gain_rel"]),
-                    "agrees": abs(word["gain_rel"]) <= AGREES_REL,
-                    "max_violation": 0.0,
-                    "kkt_residual": word["kkt_residual"],
-                    "multipliers": {},
-                    "iterations": 0,
-                    "run_time_s": 0.0,
-                    "message": f"f-number {word['f_number']:.4g} for information, time and gain as chosen; the search "
-                    f"has {word['searched_f_number']:.4g}",
-                }
-            )
+            off, told = word["gain_rel"], objective.single or objective.quality
+            made.append(Opinion(
+                "casadi", part_ids(sought, found), "optimal" if word["kkt_residual"] < APERTURE_RESIDUAL else "failed",
+                objective.reported(found.minimised) * (1.0 + off) if told else None, abs(off), abs(off) <= AGREES_REL,
+                max_violation=0.0, kkt_residual=word["kkt_residual"],
+                message=f"f-number {word['f_number']:.4g} for information, time and gain as chosen; the search "
+                f"has {word['searched_f_number']:.4g}",
+            ))  # fmt: skip
     return made
 
 
-def opinion(
-    sought: Sought, found: Found, method: str, deadline: Deadline = NEVER
-) -> dict[str, Any]:
+def opinion(sought: Sought, found: Found, method: str, deadline: Deadline) -> Opinion:
     """What a continuous solver finds for one hardware, beside the search's value."""
     objective = sought.goal
     answer = solve_settings(
@@ -101,37 +88,23 @@ def opinion(
     difference = None
     if value is not None:
         difference = objective.share(abs(value - found.minimised), found.minimised)
-    return {
-        "method": answer.method,
-        "hardware": part_ids(sought, found),
-        "status": answer.status,
-        "objective_value": None if value is None else objective.reported(value),
-        "difference_rel": difference,
-        "agrees": difference is not None and difference <= AGREES_REL,
-        "max_violation": answer.max_violation,
-        "kkt_residual": answer.kkt_residual,
-        "multipliers": answer.multipliers,
-        "iterations": answer.iterations,
-        "run_time_s": answer.run_time_s,
-        "message": answer.message,
-    }  # fmt: skip
+    return Opinion(
+        answer.method, part_ids(sought, found), answer.status, None if value is None else objective.reported(value),
+        difference, difference is not None and difference <= AGREES_REL, answer.max_violation, answer.kkt_residual,
+        answer.multipliers, answer.iterations, answer.run_time_s, answer.message,
+    )  # fmt: skip
 
 
 # ---------------------------------------------------------------- hardware and settings together
 
 
-def mixed_opinion(sought: Sought, *, max_seconds: float = BONMIN_S) -> dict[str, Any]:
+def mixed_opinion(sought: Sought, *, max_seconds: float) -> Opinion:
     """What Bonmin chooses of the best systems, their numbers of lamps and steps of light, settings included."""
     objective = sought.goal
     best = sought.outcome.best[0]
-    told: dict[str, Any] = {
-        "method": "bonmin", "hardware": [], "status": "not applicable", "objective_value": None, "difference_rel": None,
-        "agrees": False, "max_violation": None, "kkt_residual": None, "multipliers": {}, "iterations": 0,
-        "run_time_s": 0.0,
-    }  # fmt: skip
     why_not = why_not_smooth(sought.problem, objective)
     if why_not:
-        return {**told, "message": f"Bonmin was not run: {why_not}"}
+        return Opinion("bonmin", message=f"Bonmin was not run: {why_not}")
     from uwopt.solvers.continuous.casadi_ipopt import solve_mixed
     from uwopt.solvers.continuous.mixed import MixedProgram
 
@@ -150,18 +123,13 @@ def mixed_opinion(sought: Sought, *, max_seconds: float = BONMIN_S) -> dict[str,
         f"(the {len(sought.outcome.best)} best of the search, with other numbers of lamps)"
     )
     caution = "a check of the choice among these, not of the catalogue; no proof where rules are not convex"
-    return {
-        **told,
-        "hardware": part_ids(sought, open_to_choice[picked.candidate]),
-        "status": "failed" if not feasible else "optimal" if agrees and answer.ended else "feasible",
-        "objective_value": objective.reported(picked.value) if feasible else None,
-        "difference_rel": off if feasible else None,
-        "agrees": agrees,
-        "max_violation": picked.max_violation,
-        "iterations": answer.nodes,
-        "run_time_s": time.perf_counter() - began,
-        "message": f"{answer.message}; {scope}: {caution}",
-    }
+    return Opinion(
+        "bonmin", part_ids(sought, open_to_choice[picked.candidate]),
+        "failed" if not feasible else "optimal" if agrees and answer.ended else "feasible",
+        objective.reported(picked.value) if feasible else None, off if feasible else None, agrees,
+        picked.max_violation, iterations=answer.nodes, run_time_s=time.perf_counter() - began,
+        message=f"{answer.message}; {scope}: {caution}",
+    )  # fmt: skip
 
 
 def part_ids(sought: Sought, found: Found) -> list[str]:

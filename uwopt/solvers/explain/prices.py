@@ -10,7 +10,7 @@ keys, which are no constraints of that program of their own, the slope is that d
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from uwopt.deadline import Deadline
@@ -20,7 +20,7 @@ from uwopt.mission.reserves import asked_when_held
 from uwopt.mission.varying import Varied, VariedMission, rounded
 from uwopt.mission.weakened import RELAXABLE, asked_value, is_from_above
 from uwopt.objectives.objective import Objective
-from uwopt.results.basis import Price
+from uwopt.results.basis import Opinion, Price
 from uwopt.results.design import Design
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.infeasible.least_change import rounded_away
@@ -121,7 +121,7 @@ def step_of(key: str, asked: float) -> float:
 
 
 def prices(
-    sought: Sought, winner: Design, opinions: Sequence[Mapping[str, Any]], deadline: Deadline, *,
+    sought: Sought, winner: Design, opinions: Sequence[Opinion], deadline: Deadline, *,
     every: bool = False,
 ) -> list[Price]:  # fmt: skip
     """What a step more of each binding requirement costs with this system, as far as there is time.
@@ -206,10 +206,10 @@ def slope_at(at: Any, small: float) -> float | None:
     return None if low is None or high is None else (high - low) / (2.0 * small)
 
 
-def snr_slope(opinions: Sequence[Mapping[str, Any]], goal: Objective) -> float | None:
+def snr_slope(opinions: Sequence[Opinion], goal: Objective) -> float | None:
     """CasADi's change of the objective per decibel of SNR that is asked for; None where it has none to tell."""
-    if goal.single != "power" or len(opinions) == 0 or opinions[0].get("status") != "optimal":
+    if goal.single != "power" or len(opinions) == 0 or opinions[0].status != "optimal":
         return None
-    rules = (opinions[0].get("multipliers") or {}).items()
-    found = [value for name, value in rules if name.startswith(SNR_RULE)]
+    rules = opinions[0].multipliers.items()
+    found = [value for name, value in rules if value is not None and name.startswith(SNR_RULE)]
     return sum(found) * math.log(10.0) / 20.0 if found else None
