@@ -19,7 +19,6 @@ from uwopt.forward.lamp_light import LIKELY_PLACES, ImageLight, SunLight, Veils
 from uwopt.forward.lamp_views import keeps_clear, lamps_refused
 from uwopt.forward.problem import Problem
 from uwopt.forward.remembered import RememberedSunField
-from uwopt.forward.scene import Pixels
 from uwopt.forward.setting_rows import SceneRows, of_darkest_pixels, of_fewest_pixels, setting_rows
 from uwopt.forward.sharpness import SharpRows, sharpness_of
 from uwopt.forward.sun_light import sun_light
@@ -59,15 +58,15 @@ class NodeRows:
                 seen = seen.with_pixels(ImageLight(seen.signal_e, worst_e=likely, may_miss=FRAME_MAY_MISS))
             elif pixels is not None:
                 veils: Veils = "none" if optimistic else "all"
-                with_pixels = self._with_pixels
+                with_pixels = self.with_pixels
                 if optimistic and not self.bounds.is_sunlit(index):
                     veils = stage
-                    with_pixels = self._with_pixels if stage == "likely" else self._with_likely_pixel
+                    with_pixels = self.with_pixels if stage == "likely" else self._with_likely_pixel
                 seen = with_pixels(index, imager, count, lighting, seen, veils=veils)
             rows = setting_rows(
                 self.problem, index, camera=self.imagers.camera[imager], light=light, count=count,
                 focused=self.imagers.scenes[index].focused.take(imager), image_light=seen,
-                sun=self._sun(index, imager, count, lighting, pixels=pixels, few=unlit),
+                sun=self.sun(index, imager, count, lighting, few=unlit),
                 sharp=None if light_alone else self.sharp(index, imager, lighting),
             )  # fmt: skip
             if optimistic:
@@ -86,18 +85,21 @@ class NodeRows:
         if not needs.asks_sharpness and not self.objective.weight("information"):
             return None
         unique, back = distinct(imager)
+        return self.sharp_of(scene_index, unique, lighting.optics).take(back)
+
+    def sharp_of(self, scene_index: int, imager: Array, optics: int) -> SharpRows:
+        """The same of imagers under the light of a lamp's optics, whoever asks."""
         imagers, seen = self.imagers, self.imagers.scenes[scene_index]
         return sharpness_of(
-            self.problem, scene_index, seen.view.take(unique), camera=imagers.camera[unique], lens=imagers.lens[unique],
-            port=imagers.port[unique], optics=lighting.optics,
-            dioptre_per_m=seen.focused.dioptre_per_m[unique],
-        ).take(back)  # fmt: skip
+            self.problem, scene_index, seen.view.take(imager), camera=imagers.camera[imager], lens=imagers.lens[imager],
+            port=imagers.port[imager], optics=optics, dioptre_per_m=seen.focused.dioptre_per_m[imager],
+        )  # fmt: skip
 
-    def _sun(
-        self, scene_index: int, imager: Array, count: Array, lighting: Lighting, *, pixels: Pixels | None, few: bool
+    def sun(
+        self, scene_index: int, imager: Array, count: Array, lighting: Lighting, *, few: bool = False
     ) -> SunLight | None:
         """The sun's light in these images; the pixels looked at depend on the number of lamps."""
-        parts = []
+        parts, pixels = [], self.problem.scenes[scene_index].pixels
         for number in distinct(count)[0] if pixels else [int(count.max(initial=1))]:
             mine = np.nonzero(count == number)[0] if pixels else np.arange(len(count))
             unique, back = distinct(imager[mine])
@@ -141,10 +143,17 @@ class NodeRows:
         self, scene_index: int, imager: Array, light: Array, count: Array, lighting: Lighting
     ) -> Array:
         """The same in one scene; no lamp is none in the view, and its light is even."""
-        wanted = self.problem.scenes[scene_index].view.requirements.min_uniformity
         kept = np.array([self.problem.unlit(one) for one in range(len(self.problem.parts.lights))])[light]
+        lit = np.nonzero(~kept)[0]
+        kept[lit] = self.lamps_keep_rules(scene_index, imager[lit], count[lit], lighting)
+        return kept
+
+    def lamps_keep_rules(self, scene_index: int, imager: Array, count: Array, lighting: Lighting) -> Array:
+        """The same of lamps that burn."""
+        wanted = self.problem.scenes[scene_index].view.requirements.min_uniformity
+        kept = np.empty(len(imager), bool)
         for number in distinct(count)[0]:
-            mine = np.nonzero((count == number) & ~kept)[0]
+            mine = np.nonzero(count == number)[0]
             view = self.imagers.scenes[scene_index].view.take(imager[mine])
             port = self.imagers.port[imager[mine]]
             fine = np.ones(len(mine), bool)
@@ -176,16 +185,9 @@ class NodeRows:
         worst_e = np.broadcast_to(most_e[:, None, None], (*seen.signal_e.shape, 1))
         return seen.with_pixels(ImageLight(seen.signal_e, worst_e=worst_e))
 
-    def _with_pixels(
-        self,
-        scene_index: int,
-        imager: Array,
-        count: Array,
-        lighting: Lighting,
-        seen: ImageLight,
-        *,
-        veils: Veils,
-    ) -> ImageLight:
+    def with_pixels(
+        self, scene_index: int, imager: Array, count: Array, lighting: Lighting, seen: ImageLight, *, veils: Veils
+    ) -> ImageLight:  # fmt: skip
         """With the light at the pixels that the SNR is asked of: their share of each lamp depends on the number."""
         narrowed = None if self.bounds.is_sunlit(scene_index) else self.narrowed  # sun and lamps decide together
         first, back = rows_alike(imager if narrowed is None else self.tables.images[1][imager], count)

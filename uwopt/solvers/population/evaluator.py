@@ -310,7 +310,7 @@ def lacking_without_veils(search: Search, store: LightStore, built: CodedHardwar
     rows = []
     for s in range(len(search.problem.scenes)):
         light = store.signal(s, built.imager, built.lighting)
-        one = replace(scene_rows(search, s, built, SeenLight(light, None, None, None)), optimistic=True)
+        one = replace(scene_rows(search, s, built, SeenLight(light, None, None)), optimistic=True)
         rows.append(replace(one, dark_time_s=np.maximum(one.exposure_s(one.time_min_s), 0.0)))
     return shortfall(rows, search.motorised[built.imager])
 

@@ -6,7 +6,7 @@ focal length on all cameras with the same sensor behind a port. What is known is
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Generic, TypeVar
@@ -15,44 +15,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.columns import Columns
-from uwopt.forward.floor_light import uniformity
 from uwopt.forward.lamp_light import ImageLight, SunLight
-from uwopt.forward.lamp_views import keeps_clear, lamps_refused
-from uwopt.forward.sharpness import SharpRows, sharpness_of
-from uwopt.forward.sun_light import sun_light
+from uwopt.forward.sharpness import SharpRows
+from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.search import Search
 
 Array = NDArray[Any]
 Stored = TypeVar("Stored", bound=Columns)
 
 
-def appended(old: Stored | None, new: Stored) -> Stored:
-    """Rows of one kind after the others."""
-    return new if old is None else new.joined([old, new])
-
-
 class Store(Generic[Stored]):
     """Rows by an integer key, made when first asked for."""
 
-    def __init__(self, make: Callable[[Array], Stored | None]):
-        self.make: Callable[[Array], Stored | None] = make
+    def __init__(self, make: Callable[[Array], Stored]):
+        self.make: Callable[[Array], Stored] = make
         self.keys, self.place = np.empty(0, int), np.empty(0, int)
         self.columns: Stored | None = None
-        self.nothing = False  # there is no such light
 
-    def rows(self, keys: Array) -> Stored | None:
-        """The rows of these keys, (n,); None where there is no such light at all."""
-        if self.nothing:
-            return None
+    def rows(self, keys: Array) -> Stored:
+        """The rows of these keys, (n,)."""
         wanted = np.unique(keys)
         new = wanted[~np.isin(wanted, self.keys)]
         if len(new):
-            made = self.make(new)
-            if made is None:
-                self.nothing = True
-                return None
-            places = np.arange(len(self.keys), len(self.keys) + len(new))
-            self.columns = appended(self.columns, made)
+            made, places = self.make(new), np.arange(len(self.keys), len(self.keys) + len(new))
+            self.columns = made if self.columns is None else made.joined([self.columns, made])
             keys_, places = np.concatenate([self.keys, new]), np.concatenate([self.place, places])
             order = np.argsort(keys_)
             self.keys, self.place = keys_[order], places[order]
@@ -66,174 +52,80 @@ class SeenLight(Columns):
 
     light: ImageLight
     sun: SunLight | None
-    sharp: SharpRows | None
-    even: Array | None  # whether the floor is lit evenly enough; None: nobody asks
+    even: Array | None  # whether the floor is lit evenly enough by lamps out of view; None: nobody asks
+    sharp: SharpRows | None = None
 
 
 class LightStore:
     """Constants of imagers under lightings, by scene."""
 
     def __init__(self, search: Search, *, sharp: bool):
-        self.search, self.problem, self.imagers = search, search.problem, search.imagers
-        self.sharp = sharp
+        self.search, self.problem, self.imagers, self.sharp = search, search.problem, search.imagers, sharp
         self.n_counts = self.problem.count_range[1] + 1
         self.images, self.image_of = search.tables.images
         scenes = range(len(self.problem.scenes))
         self.signals = [Store[ImageLight](partial(self._signals, s)) for s in scenes]
-        self.lights = [Store[ImageLight](partial(self._lights, s)) for s in scenes]
-        self.pixels = [Store[ImageLight](partial(self._pixels, s)) for s in scenes]
-        self.suns = [Store[SunLight](partial(self._suns, s)) for s in scenes]
+        self.lights = [Store[SeenLight](partial(self._lights, s)) for s in scenes]
         self.sharps = [Store[SharpRows](partial(self._sharps, s)) for s in scenes]
-        self.evens: list[dict[int, bool]] = [{} for _ in scenes]
 
     def seen(self, scene_index: int, imager: Array, lighting: Array, count: Array) -> SeenLight:
         """What these designs see; `lighting` is an index into the tables' list."""
-        problem = self.problem
-        scene = problem.scenes[scene_index]
-        image = self.image_of[imager]
-        key = lighting * len(self.images) + image
-        by_count = key * self.n_counts + count
-        light = self.lights[scene_index].rows(key)
-        assert light is not None
-        sun = None
-        if scene.sunlit and problem.effects.sunlight:
-            sun = self.suns[scene_index].rows(by_count if scene.at_worst else image)
-        if scene.at_worst:
-            there = self.pixels[scene_index].rows(by_count)
-            assert there is not None
-            light = light.with_pixels(there)
-        view = self.imagers.scenes[scene_index].view
-        area = view.collecting_m2[imager] / view.collecting_m2[self.images[image]]
+        number = count if self.search.design_rows.asks_of_image(scene_index) else 0
+        key = (lighting * len(self.images) + self.image_of[imager]) * self.n_counts + number
+        seen, area = self.lights[scene_index].rows(key), self._area(scene_index, imager)
         optics = np.array([item.optics for item in self.search.tables.lightings])[lighting]
-        return SeenLight(
-            light.scaled(area), None if sun is None else sun.scaled(area),
-            self.sharps[scene_index].rows(optics * len(self.imagers) + imager) if self.sharp else None,
-            self._even(scene_index, by_count),
+        return replace(
+            seen, light=seen.light.scaled(area), sun=None if seen.sun is None else seen.sun.scaled(area),
+            sharp=self.sharps[scene_index].rows(optics * len(self.imagers) + imager) if self.sharp else None,
         )  # fmt: skip
 
     def signal(self, scene_index: int, imager: Array, lighting: Array) -> ImageLight:
         """Image-forming light alone, which costs a fraction: no veil makes a design better."""
-        image = self.image_of[imager]
-        light = self.signals[scene_index].rows(lighting * len(self.images) + image)
-        assert light is not None
-        view = self.imagers.scenes[scene_index].view
-        return light.scaled(view.collecting_m2[imager] / view.collecting_m2[self.images[image]])
+        light = self.signals[scene_index].rows(lighting * len(self.images) + self.image_of[imager])
+        return light.scaled(self._area(scene_index, imager))
+
+    def _area(self, scene_index: int, imager: Array) -> Array:
+        """Collecting area over that of the imager that stands for the image."""
+        collecting_m2 = self.imagers.scenes[scene_index].view.collecting_m2
+        return np.asarray(collecting_m2[imager] / collecting_m2[self.images[self.image_of[imager]]])
 
     # ------------------------------------------------------------ making
 
-    def _split(self, keys: Array) -> list[tuple[int, Array, Array]]:
-        """Keys of (lighting, image) as groups of one lighting: its index, the keys' places, imagers."""
+    def _split(self, keys: Array) -> Iterator[tuple[Lighting, Array, Array]]:
+        """Keys of (lighting, image) as groups of one lighting: the keys' places, imagers."""
         lighting, image = np.divmod(keys, len(self.images))
-        return [
-            (int(k), np.nonzero(lighting == k)[0], self.images[image[lighting == k]])
-            for k in np.unique(lighting)
-        ]
+        for k in np.unique(lighting):
+            mine = np.nonzero(lighting == k)[0]
+            yield self.search.tables.lightings[k], mine, self.images[image[mine]]
 
     def _signals(self, scene_index: int, keys: Array) -> ImageLight:
         """Image means under each lighting without veils."""
-        tables = self.search.tables
         parts = [
-            (mine, tables.exact(scene_index, tables.lightings[k], imager, veils="none"))
-            for k, mine, imager in self._split(keys)
+            (mine, self.search.tables.exact(scene_index, lighting, imager, veils="none"))
+            for lighting, mine, imager in self._split(keys)
         ]
         return ImageLight.in_places(parts, len(keys))
 
-    def _lights(self, scene_index: int, keys: Array) -> ImageLight:
-        """Image means under each lighting, veils included."""
-        signal = self.signals[scene_index].rows(keys)
-        if not self.problem.effects.veils:
-            assert signal is not None
-            return signal
-        tables = self.search.tables
-        parts = []
-        for k, mine, imager in self._split(keys):
-            known = None if signal is None or self.problem.paper else signal.take(mine)
-            parts.append(
-                (mine, tables.exact(scene_index, tables.lightings[k], imager, known=known, veils="all"))
-            )
-        return ImageLight.in_places(parts, len(keys))
-
-    def _pixels(self, scene_index: int, keys: Array) -> ImageLight:
-        """Light at the pixels that the SNR is asked of, by number of lamps."""
-        tables, (pairs, count) = self.search.tables, np.divmod(keys, self.n_counts)
-        pixels = self.problem.scenes[scene_index].pixels
-        parts = []
-        for k, mine, imager in self._split(pairs):
-            for number in np.unique(count[mine]):
-                own = count[mine] == number
-                light = tables.exact(
-                    scene_index, tables.lightings[k], imager[own], count=int(number), pixels=pixels, means=False,
-                )  # fmt: skip
-                parts.append((mine[own], light))
-        return ImageLight.in_places(parts, len(keys))
-
-    def _suns(self, scene_index: int, keys: Array) -> SunLight | None:
-        """The sun's light; by lighting and number of lamps where the worst pixels count."""
-        scene, lightings = self.problem.scenes[scene_index], self.search.tables.lightings
-        if not scene.at_worst:
-            return self._sun(scene_index, self.images[keys], pixels=None)
+    def _lights(self, scene_index: int, keys: Array) -> SeenLight:
+        """All light under each lighting, by number of lamps where that matters."""
         pairs, count = np.divmod(keys, self.n_counts)
-        parts: SunLight | None = None
-        order = []
-        for k, mine, imager in self._split(pairs):
-            for number in np.unique(count[mine]):
-                own = count[mine] == number
-                sun = self._sun(
-                    scene_index, imager[own], pixels=scene.pixels, mount=lightings[k].mount, count=int(number)
-                )
-                if sun is None:
-                    return None
-                parts = appended(parts, sun)
-                order.append(mine[own])
-        assert parts is not None
-        return parts.take(np.argsort(np.concatenate(order)))
-
-    def _sun(self, scene_index: int, imager: Array, **where: Any) -> SunLight | None:
-        """The sun's light in these images."""
-        imagers = self.imagers
-        return sun_light(
-            self.problem, scene_index, imagers.scenes[scene_index].view.take(imager), imagers.camera[imager],
-            port_index=imagers.port[imager], **where,
-        )  # fmt: skip
+        rows, signal, parts = self.search.design_rows, self.signals[scene_index].rows(pairs), []
+        for lighting, mine, imager in self._split(pairs):
+            known = None if self.problem.paper else signal.take(mine)
+            where = scene_index, imager, count[mine], lighting
+            light = self.search.tables.exact(scene_index, lighting, imager, known=known)
+            if self.problem.scenes[scene_index].at_worst:
+                light = rows.with_pixels(*where, light, veils="all")
+            even = rows.lamps_keep_rules(*where) if rows.has_rules(scene_index) else None
+            parts.append((mine, SeenLight(light, rows.sun(*where), even)))
+        return SeenLight.in_places(parts, len(keys))
 
     def _sharps(self, scene_index: int, keys: Array) -> SharpRows:
         """What MTF and information depend on, by light optics."""
-        imagers, seen = self.imagers, self.imagers.scenes[scene_index]
-        optics, imager = np.divmod(keys, len(imagers))
-        made: SharpRows | None = None
-        for one in np.unique(optics):
-            some = imager[optics == one]  # keys are sorted, so groups follow each other
-            part = sharpness_of(
-                self.problem, scene_index, seen.view.take(some), camera=imagers.camera[some], lens=imagers.lens[some],
-                port=imagers.port[some], optics=int(one), dioptre_per_m=seen.focused.dioptre_per_m[some],
-            )  # fmt: skip
-            made = appended(made, part if part.spreads else replace(part, spread_index=0 * part.spread_index))
-        assert made is not None
-        return made
-
-    def _even(self, scene_index: int, keys: Array) -> Array | None:
-        """Whether floors are lit evenly enough by lamps out of view; one integral an image and number of lamps."""
-        wanted = self.problem.scenes[scene_index].view.requirements.min_uniformity
-        watched = lamps_refused(self.problem, scene_index)
-        if wanted is None and not watched:
-            return None
-        known = self.evens[scene_index]
-        view = self.imagers.scenes[scene_index].view
-        unique, back = np.unique(keys, return_inverse=True)
-        for key in unique:
-            if int(key) in known:
-                continue
-            pair, number = divmod(int(key), self.n_counts)
-            k, image = divmod(pair, len(self.images))
-            imager, lighting = self.images[image], self.search.tables.lightings[k]
-            one, port = view.take(np.array([imager])), self.imagers.port[imager]
-            known[int(key)] = not watched or bool(keeps_clear(
-                self.problem, scene_index, one, port=np.array([port]), mount=lighting.mount, count=number
-            )[0])  # fmt: skip
-            if wanted is not None and known[int(key)]:
-                least = uniformity(
-                    self.problem, scene_index, one, port_index=int(port), optics=lighting.optics, mount=lighting.mount,
-                    count=number,
-                ).min()  # fmt: skip
-                known[int(key)] = bool(least >= wanted * (1 - 1e-9))
-        return np.array([known[int(key)] for key in unique])[back.reshape(-1)]
+        optics, imager = np.divmod(keys, len(self.imagers))
+        made = [
+            self.search.design_rows.sharp_of(scene_index, imager[optics == one], int(one)) for one in np.unique(optics)
+        ]  # keys are sorted, so groups follow each other
+        return SharpRows.joined([
+            part if part.spreads else replace(part, spread_index=0 * part.spread_index) for part in made
+        ])  # fmt: skip
