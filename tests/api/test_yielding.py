@@ -561,6 +561,19 @@ def test_explain_says_that_solve_has_a_system_with_less_of_good_practice(unexpla
     assert PRACTICE_WOULD_YIELD not in [note.code for note in never.warnings]
 
 
+def test_explain_asks_of_less_practice_as_long_as_solve_does(monkeypatch, unexplained):
+    """Else it explains the mission with all of practice where `solve` explains that with the least."""
+    honest, asked_s = explaining.with_least_practice, list[float]()
+
+    def watched(*given: Any) -> Any:
+        asked_s.append(given[3].left_s)
+        return honest(*given)
+
+    monkeypatch.setattr(explaining, "with_least_practice", watched)
+    uwopt.solve(survey(brightest_db() + 10.0), top=1, quick=True, every_price=True)
+    assert asked_s == [pytest.approx(yielding.patience_of(NEVER).left_s)]
+
+
 def test_explain_says_where_it_does_not_know_whether_less_of_practice_would_do(monkeypatch, unexplained):
     honest = explaining.with_least_practice
 

@@ -17,6 +17,7 @@ SIBLINGS, OF_SIBLINGS = "uwopt/solvers/explain/same_sensor.py", "tests/solvers/t
 
 SOON = "tests/solvers/test_soon_known.py"
 YIELDING = "tests/api/test_yielding.py"
+PATIENCE = "tests/api/test_patience.py"
 BY_EITHER = f"{EVERY}::test_signal_to_noise_of_mean_and_frame_has_its_price_by_either"
 
 DEFECTS = (
@@ -83,7 +84,21 @@ DEFECTS = (
         file="uwopt/api/explaining.py",
         old="if weakest.outcome.complete and not weakest.outcome.best:",
         new="if weakest.outcome.complete and not (weakest.outcome.best or would_yield):",
-        test=f"{YIELDING}::test_what_would_help_is_what_solve_answers",
+        test=f"{YIELDING}::test_explain_says_what_would_help_as_solve_does",
+    ),
+    Defect(
+        name="a search that took longer is explained longer",
+        file="uwopt/api/explaining.py",
+        old="(processor_s() - watch.since_s), LEAST_EXPLAIN_S)",
+        new="(processor_s() - watch.since_s), LEAST_EXPLAIN_S, 0.4 * (processor_s() - watch.since_s))",
+        test=f"{PATIENCE}::test_a_quicker_search_never_leaves_less_for_what_would_help",
+    ),
+    Defect(
+        name="explain asks of less practice for a shorter time than solve, and explains another mission",
+        file="uwopt/api/explaining.py",
+        old="used.problem, patience_of(watch.deadline))",
+        new="used.problem, patience_of(watch.deadline).at_most(2.0))",
+        test=f"{YIELDING}::test_explain_asks_of_less_practice_as_long_as_solve_does",
     ),
     Defect(
         name="that practice would give way is not told where an explanation begins",

@@ -9,7 +9,7 @@ from uwopt.api.practice_left import with_practice_left
 from uwopt.api.search_notes import cut_warnings, interruption_warnings, on_sale_warnings, patience_warnings
 from uwopt.api.searching import Searched
 from uwopt.api.watch import Watch
-from uwopt.api.yielding import in_vain_note, less_practice_note, with_least_practice
+from uwopt.api.yielding import in_vain_note, less_practice_note, patience_of, with_least_practice
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import processor_s
 from uwopt.mission.yielding import with_yields, yields_of
@@ -17,25 +17,22 @@ from uwopt.results.result import Result
 from uwopt.solvers.exact.certificate import certificate
 from uwopt.solvers.recommend import Sought
 
-EXPLAIN_S = 9.0  # of the processor, for a mission that nothing meets and what would help, where no time is given
-EXPLAIN_SHARE = 0.4  # of the time that the search took, where that is more
-YIELD_SHARE = 0.3  # of the time for all that would help, for whether less of good practice would do
+EXPLAIN_S = 10.0  # of the processor, for a mission that nothing meets and what would help, where no time is given
 LEFT_SHARE = 0.2  # of the time, for what of good practice gives way where a told change is made
-LEAST_EXPLAIN_S = 5.0  # for what would help, however long the search took: in less hardly any is found
+LEAST_EXPLAIN_S = 6.0  # for what would help, however long the search took: in less hardly any is found
 GO_ON_SHARE = 3.0  # of the time for what would help, beside it, where nothing is known to by then
 NOT_TRIED = "that nothing fits is proven, but not all that may help was tried"
 
 
-def left_s(watch: Watch, share: float = 0.0) -> float:
-    """Seconds of the processor for an explanation where no time is given; `share`: of what was taken until now.
+def left_s(watch: Watch) -> float:
+    """Seconds of the processor for an explanation where no time is given: a quicker search never leaves it less.
 
     That other programs make it wait takes nothing from it, as it would of the wall's clock, though a core that is
     shared does about half as much in a second. Counted work, which is the same everywhere, is no measure here: most of
     what is done lists and bounds imagers, of which next to nothing is counted. So the proof is the same on every
     machine, but not how much is told beside it.
     """
-    spent_s = processor_s() - watch.since_s
-    return max(EXPLAIN_S - spent_s, LEAST_EXPLAIN_S, share * spent_s)
+    return max(EXPLAIN_S - (processor_s() - watch.since_s), LEAST_EXPLAIN_S)
 
 
 def priced(made: Result, sought: Sought, watch: Watch) -> Result:
@@ -58,7 +55,8 @@ def infeasible_result(
     """A result without a recommendation: why, and what would help.
 
     Where nothing fits even with as little of good practice as may be, that mission is explained, for `solve` lets
-    practice give way where a change makes something fit.
+    practice give way where a change makes something fit. Whether it does is asked as long as `solve` asks it, so that
+    both explain the same mission, and is no part of the time for what would help.
 
     would_yield : search with so little of it here, and say so where something is found
     """
@@ -70,13 +68,10 @@ def infeasible_result(
     generic = choice.generic_at_first if found.alternative is None else choice.generic_at_last
     notes = [*(cut_warnings(NOT_TRIED) if found.cut else []), *interruption_warnings(used)]
     explain = explain and not found.cut and used.outcome.complete
-    seconds = left_s(watch, EXPLAIN_SHARE)
-    patience = watch.deadline.or_after(seconds, processor_s)
     if explain and would_yield:
-        turn = patience.at_most(YIELD_SHARE * patience.left_s)
         try:
             with watch.stage("practice"):
-                weakest = with_least_practice(mission, catalog, used.problem, turn)
+                weakest = with_least_practice(mission, catalog, used.problem, patience_of(watch.deadline))
         except KeyboardInterrupt:
             explain, notes = False, cut_warnings(NOT_TRIED)
     if explain and weakest is not None:
@@ -86,6 +81,8 @@ def infeasible_result(
     elif found.is_in_vain:
         notes = [*notes, in_vain_note()]
     proof = certificate(used.selection, used.problem, used.outcome, goal)
+    seconds = left_s(watch)
+    patience = watch.deadline.or_after(seconds, processor_s)
     if explain:
         in_vain = mission is not found.mission
         first = patience.but_for(LEFT_SHARE) if in_vain else patience
