@@ -10,7 +10,6 @@ import pytest
 from priced_system import PRICED
 
 from uwopt.api.evaluating import evaluate
-from uwopt.deadline import NEVER
 from uwopt.evaluation.recompute import Replay, replay
 from uwopt.objectives.goal import goal_of
 from uwopt.solvers.explain.specification import (
@@ -47,8 +46,11 @@ def made() -> Replay:
 def limits(made: Replay) -> dict[tuple[str, str], PropertyLimit]:
     problem = made.model.problem
     goal = goal_of(problem.mission)
-    found = specification(problem, made.model.hardware, goal, rival=5.0, kinds=("camera", "lens"))
-    return {(kind, one.name): one for kind, ones in found.items() for one in ones}
+    return {
+        (kind, one.name): one
+        for kind in ("camera", "lens")
+        for one in specification(problem, made.model.hardware, goal, kind, rival=5.0)
+    }
 
 
 def test_slowest_camera_is_that_of_the_overlap(limits: dict[tuple[str, str], PropertyLimit]) -> None:
@@ -82,7 +84,7 @@ def test_all_numbers_together_still_do_and_lie_within_their_limits(
 ) -> None:
     problem = made.model.problem
     lens = [one for (kind, _), one in limits.items() if kind == "lens"]
-    trial = PartTrial(problem, made.model.hardware, goal_of(problem.mission), "lens", deadline=NEVER)
+    trial = PartTrial(problem, made.model.hardware, goal_of(problem.mission), "lens")
     assert math.isfinite(trial.values([{one.name: one.together for one in lens}])[0])
     for one in lens:
         if one.feasible is not None:
@@ -92,7 +94,7 @@ def test_all_numbers_together_still_do_and_lie_within_their_limits(
 
 def test_every_limit_holds_within_and_not_beyond(made: Replay, limits: dict[tuple[str, str], PropertyLimit]) -> None:
     problem = made.model.problem
-    trial = PartTrial(problem, made.model.hardware, goal_of(problem.mission), "camera", deadline=NEVER)
+    trial = PartTrial(problem, made.model.hardware, goal_of(problem.mission), "camera")
     camera = [one for (kind, _), one in limits.items() if kind == "camera" and one.feasible is not None]
     within = trial.values([{one.name: one.feasible} for one in camera])
     beyond = trial.values([{one.name: one.feasible * (0.99 if one.more_is_better else 1.01)} for one in camera])
@@ -124,13 +126,13 @@ def test_a_focal_length_has_two_ends() -> None:
     assert result.status == "feasible"
     again = replay(result.mission, result.best, physics=result.physics, system=result.system)
     problem, hardware = again.model.problem, again.model.hardware
-    found = specification(problem, hardware, goal_of(problem.mission), rival=math.inf, kinds=("lens",))["lens"]
+    found = specification(problem, hardware, goal_of(problem.mission), "lens", rival=math.inf)
     low, high = (one for one in found if one.name == "focal_length_mm")
     assert low.more_is_better and not high.more_is_better
     assert low.feasible == pytest.approx(2.0 * 5e-3 / (1.33 * 0.9e-3), rel=2e-3)
     assert high.feasible == pytest.approx(2000 * 2.0 * 5e-3 / (1.33 * 1.3), rel=2e-3)
     assert low.feasible <= low.together <= 10.0 <= high.together <= high.feasible
-    trial = PartTrial(problem, hardware, goal_of(problem.mission), "lens", deadline=NEVER)
+    trial = PartTrial(problem, hardware, goal_of(problem.mission), "lens")
     others = {one.name: one.together for one in found if one.name != "focal_length_mm"}
     for end in (low.together, 10.0, high.together):
         assert math.isfinite(trial.values([others | {"focal_length_mm": end}])[0])
@@ -141,7 +143,7 @@ def test_a_part_of_a_system_that_does_not_fit_has_no_limits() -> None:
     assert result.status == "violated"
     again = replay(result.mission, result.best, physics=result.physics, system=result.system)
     problem, goal = again.model.problem, goal_of(again.model.problem.mission)
-    assert specification(problem, again.model.hardware, goal, rival=math.inf, kinds=("lens",)) == {"lens": []}
+    assert specification(problem, again.model.hardware, goal, "lens", rival=math.inf) == []
 
 
 def test_every_end_is_tried_with_every_other() -> None:

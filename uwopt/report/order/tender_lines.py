@@ -118,7 +118,7 @@ def tender_lines(result: Result, design: Design, deadline: Deadline = NEVER) -> 
             if deadline.passed():
                 deadline.left_out.append(f"the limits of the {kind}")
             else:
-                limits = specification(problem, hardware, goal, rival=rival, kinds=(kind,))[kind]
+                limits = specification(problem, hardware, goal, kind, rival)
         lines.append(line_of(result, design, row, kind, limits, name))
     return lines
 

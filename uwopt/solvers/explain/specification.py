@@ -21,7 +21,6 @@ import numpy as np
 
 from uwopt.catalog.parts.kinds import ALL_FIELDS, FAVOURED
 from uwopt.catalog.records import Part, Quantity, exact
-from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.designs import Hardware
 from uwopt.forward.parts import Parts
 from uwopt.forward.problem import Problem
@@ -68,21 +67,13 @@ class Asked:
 
 
 def specification(
-    problem: Problem, hardware: Hardware, objective: Objective, *, rival: float, kinds: Sequence[str] = KINDS,
-    deadline: Deadline = NEVER,
-) -> dict[str, list[PropertyLimit]]:  # fmt: skip
-    """Limits of parts of a system, by kind.
+    problem: Problem, hardware: Hardware, objective: Objective, kind: str, rival: float
+) -> list[PropertyLimit]:
+    """Limits of the numbers of one part, each alone, and together; none where it does not fit as it is.
 
     rival : the minimised objective of the best system with other parts; inf where there is none
     """
-    return {kind: limits_of_part(problem, hardware, objective, kind, rival, deadline) for kind in kinds}
-
-
-def limits_of_part(
-    problem: Problem, hardware: Hardware, objective: Objective, kind: str, rival: float, deadline: Deadline
-) -> list[PropertyLimit]:
-    """Limits of the numbers of one part, each alone, and together; none where it does not fit as it is."""
-    trial = PartTrial(problem, hardware, objective, kind, deadline)
+    trial = PartTrial(problem, hardware, objective, kind)
     if not holds(trial.values([{}])[0], math.inf):
         return []
     asked = properties(trial.part)
@@ -111,9 +102,8 @@ def properties(part: Part) -> list[Asked]:
 class PartTrial:
     """One part of a system in many variants: the best objective that settings give each."""
 
-    def __init__(self, problem: Problem, hardware: Hardware, objective: Objective, kind: str, deadline: Deadline):
-        self.base, self.hardware, self.objective = problem, hardware, objective
-        self.kind, self.deadline = kind, deadline
+    def __init__(self, problem: Problem, hardware: Hardware, objective: Objective, kind: str):
+        self.base, self.hardware, self.objective, self.kind = problem, hardware, objective, kind
         own = problem.parts
         rows = (own.cameras, own.lenses, own.ports, own.lights)
         at = (hardware.camera, hardware.lens, hardware.port, hardware.light)
@@ -127,7 +117,6 @@ class PartTrial:
 
     def values(self, variants: Sequence[dict[str, float]]) -> list[float]:
         """Best minimised objective of each variant of the part's numbers; inf where no settings do."""
-        self.deadline.check()
         made = [changed(self.part, variant) for variant in variants]
         lists = {name: (made if name == self.kind else [part]) for name, part in self.lists.items()}
         one = self.base.over(
@@ -135,7 +124,7 @@ class PartTrial:
             mounts=[self.hardware.mount],
         )  # fmt: skip
         places = [dict.fromkeys(KINDS, 0) | {self.kind: n} for n in range(len(made))]
-        return best_of_each(one, self.objective, places, self.deadline)
+        return best_of_each(one, self.objective, places)
 
     def limits(self, asked: Sequence[Asked], rivals: Sequence[float]) -> list[list[float | None]]:
         """For each rival, the last value of each number, made worse alone, at which the objective is still better."""
