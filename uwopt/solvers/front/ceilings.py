@@ -19,8 +19,8 @@ from uwopt.forward.setting_rows import SceneRows
 from uwopt.model.information import TEXTURE_CONTRAST
 from uwopt.model.lateral import rms_px
 from uwopt.solvers.front.hopeful import Hopeful, unhindered
-from uwopt.solvers.front.information import least_blur_s
 from uwopt.solvers.settings import closed_form, windows
+from uwopt.solvers.settings.information import least_blur_s
 from uwopt.tolerances import SLACK
 from uwopt.units import db_to_ratio
 

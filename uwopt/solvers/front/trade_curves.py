@@ -24,10 +24,10 @@ from uwopt.solvers.beside import shares, side_by_side
 from uwopt.solvers.exact.node_bounds import bit_per_px_bound
 from uwopt.solvers.front.ceilings import most_information
 from uwopt.solvers.front.hopeful import Hopeful, unhindered
-from uwopt.solvers.front.information import information_of
 from uwopt.solvers.settings import closed_form, windows
 from uwopt.solvers.settings.best import best_settings
 from uwopt.solvers.settings.closed_form import Chosen
+from uwopt.solvers.settings.information import information_of
 from uwopt.solvers.settings.question import Best, Question
 from uwopt.units import ratio_to_db
 

@@ -17,6 +17,7 @@ from uwopt.objectives.objective import LEAST
 from uwopt.solvers.settings.cell_points import TriedCells
 from uwopt.solvers.settings.cell_pool import Pool
 from uwopt.solvers.settings.closed_form import Chosen
+from uwopt.solvers.settings.information import information_of
 from uwopt.solvers.settings.question import Best, Question
 
 Array = NDArray[Any]
@@ -149,7 +150,8 @@ class CellSearch(TriedCells):
         chosen = [Chosen(**kept) for kept in self.kept]
         lower = np.minimum(self.closed, self.best)
         if self.weight["information"] and feasible.any():
-            exact, index = self._model_information(np.nonzero(feasible)[0]), np.nonzero(feasible)[0]
+            index = np.nonzero(feasible)[0]
+            exact = information_of(self.rows, chosen, feasible)[index]
             own = self.figures["information"][index]
             slack = np.maximum(np.abs(exact - own), RULE_ERROR * np.abs(own))
             if self.objective.by_ratio:
@@ -160,31 +162,3 @@ class CellSearch(TriedCells):
             lower = np.where(np.isfinite(lower), self.constant, np.inf)
         information = np.nan_to_num(self.figures["information"])
         return Best(chosen, feasible, self.figures["snr_db"], self.figures["contrast"], information, lower)
-
-    def _model_information(self, index: Array) -> Array:
-        """Information of the settings kept, worst scene, by `SharpRows`."""
-        out = []
-        for s, rows in enumerate(self.rows):
-            assert rows.sharp is not None
-            kept = {name: column[index] for name, column in self.kept[s].items()}
-            blur = (
-                self.scenes[s].blurred_s(index, kept["time_s"])
-                if not self.sunlit[s]
-                else kept["exposure_s"] + rows.exposure_offset_s[index]
-            )
-            snr = self._snr_kept(s, index)
-            out.append(rows.sharp.take(index).information_bit_per_m2(
-                snr, f_number=kept["f_number"], working_f_number=kept["f_number"] * rows.working_factor[index],
-                blur_s=blur,
-            ))  # fmt: skip
-        return np.asarray(np.min(out, axis=0))
-
-    def _snr_kept(self, s: int, index: Array) -> Array:
-        """SNR of the settings kept in one scene, a ratio."""
-        scene, kept = self.scenes[s], {k: v[index] for k, v in self.kept[s].items()}
-        open_s = kept["exposure_s"] + self.rows[s].exposure_offset_s[index]
-        point = scene.points(
-            index, kept["f_number"], kept["time_s"], open_s if self.sunlit[s] else kept["time_s"],
-            kept["level"] * (1 - 1e-12), kept["level"] * (1 + 1e-12), 1.0,
-        )  # fmt: skip
-        return np.asarray(np.where(np.isfinite(point.snr), point.snr, 1e-300))
