@@ -16,6 +16,7 @@ from uwopt.forward.scene import SceneOptics
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.imagers import Imagers
+from uwopt.solvers.exact.lightings import Under
 from uwopt.solvers.exact.node_designs import NodeDesigns
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
@@ -99,9 +100,10 @@ def values_under(search: Search, imagers: Any, rows: Any, light: Any, optics: in
     problem = search.problem
     lighting = next(item for item in search.tables.lightings if item.optics == optics)
     unique, back = np.unique(rows, return_inverse=True)
-    pairs = NodeDesigns.of(problem, imagers, unique, back, light, np.full(len(rows), problem.count_range[0]))
-    lights = search.tables.in_scenes(lighting, unique)
-    value = search.solve(pairs, [seen.take(back) for seen in lights], lighting)[0]
+    under, count = Under.one(lighting, len(unique)), np.full(len(rows), problem.count_range[0])
+    pairs = NodeDesigns.of(problem, imagers, unique, under, back, light, count)
+    lights = search.tables.in_scenes(under, unique)
+    value = search.solve(pairs, [seen.take(back) for seen in lights])[0]
     return np.where(pairs.within(search.limits), value, np.inf)
 
 

@@ -29,6 +29,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.results.design import COLOUR_LEFT_OPEN, NOT_SETTABLE, Design, Note, SettableCheck
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.imagers import Imagers
+from uwopt.solvers.exact.lightings import Under
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.settable.rounding import given_of, rounded_design
@@ -88,9 +89,9 @@ def hardware_of(found: Found) -> Hardware:
 
 def scene_rows_of(search: Search, found: Found) -> list[SceneRows]:
     """The settings' view of one found design, by scene."""
-    imager = np.array([found.imager])
-    lights = search.tables.in_scenes(found.lighting, imager)
-    return search.rows(imager, lights, np.array([found.light]), np.array([found.count]), found.lighting)
+    imager, under = np.array([found.imager]), Under.one(found.lighting, 1)
+    lights = search.tables.in_scenes(under, imager)
+    return search.rows(imager, lights, np.array([found.light]), np.array([found.count]), under)
 
 
 def design_of(

@@ -234,9 +234,10 @@ class Judge:
     def of(group: Together, objective: Objective, rows: list[SceneRows], imager: Array, stop: Array) -> Judge:
         """Of these imagers of a group."""
         own, lamps = [r.take(imager) for r in rows], (group.light[imager], group.count[imager])
+        each = np.arange(len(imager))
         return Judge(
             group, objective, [at_stop(r, stop) for r in own],
-            NodeDesigns.of(group.problem, group.imagers, imager, np.arange(len(imager)), *lamps),
+            NodeDesigns.of(group.problem, group.imagers, imager, group.under.take(imager), each, *lamps),
             ~np.logical_and.reduce([may_stand_at(r, stop) for r in own]),
         )  # fmt: skip
 

@@ -41,7 +41,7 @@ from uwopt.solvers.exact.imagers import (
     no_tally,
     sharp_behind,
 )
-from uwopt.solvers.exact.lightings import Lighting
+from uwopt.solvers.exact.lightings import Under
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.one_hardware import parts_of
 
@@ -201,20 +201,14 @@ class Together:
         narrowed: Narrowed | None = of_deciding_pixels, *, light_alone: bool = False,
     ) -> list[SceneRows]:  # fmt: skip
         """Rows in the light of some water, by scene, each under its own light."""
-        made, parts = node_rows(problem, self.imagers, objective, deadline, narrowed), []
-        for lighting, mine in self._under_each(made.tables.lightings):
-            lights, lamps = made.tables.in_scenes(lighting, mine), (self.light[mine], self.count[mine])
-            parts.append((mine, made.rows(mine, lights, *lamps, lighting, light_alone=light_alone)))
-        every = range(len(problem.scenes))
-        return [SceneRows.in_places([(mine, rows[k]) for mine, rows in parts], len(self.scenario)) for k in every]
+        made, every = node_rows(problem, self.imagers, objective, deadline, narrowed), np.arange(len(self.scenario))
+        lights = made.tables.in_scenes(self.under, every)
+        return made.rows(every, lights, self.light, self.count, self.under, light_alone=light_alone)
 
-    def _under_each(self, every: Sequence[Lighting]) -> Iterator[tuple[Lighting, Array]]:
-        """Each lighting that serves, with its rows."""
-        optics = self.problem.lights.optics_index[self.light]
-        for lighting in every:
-            mine = np.flatnonzero((optics == lighting.optics) & (self.mount == lighting.mount_index))
-            if len(mine):
-                yield lighting, mine
+    @property
+    def under(self) -> Under:
+        """The lighting of each imager."""
+        return Under.at(self.problem, self.problem.lights.optics_index[self.light], self.mount)
 
     def _beyond(self, known: list[SceneRows], objective: Objective) -> list[SceneRows]:
         """Rows as the altitudes of each scenario have them, by the light over the band as it is asked."""
@@ -231,10 +225,9 @@ class Together:
         sharp: list[list[tuple[Array, Any]]] = [[] for _ in known]
         for band in np.unique(beyond):
             over = node_rows(over_band_of(self.problem, float(band)), self.imagers, objective, NEVER)
-            for lighting, under in self._under_each(over.tables.lightings):
-                mine = under[beyond[under] == band]
-                for index, places in enumerate(sharp if len(mine) else ()):
-                    places.append((mine, over.sharp(index, mine, lighting)))
+            mine = np.flatnonzero(beyond == band)
+            for index, places in enumerate(sharp):
+                places.append((mine, over.sharp(index, mine, self.under.take(mine))))
         return [
             replace(rows, sharp=None if rows.sharp is None else SharpRows.in_places(places, len(beyond)))
             for rows, places in zip(made, sharp, strict=True)

@@ -25,7 +25,7 @@ from uwopt.forward.sun_light import sun_light
 from uwopt.model.image_mean import FRAME_MAY_MISS
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.candidates import Candidates
-from uwopt.solvers.exact.lightings import Lighting
+from uwopt.solvers.exact.lightings import Under
 
 Array = NDArray[Any]
 
@@ -45,7 +45,7 @@ class NodeRows:
         self.imagers, self.tables, self.bounds = candidates.imagers, candidates.tables, candidates.bounds
 
     def rows(
-        self, imager: Array, lights: list[ImageLight], light: Array, count: Array, lighting: Lighting, *,
+        self, imager: Array, lights: list[ImageLight], light: Array, count: Array, under: Under, *,
         optimistic: bool = False, stage: Veils = "none", light_alone: bool = False,
     ) -> list[SceneRows]:  # fmt: skip
         """The settings' view of these designs, by scene; `light_alone`: without rules and sharpness."""
@@ -62,30 +62,33 @@ class NodeRows:
                 if optimistic and not self.bounds.is_sunlit(index):
                     veils = stage
                     with_pixels = self.with_pixels if stage == "likely" else self._with_likely_pixel
-                seen = with_pixels(index, imager, count, lighting, seen, veils=veils)
+                seen = with_pixels(index, imager, count, under, seen, veils=veils)
             rows = setting_rows(
                 self.problem, index, camera=self.imagers.camera[imager], light=light, count=count,
                 focused=self.imagers.scenes[index].focused.take(imager), image_light=seen,
-                sun=self.sun(index, imager, count, lighting, few=unlit),
-                sharp=None if light_alone else self.sharp(index, imager, lighting),
+                sun=self.sun(index, imager, count, under, few=unlit),
+                sharp=None if light_alone else self.sharp(index, imager, under),
             )  # fmt: skip
             if optimistic:
                 rows = of_darkest_pixels(rows, LIKELY_PLACES)
             elif self.narrowed is None:
                 rows = of_fewest_pixels(rows, unlit=self.problem.are_unlit(light))
             if not light_alone and not optimistic and self.has_rules(index):
-                kept = self.keep_rules_in(index, imager, light, count, lighting)
+                kept = self.keep_rules_in(index, imager, light, count, under)
                 rows = replace(rows, time_max_s=np.where(kept, rows.time_max_s, -1.0))
             result.append(replace(rows, optimistic=optimistic))
         return result
 
-    def sharp(self, scene_index: int, imager: Array, lighting: Lighting) -> SharpRows | None:
+    def sharp(self, scene_index: int, imager: Array, under: Under) -> SharpRows | None:
         """What MTF and information depend on, where either is asked for."""
         needs = self.problem.scenes[scene_index].view.requirements
         if not needs.asks_sharpness and not self.objective.weight("information"):
             return None
-        unique, back = distinct(imager)
-        return self.sharp_of(scene_index, unique, lighting.optics).take(back)
+        parts = []
+        for optics, mine in under.by_optics():
+            unique, back = distinct(imager[mine])
+            parts.append((mine, self.sharp_of(scene_index, unique, optics).take(back)))
+        return parts[0][1] if len(parts) == 1 else SharpRows.in_places(parts, len(imager))
 
     def sharp_of(self, scene_index: int, imager: Array, optics: int) -> SharpRows:
         """The same of imagers under the light of a lamp's optics, whoever asks."""
@@ -96,12 +99,12 @@ class NodeRows:
         )  # fmt: skip
 
     def sun(
-        self, scene_index: int, imager: Array, count: Array, lighting: Lighting, *, few: bool = False
+        self, scene_index: int, imager: Array, count: Array, under: Under, *, few: bool = False
     ) -> SunLight | None:
-        """The sun's light in these images; the pixels looked at depend on the number of lamps."""
+        """The sun's light in these images; the pixels looked at depend on the lamps and their number."""
         parts, pixels = [], self.problem.scenes[scene_index].pixels
-        for number in distinct(count)[0] if pixels else [int(count.max(initial=1))]:
-            mine = np.nonzero(count == number)[0] if pixels else np.arange(len(count))
+        alike = [(under.of(0), 1, np.arange(len(count)))] if not pixels and len(count) else under.with_number(count)
+        for lighting, number, mine in alike:
             unique, back = distinct(imager[mine])
             sun = sun_light(
                 self.problem,
@@ -110,15 +113,15 @@ class NodeRows:
                 self.imagers.camera[unique],
                 port_index=self.imagers.port[unique],
                 mount=lighting.mount,
-                count=int(number),
+                count=number,
                 pixels=pixels,
                 few=few,
                 field_type=RememberedSunField,
             )
             if sun is None:
                 return None
-            alike = len(unique) == len(back) and bool((back == np.arange(len(back))).all())
-            parts.append((mine, sun if alike else sun.take(back)))
+            same = len(unique) == len(back) and bool((back == np.arange(len(back))).all())
+            parts.append((mine, sun if same else sun.take(back)))
         return parts[0][1] if len(parts) == 1 else SunLight.in_places(parts, len(count))
 
     def has_rules(self, scene_index: int) -> bool:
@@ -130,34 +133,33 @@ class NodeRows:
         """Whether one scene asks for what takes integrals over the image beside its mean."""
         return self.problem.scenes[scene_index].at_worst or self.has_rules(scene_index)
 
-    def keep_rules(self, imager: Array, light: Array, count: Array, lighting: Lighting) -> Array:
+    def keep_rules(self, imager: Array, light: Array, count: Array, under: Under) -> Array:
         """Whether designs keep in all scenes the rules that no setting can mend: even light, no lamp in the view."""
         kept = np.ones(len(imager), bool)
         for index in range(len(self.problem.scenes)):
             if self.has_rules(index):
                 self.deadline.check()
-                kept &= self.keep_rules_in(index, imager, light, count, lighting)
+                kept &= self.keep_rules_in(index, imager, light, count, under)
         return kept
 
     def keep_rules_in(
-        self, scene_index: int, imager: Array, light: Array, count: Array, lighting: Lighting
+        self, scene_index: int, imager: Array, light: Array, count: Array, under: Under
     ) -> Array:
         """The same in one scene; no lamp is none in the view, and its light is even."""
         kept = np.array([self.problem.unlit(one) for one in range(len(self.problem.parts.lights))])[light]
         lit = np.nonzero(~kept)[0]
-        kept[lit] = self.lamps_keep_rules(scene_index, imager[lit], count[lit], lighting)
+        kept[lit] = self.lamps_keep_rules(scene_index, imager[lit], count[lit], under.take(lit))
         return kept
 
-    def lamps_keep_rules(self, scene_index: int, imager: Array, count: Array, lighting: Lighting) -> Array:
+    def lamps_keep_rules(self, scene_index: int, imager: Array, count: Array, under: Under) -> Array:
         """The same of lamps that burn."""
         wanted = self.problem.scenes[scene_index].view.requirements.min_uniformity
         kept = np.empty(len(imager), bool)
-        for number in distinct(count)[0]:
-            mine = np.nonzero(count == number)[0]
+        for lighting, number, mine in under.with_number(count):
             view = self.imagers.scenes[scene_index].view.take(imager[mine])
             port = self.imagers.port[imager[mine]]
             fine = np.ones(len(mine), bool)
-            lamps: dict[str, Any] = dict(mount=lighting.mount, count=int(number))
+            lamps: dict[str, Any] = dict(mount=lighting.mount, count=number)
             if lamps_refused(self.problem, scene_index):
                 fine = keeps_clear(self.problem, scene_index, view, port=port, **lamps)
             if wanted is not None and fine.any():
@@ -169,36 +171,32 @@ class NodeRows:
         return kept
 
     def _with_likely_pixel(
-        self, scene_index: int, imager: Array, count: Array, lighting: Lighting, seen: ImageLight, *, veils: Veils
+        self, scene_index: int, imager: Array, count: Array, under: Under, seen: ImageLight, *, veils: Veils
     ) -> ImageLight:  # fmt: skip
         """With no less than the light at the pixel that decides, at all altitudes as at the farthest: for bounds."""
         del veils
         pixels = self.problem.scenes[scene_index].pixels
         assert pixels is not None
         most_e = np.empty(len(imager))
-        for number in distinct(count)[0]:
-            mine = np.nonzero(count == number)[0]
+        for lighting, number, mine in under.with_number(count):
             unique, back = distinct(imager[mine])
-            most_e[mine] = self.tables.likely_pixel(
-                scene_index, lighting, unique, count=int(number), pixels=pixels
-            )[back]
+            most_e[mine] = self.tables.likely_pixel(scene_index, lighting, unique, count=number, pixels=pixels)[back]
         worst_e = np.broadcast_to(most_e[:, None, None], (*seen.signal_e.shape, 1))
         return seen.with_pixels(ImageLight(seen.signal_e, worst_e=worst_e))
 
     def with_pixels(
-        self, scene_index: int, imager: Array, count: Array, lighting: Lighting, seen: ImageLight, *, veils: Veils
+        self, scene_index: int, imager: Array, count: Array, under: Under, seen: ImageLight, *, veils: Veils
     ) -> ImageLight:  # fmt: skip
         """With the light at the pixels that the SNR is asked of: their share of each lamp depends on the number."""
         narrowed = None if self.bounds.is_sunlit(scene_index) else self.narrowed  # sun and lamps decide together
-        first, back = rows_alike(imager if narrowed is None else self.tables.images[1][imager], count)
+        first, back = rows_alike(imager if narrowed is None else self.tables.images[1][imager], count, under.index)
         parts = []
-        for number in distinct(count)[0]:
-            mine = np.nonzero(count[first] == number)[0]
+        for lighting, number, mine in under.take(first).with_number(count[first]):
             at = self.tables.exact(
                 scene_index,
                 lighting,
                 imager[first[mine]],
-                count=int(number),
+                count=number,
                 pixels=self.problem.scenes[scene_index].pixels,
                 means=False,
                 veils=veils,

@@ -5,7 +5,7 @@ Veils, pixels and other integrals over the image are worked out for those that m
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.deadline import Deadline, UntilFound
-from uwopt.forward.columns import rows_alike
+from uwopt.forward.columns import distinct, rows_alike
 from uwopt.forward.lamp_light import ImageLight, Veils
 from uwopt.forward.problem import Problem
 from uwopt.forward.setting_rows import SceneRows
@@ -24,8 +24,8 @@ from uwopt.solvers.exact.candidates import Candidates
 from uwopt.solvers.exact.design_rows import NodeRows
 from uwopt.solvers.exact.imagers import Imagers, imagers_in
 from uwopt.solvers.exact.light_tables import FieldTables
-from uwopt.solvers.exact.lightings import Lighting
-from uwopt.solvers.exact.node_bounds import LampChoices, by_rule, first_missed
+from uwopt.solvers.exact.lightings import Under
+from uwopt.solvers.exact.node_bounds import by_rule, first_missed
 from uwopt.solvers.exact.node_designs import NodeDesigns, Waiting
 from uwopt.solvers.exact.ranking import Ranking
 from uwopt.solvers.settings.best import best_settings
@@ -121,29 +121,29 @@ class Evaluation:
     # ------------------------------------------------------------ nodes
 
     def evaluate_nodes(self, lighting_index: Array, imager: Array) -> None:
-        """Exact signal of these nodes, then all their lights and counts; the lighting of the first node first."""
-        keys, first = np.unique(lighting_index, return_index=True)
-        for k in keys[np.argsort(first)]:
-            rows = imager[lighting_index == k]
-            lighting, table = self.tables.lightings[k], self.bounds.light_tables[k]
-            if self.refusals.are_most:
-                kept = self._may_keep_rules(rows, lighting, table)
-                self.refusals.count(kept)
-                self.account.evaluated += int((~kept).sum()) * len(table.light)
-                rows = rows[kept]
-                if len(rows) == 0:
-                    continue
-            lights = self.tables.in_scenes(lighting, rows, veils="none", deadline=self.deadline)
-            step = max(1, MOST_ROWS_AT_ONCE // max(1, len(table.light)))
-            for start in range(0, len(rows), step):
-                part = np.arange(start, min(start + step, len(rows)))
-                self._evaluate_pairs(rows[part], [light.take(part) for light in lights], lighting, table)
+        """Exact signal of these nodes, then all their lights and counts; those without lamps apart."""
+        under = Under(self.tables.lightings, lighting_index)
+        if self.refusals.are_most:
+            kept = self._may_keep_rules(imager, under)
+            self.refusals.count(kept)
+            self.account.evaluated += sum(len(self.bounds.light_tables[k].light) for k in lighting_index[~kept])
+            imager, under = imager[kept], under.take(kept)
+        for some in self.together(under):
+            lights = self.tables.in_scenes(under.take(some), imager[some], veils="none", deadline=self.deadline)
+            self._evaluate_pairs(imager[some], lights, under.take(some))
 
-    def _evaluate_pairs(
-        self, imager: Array, lights: list[ImageLight], lighting: Lighting, table: LampChoices
-    ) -> None:
-        """Every (imager, light, count): drop what misses a limit or cannot win, solve the rest."""
-        imagers, pairs = self.imagers, NodeDesigns.every(self.imagers, imager, table)
+    def together(self, under: Under) -> Iterator[Array]:
+        """Nodes whose designs are looked at together: not too many, and those without lamps apart."""
+        tables = self.bounds.light_tables
+        sizes = np.array([len(table.light) for table in tables], int)[under.index]
+        unlit = np.array([self.problem.are_unlit(table.light) for table in tables], bool)[under.index]
+        for alike in (np.flatnonzero(~unlit), np.flatnonzero(unlit)):
+            part = np.cumsum(sizes[alike]) // MOST_ROWS_AT_ONCE
+            yield from (alike[part == value] for value in distinct(part)[0])
+
+    def _evaluate_pairs(self, imager: Array, lights: list[ImageLight], under: Under) -> None:
+        """Every (node, light, count): drop what misses a limit or cannot win, solve the rest."""
+        imagers, pairs = self.imagers, NodeDesigns.every(self.imagers, imager, under, self.bounds.light_tables)
         row = pairs.row
         floor = self.objective.cost_to_minimise(
             Terms(
@@ -158,9 +158,9 @@ class Evaluation:
         keep = np.nonzero(rule < 0)[0]
         self.account.evaluated += len(keep)
         if len(keep):
-            self._solve_pairs(pairs.take(keep), lights, lighting)
+            self._solve_pairs(pairs.take(keep), lights)
 
-    def _solve_pairs(self, pairs: NodeDesigns, lights: list[ImageLight], lighting: Lighting) -> None:
+    def _solve_pairs(self, pairs: NodeDesigns, lights: list[ImageLight]) -> None:
         """Settings of these designs, and their place among the best.
 
         Where there are veils, pixels or other integrals over the image, designs are bounded first as if there were
@@ -169,19 +169,19 @@ class Evaluation:
         """
         veiled = self.problem.effects.veils
         if not veiled and not any(self.design_rows.asks_of_image(index) for index in range(len(lights))):
-            self._rank(pairs, [light.take(pairs.node) for light in lights], lighting)
+            self._rank(pairs, [light.take(pairs.node) for light in lights])
             return
         sunlit = any(self.bounds.is_sunlit(index) for index in range(len(lights)))
         if sunlit or self.refusals.are_most:  # bounds of settings cost more than rules
-            pairs = self._keeping_rules(pairs, lighting)
+            pairs = self._keeping_rules(pairs)
             if len(pairs) == 0:
                 return
         found, bound = 0, np.full(len(pairs.node), -np.inf)
         stages = self._stages()
         for stage in stages:
             if stage in ("forward", "coarse"):
-                lights = self._with_veils(pairs.imager, lights, lighting, stage)
-            bound = np.maximum(bound, self._bound(pairs, lights, lighting, stage, closed_alone=stage != stages[-1]))
+                lights = self._with_veils(pairs, lights, stage)
+            bound = np.maximum(bound, self._bound(pairs, lights, stage, closed_alone=stage != stages[-1]))
             found = found or int(np.isfinite(bound).sum())
             kept = np.nonzero(np.isfinite(bound) & ~self._beaten(pairs, bound))[0]
             if len(kept) == 0:
@@ -191,27 +191,26 @@ class Evaluation:
         self.account.evaluated -= found
         self.account.charge("bound", found)
         if len(kept):
-            self._waiting.append(Waiting.of(pairs, bound, lights, lighting))
+            self._waiting.append(Waiting.of(pairs, bound, lights))
             if not self._patient:  # else other nodes may hold better bounds
                 self._solve_waiting()
 
-    def _may_keep_rules(self, imager: Array, lighting: Lighting, table: LampChoices) -> Array:
-        """Whether some number of the lamps keeps the rules which no setting can mend, by imager."""
-        light, count = table.light, table.count
-        unlit = [self.problem.unlit(int(one)) for one in light]
-        kept = np.full(len(imager), any(unlit))
-        if kept.all() or len(light) == 0:
-            return kept
-        _, first = np.unique(count, return_index=True)
-        for item in first:
-            mine = np.nonzero(~kept)[0]
-            lamps = np.full(len(mine), light[item]), np.full(len(mine), count[item])
-            kept[mine] = self.design_rows.keep_rules(imager[mine], *lamps, lighting)
+    def _may_keep_rules(self, imager: Array, under: Under) -> Array:
+        """Whether some number of the lamps keeps the rules which no setting can mend, by node."""
+        kept = np.zeros(len(imager), bool)
+        tables = dict(zip(self.tables.lightings, self.bounds.light_tables, strict=True))
+        for lighting, rows in under.each():
+            table = tables[lighting]
+            kept[rows] = any(self.problem.unlit(int(one)) for one in table.light)
+            for item in np.unique(table.count, return_index=True)[1]:
+                mine = rows[~kept[rows]]
+                lamps = np.full(len(mine), table.light[item]), np.full(len(mine), table.count[item])
+                kept[mine] = self.design_rows.keep_rules(imager[mine], *lamps, Under.one(lighting, len(mine)))
         return kept
 
-    def _keeping_rules(self, pairs: NodeDesigns, lighting: Lighting) -> NodeDesigns:
+    def _keeping_rules(self, pairs: NodeDesigns) -> NodeDesigns:
         """Those designs that keep the rules which no setting can mend."""
-        kept = self.design_rows.keep_rules(pairs.row, pairs.light, pairs.count, lighting)
+        kept = self.design_rows.keep_rules(pairs.row, pairs.light, pairs.count, pairs.lit)
         self.refusals.count(kept)
         return pairs.take(np.nonzero(kept)[0])
 
@@ -231,26 +230,24 @@ class Evaluation:
         return ("none", "forward", "coarse", "likely") if veiled else ("none", "forward", "coarse")
 
     def _bound(
-        self, pairs: NodeDesigns, lights: list[ImageLight], lighting: Lighting, stage: Veils, *, closed_alone: bool
+        self, pairs: NodeDesigns, lights: list[ImageLight], stage: Veils, *, closed_alone: bool
     ) -> Array:
         """Lower bounds on the objective from the light known so far; inf: infeasible with any veil."""
         seen = [light.take(pairs.node) for light in lights]
-        return self.solve(pairs, seen, lighting, optimistic=True, stage=stage, closed_alone=closed_alone)[0]
+        return self.solve(pairs, seen, optimistic=True, stage=stage, closed_alone=closed_alone)[0]
 
-    def _with_veils(
-        self, imager: Array, lights: list[ImageLight], lighting: Lighting, veils: Veils
-    ) -> list[ImageLight]:
+    def _with_veils(self, pairs: NodeDesigns, lights: list[ImageLight], veils: Veils) -> list[ImageLight]:
         """Further veils beside the light that is known, by scene; raises OutOfTimeError past the deadline."""
         self.deadline.check()
-        return self.tables.in_scenes(lighting, imager, known=lights, veils=veils, deadline=self.deadline)
+        return self.tables.in_scenes(pairs.under, pairs.imager, known=lights, veils=veils, deadline=self.deadline)
 
-    def _solve_fully(self, some: NodeDesigns, lights: list[ImageLight], lighting: Lighting) -> None:
+    def _solve_fully(self, some: NodeDesigns, lights: list[ImageLight]) -> None:
         """Rank those of some designs that keep the rules, with all their veils beside the light of all nodes."""
-        some = self._keeping_rules(some, lighting)
+        some = self._keeping_rules(some)
         if len(some):
             some, used = some.alone(np.arange(len(some)))
-            full = self._with_veils(some.imager, [light.take(used) for light in lights], lighting, "all")
-            self._rank(some, [light.take(some.node) for light in full], lighting)
+            full = self._with_veils(some, [light.take(used) for light in lights], "all")
+            self._rank(some, [light.take(some.node) for light in full])
 
     def _solve_waiting(self, until: float = np.inf) -> None:
         """Solve what waits with all its veils, best bound first, as far as it may win and nothing else has less."""
@@ -261,7 +258,7 @@ class Evaluation:
                 break
             self.deadline.check()
             some, group = first.taken(most, ~self._beaten(first.pairs, first.bound))
-            self._solve_fully(some, first.lights, first.lighting)
+            self._solve_fully(some, first.lights)
             self.account.evaluated += len(some)
             self.account.charge("bound", -len(some))
             rest = [other for other in self._waiting if other is not first]
@@ -280,13 +277,13 @@ class Evaluation:
         self._waiting = []
         return lowest
 
-    def _rank(self, pairs: NodeDesigns, lights: list[ImageLight], lighting: Lighting) -> None:
+    def _rank(self, pairs: NodeDesigns, lights: list[ImageLight]) -> None:
         """Solve these designs and put them in their place among the best."""
-        solved = self.solve(pairs, lights, lighting)
-        self.ranking.add(pairs.row, pairs.light, pairs.count, lighting, *solved)
+        solved = self.solve(pairs, lights)
+        self.ranking.add(pairs.row, pairs.light, pairs.count, pairs.lit, *solved)
 
     def solve(
-        self, pairs: NodeDesigns, lights: list[ImageLight], lighting: Lighting, *, optimistic: bool = False,
+        self, pairs: NodeDesigns, lights: list[ImageLight], *, optimistic: bool = False,
         stage: Veils = "none", closed_alone: bool = False,
     ) -> tuple[Array, Terms, list[Chosen], list[Array]]:  # fmt: skip
         """Objective (inf where infeasible), its terms, settings and exposures of these designs.
@@ -296,7 +293,7 @@ class Evaluation:
         """
         self.deadline.check()
         imager = pairs.row
-        rows = self.rows(imager, lights, pairs.light, pairs.count, lighting, optimistic=optimistic, stage=stage)
+        rows = self.rows(imager, lights, pairs.light, pairs.count, pairs.lit, optimistic=optimistic, stage=stage)
         question = pairs.asked(
             self.problem, self.imagers, self.objective, rows, gap_rel=ROUGH_GAP if optimistic else GAP,
             cutoff=self.ranking.threshold(), hardware=rows_alike(imager, pairs.light)[1],

@@ -28,7 +28,7 @@ from uwopt.model.imaging import levelled
 from uwopt.solvers.exact.balance import least_white_balance
 from uwopt.solvers.exact.floor_rectangles import FloorLightBound, Rectangles
 from uwopt.solvers.exact.imagers import Imagers
-from uwopt.solvers.exact.lightings import Lighting, lightings
+from uwopt.solvers.exact.lightings import Lighting, Under, lightings
 
 Array = NDArray[Any]
 SUN_SLACK = 1e-6  # of polynomials in place of the sun's light
@@ -214,15 +214,27 @@ class FieldTables:
         return ImageLight.in_places(parts, len(rows))
 
     def in_scenes(
-        self, lighting: Lighting, rows: Array, *, veils: Veils = "all", known: Sequence[ImageLight] | None = None,
+        self, under: Under, rows: Array, *, veils: Veils = "all", known: Sequence[ImageLight] | None = None,
         deadline: Deadline = NEVER,
     ) -> list[ImageLight]:  # fmt: skip
-        """`exact` in every scene, beside what is known of each."""
+        """`exact` in every scene of imagers under a lighting each, beside what is known of each."""
         given = known or [None] * len(self.problem.scenes)
         return [
-            self.exact(index, lighting, rows, veils=veils, known=one, deadline=deadline)
+            self.in_scene(index, under, rows, veils=veils, known=one, deadline=deadline)
             for index, one in enumerate(given)
         ]
+
+    def in_scene(
+        self, scene_index: int, under: Under, rows: Array, *, veils: Veils = "all", known: ImageLight | None = None,
+        deadline: Deadline = NEVER,
+    ) -> ImageLight:  # fmt: skip
+        """The same in one scene."""
+        parts = []
+        for lighting, mine in under.each():
+            before = None if known is None else known.take(mine)
+            light = self.exact(scene_index, lighting, rows[mine], veils=veils, known=before, deadline=deadline)
+            parts.append((mine, light))
+        return parts[0][1] if len(parts) == 1 else ImageLight.in_places(parts, len(rows))
 
     def likely_pixel(self, scene_index: int, lighting: Lighting, rows: Array, *, count: int, pixels: Pixels) -> Array:
         """Upper bound on the electrons per lm s of the pixel that decides, at the farthest altitude, (n,)."""

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward.columns import Columns
 from uwopt.forward.flash_times import FlashTimes
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, Cameras
 from uwopt.forward.problem import Problem
@@ -27,7 +28,7 @@ NODE_RULES = ("light", "cost", "mass_kg", "power_w", "energy_wh", "max_white_bal
 
 
 @dataclass(frozen=True)
-class LampChoices:
+class LampChoices(Columns):
     """All (light, count) of one lighting, as columns."""
 
     light: Array

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -16,7 +17,7 @@ from uwopt.mission.sections.limits import Limits
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.exact.imager_rules import limit
 from uwopt.solvers.exact.imagers import Imagers
-from uwopt.solvers.exact.lightings import Lighting
+from uwopt.solvers.exact.lightings import Under
 from uwopt.solvers.exact.node_bounds import LampChoices
 from uwopt.solvers.settings.mean_limit import MeanLimit
 from uwopt.solvers.settings.question import Best, Question
@@ -28,9 +29,10 @@ FIRST_VEILS, LARGEST_VEILS = 8, 256  # imagers whose veils are worked out togeth
 
 @dataclass(frozen=True)
 class NodeDesigns:
-    """Designs as (node, light, count): `node` points into `imager`."""
+    """Designs as (node, light, count): `node` points into the nodes, an imager under a lighting each."""
 
     imager: Array
+    under: Under
     node: Array
     light: Array
     count: Array
@@ -39,22 +41,29 @@ class NodeDesigns:
     mass_kg: Array
 
     @staticmethod
-    def of(problem: Problem, imagers: Imagers, imager: Array, node: Array, light: Array, count: Array) -> NodeDesigns:
+    def of(
+        problem: Problem, imagers: Imagers, imager: Array, under: Under, node: Array, light: Array, count: Array
+    ) -> NodeDesigns:  # fmt: skip
         """These designs, priced and weighed."""
         row = imager[node]
         return NodeDesigns(
-            imager, node, light, count, imagers.cost[row] + problem.lamps_cost(light, count),
+            imager, under, node, light, count, imagers.cost[row] + problem.lamps_cost(light, count),
             imagers.limit_cost[row] + problem.lamps_cost(light, count, "limit_price"),
             imagers.mass_kg[row] + count * problem.lights.mass_kg[light],
         )  # fmt: skip
 
     @staticmethod
-    def every(imagers: Imagers, imager: Array, lamps: LampChoices) -> NodeDesigns:
-        """Each of these imagers under each of the lamps, in every number."""
-        node, item = np.divmod(np.arange(len(imager) * len(lamps.light)), max(len(lamps.light), 1))
+    def every(imagers: Imagers, imager: Array, under: Under, tables: Sequence[LampChoices]) -> NodeDesigns:
+        """Each of these nodes with each of the lamps of its lighting, in every number; `tables`: of each lighting."""
+        used, back = distinct(under.index)
+        some = [tables[int(k)] for k in used]
+        lamps, sizes = LampChoices.joined(some), np.array([len(table.light) for table in some], int)
+        node = np.repeat(np.arange(len(imager)), sizes[back])
+        first, begin = np.cumsum(sizes) - sizes, np.cumsum(sizes[back]) - sizes[back]  # lamps of a lighting, of a node
+        item = (first[back] - begin)[node] + np.arange(len(node))
         row = imager[node]
         return NodeDesigns(
-            imager, node, lamps.light[item], lamps.count[item], imagers.cost[row] + lamps.cost[item],
+            imager, under, node, lamps.light[item], lamps.count[item], imagers.cost[row] + lamps.cost[item],
             imagers.limit_cost[row] + lamps.limit_cost[item], imagers.mass_kg[row] + lamps.mass_kg[item],
         )  # fmt: skip
 
@@ -66,15 +75,20 @@ class NodeDesigns:
         """The imager of each design."""
         return np.asarray(self.imager[self.node])
 
+    @property
+    def lit(self) -> Under:
+        """The lighting of each design."""
+        return self.under.take(self.node)
+
     def take(self, index: Array) -> NodeDesigns:
-        """These designs only; the list of imagers stays."""
-        own = {f.name: getattr(self, f.name)[index] for f in fields(self) if f.name != "imager"}
+        """These designs only; the list of nodes stays."""
+        own = {f.name: getattr(self, f.name)[index] for f in fields(self) if f.name not in ("imager", "under")}
         return replace(self, **own)
 
     def alone(self, index: Array) -> tuple[NodeDesigns, Array]:
-        """These designs only, without imagers of no design, and which of the imagers are left."""
+        """These designs only, without nodes of no design, and which of the nodes are left."""
         used, back = distinct(self.node[index])
-        return replace(self.take(index), imager=self.imager[used], node=back), used
+        return replace(self.take(index), imager=self.imager[used], under=self.under.take(used), node=back), used
 
     def kept_limits(self, limits: Limits) -> list[tuple[str, Array]]:
         """The limits that the price and the mass of designs keep, by name."""
@@ -110,23 +124,22 @@ class NodeDesigns:
 
 @dataclass(frozen=True)
 class Waiting:
-    """Designs of one lighting that are bounded and not solved, their nodes in the order of the least bound of each."""
+    """Designs that are bounded and not solved, their nodes in the order of the least bound of each."""
 
     pairs: NodeDesigns
     bound: Array
     lights: list[ImageLight]
-    lighting: Lighting
     least: Array  # bound of each node
     order: Array  # of the nodes that wait
     batch: int = FIRST_VEILS
 
     @staticmethod
-    def of(pairs: NodeDesigns, bound: Array, lights: list[ImageLight], lighting: Lighting) -> Waiting:
+    def of(pairs: NodeDesigns, bound: Array, lights: list[ImageLight]) -> Waiting:
         """All of a group: nodes by the best of their designs, of equals the cheapest first."""
         least = np.full(len(pairs.imager), np.inf)
         np.minimum.at(least, pairs.node, bound)
         nodes, first = np.unique(pairs.node[np.lexsort((pairs.cost, bound))], return_index=True)
-        return Waiting(pairs, bound, lights, lighting, least, nodes[np.argsort(first)])
+        return Waiting(pairs, bound, lights, least, nodes[np.argsort(first)])
 
     @property
     def lowest(self) -> float:

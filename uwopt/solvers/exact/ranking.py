@@ -18,7 +18,7 @@ from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.imager_rules import Behind
 from uwopt.solvers.exact.imagers import Imagers
-from uwopt.solvers.exact.lightings import Lighting
+from uwopt.solvers.exact.lightings import Lighting, Under
 from uwopt.tolerances import SLACK, TIE
 
 Array = NDArray[Any]
@@ -127,7 +127,7 @@ class Ranking:
         return (value < least - slack) | (tied & (before | level))
 
     def add(
-        self, imager: Array, light: Array, count: Array, lighting: Lighting, value: Array, terms: Terms,
+        self, imager: Array, light: Array, count: Array, under: Under, value: Array, terms: Terms,
         chosen: list[Any], exposure: list[Array],
     ) -> None:  # fmt: skip
         """Merge designs into the list of the best with other hardware."""
@@ -151,20 +151,20 @@ class Ranking:
         order = order[np.sort(first)]
         while len(order):
             i, known = int(order[0]), self.best
-            self._insert(self._found(i, imager, light, count, lighting, value, terms, chosen, exposure))
+            self._insert(self._found(i, imager, light, count, under, value, terms, chosen, exposure))
             order = order[1:]
             if self.best is not known:
                 order = order[~self.shut_out(value[order], terms.power[order], terms.cost[order], terms.mass[order])]
 
     def _found(
-        self, i: int, imager: Array, light: Array, count: Array, lighting: Lighting, value: Array, terms: Terms,
+        self, i: int, imager: Array, light: Array, count: Array, under: Under, value: Array, terms: Terms,
         chosen: list[Any], exposure: list[Array],
     ) -> Found:  # fmt: skip
         settings = [
             {**each.of_row(i), "exposure_s": float(open_s[i])} for each, open_s in zip(chosen, exposure, strict=True)
         ]
         return Found.of(
-            self.imagers, int(imager[i]), settings, light=int(light[i]), count=int(count[i]), lighting=lighting,
+            self.imagers, int(imager[i]), settings, light=int(light[i]), count=int(count[i]), lighting=under.of(i),
             minimised=float(value[i]), power_w=float(terms.power[i]), cost=float(terms.cost[i]),
             mass_kg=float(terms.mass[i]), snr_db=float(terms.snr_db[i]),
         )  # fmt: skip

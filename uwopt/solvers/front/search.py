@@ -27,6 +27,7 @@ from uwopt.solvers.exact.account import RULES, Account
 from uwopt.solvers.exact.candidates import Candidates
 from uwopt.solvers.exact.imagers import FittingPairs, Imagers, fitting_pairs
 from uwopt.solvers.exact.large import PairTree
+from uwopt.solvers.exact.lightings import Under
 from uwopt.solvers.exact.node_bounds import by_rule, first_missed
 from uwopt.solvers.exact.node_designs import NodeDesigns
 from uwopt.solvers.exact.search import Search, are_too_many
@@ -204,7 +205,8 @@ class FrontSearch:
         """Evaluate these nodes; cut short, they count as not reached, and points stay."""
         before, done = self.account.snapshot(), False
         try:
-            parts = [self._bounded_again(int(k), imager[lighting == k]) for k in np.unique(lighting)]
+            under = Under(self.search.tables.lightings, lighting)
+            parts = [self._bounded_again(under.take(some), imager[some]) for some in self.search.together(under)]
             some = [part for part in parts if part is not None and len(part)]
             done = not some or self._solve(Hopeful.joined(some))
         except OutOfTimeError:
@@ -219,38 +221,36 @@ class FrontSearch:
 
     # ------------------------------------------------------------ one wave
 
-    def _bounded_again(self, k: int, imager: Array) -> Hopeful | None:
-        """Lights and numbers of these imagers under one lighting that no point beats, however they are set.
+    def _bounded_again(self, under: Under, imager: Array) -> Hopeful | None:
+        """Lights and numbers of these imagers, each under its lighting, that no point beats, however they are set.
 
         Each stage works out more of the light, and discards what the points beat at all limits of power.
         """
         search = self.search
-        lighting, every = search.tables.lightings[k], NodeDesigns.every(
-            search.imagers, imager, search.bounds.light_tables[k]
-        )
+        every = NodeDesigns.every(search.imagers, imager, under, search.bounds.light_tables)
         rule = first_missed(every.kept_limits(search.limits))
         for name, lost in by_rule(rule):
             self.account.charge(name, len(lost))
         pairs, lights = every.take(np.flatnonzero(rule < 0)), None
         stages: tuple[Veils, ...] = ("none", "forward", "coarse") if self.problem.effects.veils else ()
         for stage in stages:
-            lights = search.tables.in_scenes(lighting, pairs.imager, known=lights, veils=stage, deadline=self.deadline)
-            some = self._worth_solving(k, pairs, lights, optimistic=True)
+            lights = search.tables.in_scenes(
+                pairs.under, pairs.imager, known=lights, veils=stage, deadline=self.deadline
+            )  # fmt: skip
+            some = self._worth_solving(pairs, lights, optimistic=True)
             kept = self._unbeaten(some, closely=stage != stages[-1])
             if len(kept) == 0:
                 return None
             pairs, used = pairs.alone(kept)
             lights = [light.take(used) for light in lights]
-        lights = search.tables.in_scenes(lighting, pairs.imager, known=lights, deadline=self.deadline)
-        return self._worth_solving(k, pairs, lights, optimistic=False)
+        lights = search.tables.in_scenes(pairs.under, pairs.imager, known=lights, deadline=self.deadline)
+        return self._worth_solving(pairs, lights, optimistic=False)
 
-    def _worth_solving(
-        self, k: int, pairs: NodeDesigns, lights: list[ImageLight], *, optimistic: bool
-    ) -> Hopeful:
+    def _worth_solving(self, pairs: NodeDesigns, lights: list[ImageLight], *, optimistic: bool) -> Hopeful:
         """Designs as rows of settings."""
         search, imagers, imager = self.search, self.search.imagers, pairs.row
         rows = search.rows(
-            imager, [one.take(pairs.node) for one in lights], pairs.light, pairs.count, search.tables.lightings[k],
+            imager, [one.take(pairs.node) for one in lights], pairs.light, pairs.count, pairs.lit,
             optimistic=optimistic,
         )  # fmt: skip
         contrast: Array | float = 0.0
@@ -261,7 +261,7 @@ class FrontSearch:
             Terms(nothing, pairs.cost, pairs.mass_kg, nothing, imagers.gsd_mm[imager], contrast, nothing)
         )
         return Hopeful(
-            np.full(len(imager), k), imager, pairs.light, pairs.count, rows, search.motorised[imager],
+            pairs.lit.index, imager, pairs.light, pairs.count, rows, search.motorised[imager],
             imagers.camera_power_w[imager], fixed, search.problem.scene_power_limit_w, MeanLimit.of(search.problem),
         )  # fmt: skip
 

@@ -6,7 +6,7 @@ focal length on all cameras with the same sensor behind a port. What is known is
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Generic, TypeVar
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from uwopt.forward.columns import Columns
 from uwopt.forward.lamp_light import ImageLight, SunLight
 from uwopt.forward.sharpness import SharpRows
-from uwopt.solvers.exact.lightings import Lighting
+from uwopt.solvers.exact.lightings import Under
 from uwopt.solvers.exact.search import Search
 
 Array = NDArray[Any]
@@ -91,34 +91,26 @@ class LightStore:
 
     # ------------------------------------------------------------ making
 
-    def _split(self, keys: Array) -> Iterator[tuple[Lighting, Array, Array]]:
-        """Keys of (lighting, image) as groups of one lighting: the keys' places, imagers."""
+    def _places(self, keys: Array) -> tuple[Array, Under]:
+        """Imagers and their lightings by keys of (lighting, image)."""
         lighting, image = np.divmod(keys, len(self.images))
-        for k in np.unique(lighting):
-            mine = np.nonzero(lighting == k)[0]
-            yield self.search.tables.lightings[k], mine, self.images[image[mine]]
+        return self.images[image], Under(self.search.tables.lightings, lighting)
 
     def _signals(self, scene_index: int, keys: Array) -> ImageLight:
         """Image means under each lighting without veils."""
-        parts = [
-            (mine, self.search.tables.exact(scene_index, lighting, imager, veils="none"))
-            for lighting, mine, imager in self._split(keys)
-        ]
-        return ImageLight.in_places(parts, len(keys))
+        imager, under = self._places(keys)
+        return self.search.tables.in_scene(scene_index, under, imager, veils="none")
 
     def _lights(self, scene_index: int, keys: Array) -> SeenLight:
         """All light under each lighting, by number of lamps where that matters."""
         pairs, count = np.divmod(keys, self.n_counts)
-        rows, signal, parts = self.search.design_rows, self.signals[scene_index].rows(pairs), []
-        for lighting, mine, imager in self._split(pairs):
-            known = None if self.problem.paper else signal.take(mine)
-            where = scene_index, imager, count[mine], lighting
-            light = self.search.tables.exact(scene_index, lighting, imager, known=known)
-            if self.problem.scenes[scene_index].at_worst:
-                light = rows.with_pixels(*where, light, veils="all")
-            even = rows.lamps_keep_rules(*where) if rows.has_rules(scene_index) else None
-            parts.append((mine, SeenLight(light, rows.sun(*where), even)))
-        return SeenLight.in_places(parts, len(keys))
+        rows, (imager, under) = self.search.design_rows, self._places(pairs)
+        known, where = self.signals[scene_index].rows(pairs), (scene_index, imager, count, under)
+        light = self.search.tables.in_scene(scene_index, under, imager, known=None if self.problem.paper else known)
+        if self.problem.scenes[scene_index].at_worst:
+            light = rows.with_pixels(*where, light, veils="all")
+        even = rows.lamps_keep_rules(*where) if rows.has_rules(scene_index) else None
+        return SeenLight(light, rows.sun(*where), even)
 
     def _sharps(self, scene_index: int, keys: Array) -> SharpRows:
         """What MTF and information depend on, by light optics."""

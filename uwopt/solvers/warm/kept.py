@@ -19,10 +19,8 @@ from uwopt.catalog.choose import Selection
 from uwopt.deadline import Deadline
 from uwopt.forward.problem import Problem
 from uwopt.forward.views import table_reach_m
-from uwopt.solvers.exact.evaluation import MOST_ROWS_AT_ONCE
 from uwopt.solvers.exact.imagers import Imagers, PortBlock
-from uwopt.solvers.exact.lightings import Lighting
-from uwopt.solvers.exact.node_bounds import LampChoices
+from uwopt.solvers.exact.lightings import Under
 from uwopt.solvers.exact.node_designs import NodeDesigns
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.warm.tables import imagers_of
@@ -128,23 +126,22 @@ def least_of_nodes(search: Search, deadline: Deadline) -> Array:
 def least_of_designs(search: Search, deadline: Deadline) -> Array:
     """The same, dearer and tighter: every design in the light that it has, as if there were no veil."""
     least = least_of_nodes(search, deadline)
-    for k, (lighting, table) in enumerate(zip(search.tables.lightings, search.bounds.light_tables, strict=True)):
-        some = np.flatnonzero(np.isfinite(least[k]))
-        step = max(1, MOST_ROWS_AT_ONCE // max(1, len(table.light)))
-        for start in range(0, len(some), step):
-            deadline.check()
-            part = some[start : start + step]
-            least[k, part] = np.maximum(least[k, part], least_under(search, part, lighting, table))
+    lighting, imager = np.nonzero(np.isfinite(least))
+    for some in search.together(Under(search.tables.lightings, lighting)):
+        deadline.check()
+        at = lighting[some], imager[some]
+        least[at] = np.maximum(least[at], least_under(search, *at))
     return least
 
 
-def least_under(search: Search, imager: Array, lighting: Lighting, table: LampChoices) -> Array:
-    """The least that a design of each imager can have under one lighting without a veil, (n,)."""
-    designs, least = NodeDesigns.every(search.imagers, imager, table), np.full(len(imager), np.inf)
+def least_under(search: Search, lighting: Array, imager: Array) -> Array:
+    """The least that a design of each imager can have under the lighting of each without a veil, (n,)."""
+    under, least = Under(search.tables.lightings, lighting), np.full(len(imager), np.inf)
+    designs = NodeDesigns.every(search.imagers, imager, under, search.bounds.light_tables)
     designs = designs.take(np.flatnonzero(designs.within(search.limits)))
     if len(designs):
-        lights = [light.take(designs.node) for light in search.tables.in_scenes(lighting, imager, veils="none")]
-        np.minimum.at(least, designs.node, search.solve(designs, lights, lighting, optimistic=True, stage="none")[0])
+        lights = [light.take(designs.node) for light in search.tables.in_scenes(under, imager, veils="none")]
+        np.minimum.at(least, designs.node, search.solve(designs, lights, optimistic=True, stage="none")[0])
     return least
 
 
