@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from uwopt.objectives.axes import Axes
 from uwopt.objectives.objective import Objective
+from uwopt.solvers.exact.lightings import Under
 from uwopt.solvers.front import trade_curves
 from uwopt.solvers.front.curves import Curves
 from uwopt.solvers.front.hopeful import Hopeful
@@ -29,10 +30,10 @@ def designs_of(key: str, quality: str) -> tuple[FrontSearch, list[Hopeful]]:
     """Designs of a planted case with their light known, one a list."""
     search = FrontSearch(fc.PLANTED[key].problem(), Axes.of(("power", quality)))
     imagers = search.search.prepare()
-    parts = [
-        search._bounded_again(k, np.arange(len(imagers))) for k in range(len(search.search.tables.lightings))
-    ]
-    return search, [part.take(np.array([d])) for part in parts if part is not None for d in range(len(part))]
+    lightings = search.search.tables.lightings
+    lighting, imager = (part.ravel() for part in np.indices((len(lightings), len(imagers))))
+    found = search._bounded_again(Under(lightings, lighting), imager)
+    return search, [] if found is None else [found.take(np.array([d])) for d in range(len(found))]
 
 
 def curves_of(search: FrontSearch, some: Hopeful) -> Curves:
