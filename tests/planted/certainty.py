@@ -595,8 +595,8 @@ DEFECTS = (
     Defect(
         name="the pixel that decides under two lamps decides under three",
         file="uwopt/solvers/exact/design_rows.py",
-        old="rows_alike(imager if narrowed is None else self.tables.images[1][imager], count)",
-        new="rows_alike(imager, count) if narrowed is None else rows_alike(self.tables.images[1][imager])",
+        old="rows_alike(imager if narrowed is None else self.tables.images[1][imager], count, under.index)",
+        new="rows_alike(*((imager, count) if narrowed is None else (self.tables.images[1][imager],)), under.index)",
         test="tests/solvers/test_confidence_deciding.py::test_numbers_of_one_lamp_count_together_as_alone",
     ),
     Defect(

@@ -214,6 +214,20 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{CERTIFICATE}test_the_search_holds_its_account_against_all_combinations[6-discarded1-False]",
     ),
     Defect(
+        name="lamps of the first lighting stand for those of all",
+        file="uwopt/solvers/exact/node_designs.py",
+        old="item = (first[back] - begin)[node]",
+        new="item = (0 * first[back] - begin)[node]",
+        test="tests/solvers/test_exact.py::test_search_equals_enumeration",
+    ),
+    Defect(
+        name="the light of one lighting is that of the next",
+        file="uwopt/solvers/exact/light_tables.py",
+        old="parts.append((mine, light))\n        return parts[0][1] if len(parts) == 1 else ImageLight",
+        new="parts.append((mine[::-1], light))\n        return parts[0][1] if len(parts) == 1 else ImageLight",
+        test="tests/solvers/test_exact.py::test_search_equals_enumeration",
+    ),
+    Defect(
         name="what is over budget also counts as evaluated",
         file="uwopt/solvers/exact/evaluation.py",
         old="self.account.evaluated += len(keep)",

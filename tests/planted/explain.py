@@ -302,8 +302,8 @@ DEFECTS = (
     Defect(
         name="evenness is asked of the fewest lamps alone before there is light",
         file="uwopt/solvers/exact/evaluation.py",
-        old="        for item in first:",
-        new="        for item in first[:1]:",
+        old="for item in np.unique(table.count, return_index=True)[1]:",
+        new="for item in np.unique(table.count, return_index=True)[1][:1]:",
         test="tests/solvers/test_exact.py::test_evenness_asked_before_light_loses_nothing",
     ),
     Defect(
