@@ -126,6 +126,17 @@ def undoubted(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(solving, "doubted", lambda made, *given: made)
 
 
+@pytest.fixture(scope="session", autouse=True)
+def fewer_to_come() -> Iterator[None]:
+    """Let what was chosen hold in a few further scenarios; a user is told of four times as many."""
+    from uwopt.solvers.confidence import search
+
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("FRESH", "TIES"):
+            patch.setattr(search, name, drawn(256, getattr(search, name)))
+        yield
+
+
 @pytest.fixture(scope="module")
 def unhurried() -> Iterator[None]:
     """Let the clock stop no search: the exact front takes its time, population solvers breed a few generations.

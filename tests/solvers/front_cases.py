@@ -71,6 +71,7 @@ PLANTED = {
     "dark at a level": rc.planted(
         "power", (FREE, PULSED_FREE, FLASHING), {**WANTED, "mean_level": 0.3}, camera=DARK
     ),
+    "dark flashes at a level": rc.planted("power", (FREE, FLASHING), {**WANTED, "mean_level": 0.3}, camera=DARK),
     "level": rc.planted("power", (FREE, PULSED_FREE, ON), {"mean_level": 0.3, "max_blur_px": 2.0}),
     "altitudes": rc.planted("power", (FREE, STEPS), {**WANTED, "mean_level": 0.3}, altitude_tolerance_m=0.4),
     "sharp": rc.planted("power", (FREE, PULSED_FREE, ON), {**WANTED, "min_mtf_half_nyquist": 0.25}),

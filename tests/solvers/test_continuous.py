@@ -124,8 +124,9 @@ def test_a_flash_that_fades_agrees_with_the_search(method: str) -> None:
 SMOOTH = [name for name in TABLE if "step" not in name and name != "flash far too bright"]
 
 
-@pytest.mark.parametrize("method", ["casadi", "slsqp"])
-@pytest.mark.parametrize("objective", [SNR, SUM], ids=["snr_db", "sum"])
+@pytest.mark.parametrize(("objective", "method"), drawn(
+    [(SNR, "casadi"), (SUM, "slsqp")], [(goal, method) for goal in (SNR, SUM) for method in ("casadi", "slsqp")]
+), ids=str)  # fmt: skip
 @pytest.mark.parametrize("name", SMOOTH)
 def test_snr_and_sums_agree_with_the_closed_form(name: str, objective: Objective, method: str) -> None:
     found = solved(TABLE[name], objective, method=method)

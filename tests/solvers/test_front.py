@@ -35,7 +35,7 @@ CLOSED = (
     ("power", "mass", "gsd_mm"), ("cost", "gsd_mm", "snr_db"), ("power", "contrast", "cost"),
 )  # fmt: skip
 SUNNY = ("sun", "steps in the sun", "sun at a level", "bars in the sun")
-DEAR = ("dark", "sun", "sun at a level")  # what takes longest: "dark at a level" and other sunny ones stay
+DEAR = ("dark", "dark at a level", "sun", "sun at a level")  # what takes longest: others of their kind stay
 SHADED = tuple(name for name in fc.PLANTED if name not in SUNNY)
 INFORMATION = ("steps", "flash", "counts and mounts", "still")
 CASES = [
