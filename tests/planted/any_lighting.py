@@ -48,8 +48,8 @@ DEFECTS = (
     Defect(
         name="a limit of power is said not to help where it discarded designs",
         file=SETTLED,
-        old="    if are_idle(*BUDGETS):\n",
-        new="    if True:\n",
+        old="if are_idle(*BUDGETS[place:]))",
+        new="if True)",
         test=f"{ONLY}[0-discarded1-settled1-open_yet1]",
     ),
     Defect(

@@ -91,6 +91,8 @@ def test_a_search_of_another_mission_settles_nothing():
 @pytest.mark.parametrize(("evaluated", "discarded", "settled", "open_yet"), [
     (0, {"light": 5, "max_gsd_mm": 3}, {"power_w", "battery_wh", "min_swath_m", "max_airy_px"}, {"max_gsd_mm"}),
     (0, {"light": 5, "power_w": 1}, {"max_airy_px", "max_white_balance"}, {"power_w", "cost", "battery_wh"}),
+    (0, {"light": 5, "cost": 1}, {"power_w", "mass_kg", "lamps_between_images"}, {"cost"}),
+    (0, {"light": 5, "energy_wh": 1}, {"max_airy_px"}, {"cost", "power_w", "energy_wh", "battery_wh"}),
     (0, {"light": 5, "max_white_balance": 1}, {"max_airy_px", "cost"}, {"max_white_balance"}),
     (1, {"light": 5}, set(), {"max_airy_px", "power_w"}),
     (0, {"light": 5, "bound": 1}, set(), {"max_airy_px", "power_w"}),

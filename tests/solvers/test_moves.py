@@ -13,6 +13,7 @@ from test_least_change import mission, written
 
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError
+from uwopt.errors import MissionError
 from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
@@ -73,6 +74,25 @@ def test_the_nearest_clearer_water_is_told(parts):
     place = order.index(told.needed)
     tried = [wanted.with_changes(scenes=[scene | {"water": water}]) for water in order[place : place + 2]]
     assert [fits(one, catalog) for one in tried] == [True, False]
+
+
+@pytest.mark.parametrize(("asked", "clearest", "beyond"), [
+    ({"c_per_m": 0.3}, 0.055, 0.054), ({"visibility_m": 12.0}, 80.0, 81.0),
+    ({"secchi_m": 11.0}, 80.0, 81.0), ({"turbidity_ntu": 0.1}, 0.02, 0.019),
+])  # fmt: skip
+def test_water_is_tried_as_clear_as_a_mission_can_say(parts, asked, clearest, beyond):
+    """40 and 8 times as clear as these none is, so that it was told not to help without a trial."""
+    murky = mission(parts)
+    scene = murky.to_dict()["scenes"][0] | {"water": None}
+    wanted = murky.with_changes(scenes=[scene | asked])
+    (name,) = asked
+    (one,) = (one for one in tries_of(wanted) if one.key.name == name)
+    assert one.values == (clearest,)
+    assert Mover(Trials(wanted, None, POWER, "never"))._at(one.key, clearest).scenes[0].clarity == (name, clearest)
+    with pytest.raises(MissionError):
+        wanted.with_changes(scenes=[scene | {name: beyond}])
+    clear = wanted.with_changes(scenes=[scene | {name: clearest}])
+    assert name not in {one.key.name for one in tries_of(clear)}
 
 
 def test_a_type_of_water_that_takes_too_long_is_asked_once_and_clearer_ones_instead():

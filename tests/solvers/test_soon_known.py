@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -23,7 +24,7 @@ from uwopt.solvers.infeasible.joint_changes import first_of_all, least_set
 from uwopt.solvers.infeasible.least_change import same_hardware
 from uwopt.solvers.infeasible.relaxer import Relaxer
 from uwopt.solvers.infeasible.singles import Singles
-from uwopt.solvers.infeasible.suspects import suspects_of
+from uwopt.solvers.infeasible.suspects import of_lamps, suspects_of
 from uwopt.solvers.infeasible.trials import BRIGHT, Trials
 from uwopt.solvers.infeasible.why_nothing import why_nothing
 from uwopt.solvers.recommend import Sought, seek
@@ -175,3 +176,23 @@ def test_requirements_that_nothing_meets_by_themselves_are_told_to_have_to_give(
 def test_likeliest_in_the_way_is_what_the_last_designs_fall_by(lost, evaluated, suspects):
     account = Account(100, evaluated, dict(lost))
     assert suspects_of(account, ["min_snr", "max_gsd_mm", "min_swath_m", "cost"]) == suspects
+
+
+@pytest.mark.parametrize(("tally", "suspects"), [
+    ({"max_gsd_mm": 3, "cost": 6}, ["min_snr"]),  # by themselves 6 of 10 imagers are too dear: no lamp makes them so
+    ({"max_gsd_mm": 3, "cost": 4}, ["cost", "min_snr"]),  # with lamps more are
+    ({}, ["cost", "min_snr"]),  # of a large catalogue no imagers are listed
+])  # fmt: skip
+def test_what_imagers_lose_by_themselves_is_not_their_last_fall(tally, suspects):
+    account = Account(100, 0, {"max_gsd_mm": 30, "cost": 60, "light": 10})
+    imagers = [None] * (10 - sum(tally.values()))
+    made = of_lamps(SimpleNamespace(account=account, imagers=ListOf(imagers, SimpleNamespace(discarded=tally))))
+    assert suspects_of(made, ["min_snr", "max_gsd_mm", "cost"]) == suspects
+
+
+class ListOf(list):
+    """Imagers with the tally of those that are not among them."""
+
+    def __init__(self, given: list, tally: Any):
+        super().__init__(given)
+        self.tally = tally

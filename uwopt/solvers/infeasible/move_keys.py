@@ -17,7 +17,8 @@ from uwopt.solvers.infeasible.least_change import rounded_away
 FARTHEST_SPEED = 0.1  # of the speed that is asked
 ALTITUDES = (0.4, 0.65, 1.5, 0.15)  # of the altitude that is asked; what is near and fits at all fits soonest
 STEADIEST = 0.25  # of the tolerance that is asked
-FARTHEST_CLARITY = (40.0, 8.0)  # times as clear: the first that is no more than water can be
+FARTHEST_CLARITY = (40.0, 8.0)  # times as clear, but no clearer than a mission can say
+CLEAREST = {"c_per_m": 0.055, "visibility_m": 80.0, "secchi_m": 80.0, "turbidity_ntu": 0.02}
 FARTHEST_TIME = 10.0  # times as long between images
 FARTHEST_ENERGY = (10.0, 100.0)  # times as short a mission, or as much in its battery
 BATTERY, HOURS = "battery_wh", "duration_h"
@@ -103,9 +104,10 @@ def _waters(mission: Mission) -> Iterator[Try]:
     reading, water = waters.pop()
     if reading is not None:
         name, value = reading
-        clearer = name in ("visibility_m", "secchi_m")
-        far = tuple(value * times if clearer else value / times for times in FARTHEST_CLARITY)
-        yield _try("scene", name, value, tuple(rounded_away(one, value) for one in far))
+        most = CLEAREST[name]
+        far = [min(value * times, most) if most > value else max(value / times, most) for times in FARTHEST_CLARITY]
+        if most != value:
+            yield _try("scene", name, value, tuple(dict.fromkeys(rounded_away(one, value) for one in far)))
     elif water in CLEAREST_FIRST and water != CLEAREST_FIRST[0]:
         yield _try("scene", "water", water, (CLEAREST_FIRST[0],))
 

@@ -23,7 +23,8 @@ from uwopt.solvers.recommend import Sought
 from uwopt.units import split_unit
 
 SHARE = 0.6  # of the time, for trying all keys far from where they stand
-FEW_SHARE, FEW_TURN = 0.3, 0.4  # of the time left, for all among a few imagers, and of that for each
+FEW_SHARE, FEW_TURN = 0.7, 0.4  # of the time left, for all among a few imagers, and of that for each
+FEW_S = 2.5  # at least for each of these: they take that
 LEAST_S = 0.5  # in less than that no search of all imagers finds anything, and the time is lost to what else helps
 TURN = 0.7  # of the time left: what one key may take of it
 
@@ -143,6 +144,7 @@ class Mover:
     trials: Trials
     far: list[Far] = field(default_factory=list)
     useless: dict[str, tuple[str, ...]] = field(default_factory=dict)  # known not to help: `freed_rules.in_the_way`
+    drawn: dict[str, Move] = field(default_factory=dict)
     base: VariedMission = field(init=False)
 
     def __post_init__(self) -> None:
@@ -156,13 +158,13 @@ class Mover:
         return self.trials.mission
 
     def try_few(self) -> None:
-        """Move each key far and look among a few imagers, as `Singles.try_few`."""
+        """Move each key far and look among a few imagers, as `Singles.try_few`: first those of few values to try."""
         phase = self.trials.deadline.at_most(FEW_SHARE * self.trials.deadline.left_s)
-        for one in self.left:
+        for one in sorted(self.left, key=lambda one: len(one.values)):
             for value in one.values:
-                if phase.passed() or self.trials.interrupted:
+                if phase.left_s < LEAST_S or self.trials.interrupted:
                     return
-                found = self._among_few(one.key, value, phase.at_most(FEW_TURN * phase.left_s))
+                found = self._among_few(one.key, value, phase.at_most(max(FEW_TURN * phase.left_s, FEW_S)))
                 if found is not None and found.outcome.best:
                     self.far.append(Far(one, value, found))
                     break
@@ -222,8 +224,10 @@ class Mover:
         self.trials.deadline.left_out.extend(f"whether another {one.key.name} would do" for one in self.left)
 
     def changes(self) -> list[Move]:
-        """Keys that help, to be drawn in."""
-        return [Move(one, self._drawn(one)) for one in self.far]
+        """Keys that help, as far as they are drawn in."""
+        for one in self.far:
+            self.drawn.setdefault(one.tried.key.name, Move(one, self._drawn(one)))
+        return [self.drawn[one.tried.key.name] for one in self.far]
 
     @cached_property
     def tries(self) -> tuple[Try, ...]:

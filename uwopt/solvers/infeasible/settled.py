@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from uwopt.solvers.exact.account import Account
 from uwopt.solvers.infeasible.freed_rules import MAY_PASS, OF_IMAGERS
 
-BUDGETS = ("cost", "mass_kg", "power_w", "energy_wh")  # rules, and the limits of which they are
+BUDGETS = ("cost", "mass_kg", "power_w", "energy_wh")  # rules in the order of bounds, and the limits of which they are
 FEEDING = ("battery_wh", "camera_between_images", "lamps_between_images")  # keys that a limit of power or energy knows
 #: Requirements that only a design with its settings is asked about.
 OF_SETTINGS = ("max_skew_px", "max_airy_px", "min_uniformity", "min_mtf_half_nyquist", "peak_power_w")
@@ -34,5 +34,7 @@ def untouched(account: Account) -> Iterator[str]:
     if are_idle("max_white_balance"):
         yield "max_white_balance"
     yield from (name for name in sorted(OF_IMAGERS) if are_idle(*MAY_PASS[name]))
-    if are_idle(*BUDGETS):
-        yield from (*BUDGETS, *FEEDING)
+    # what an earlier budget discarded it did whatever the later ones are; what two do together the later one counts
+    yield from (name for place, name in enumerate(BUDGETS) if are_idle(*BUDGETS[place:]))
+    if are_idle("power_w", "energy_wh"):
+        yield from FEEDING

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from functools import partial
 
 from uwopt.deadline import Deadline
+from uwopt.mission.mission import Mission
 from uwopt.mission.weakened import RELAXABLE, with_central_prices, without
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.infeasible.freed_rules import MAY_PASS, OF_LIGHT
@@ -19,15 +20,16 @@ from uwopt.solvers.infeasible.least_change import in_rounds, same_hardware
 from uwopt.solvers.infeasible.least_limit import LeastLimit, Without
 from uwopt.solvers.infeasible.reached import missed_by
 from uwopt.solvers.infeasible.relaxer import ANY, CHEAPEST, FEW_IMAGERS, hope
-from uwopt.solvers.infeasible.suspects import MOST_SUSPECTS, asked_by, suspects_of
+from uwopt.solvers.infeasible.suspects import MOST_SUSPECTS, asked_by, of_lamps, suspects_of
 from uwopt.solvers.infeasible.trials import BRIGHT, FINEST, Trials
 from uwopt.solvers.recommend import Sought
 
 LIGHT_SHARE, REST_SHARE = 0.5, 0.5  # of the time left, for what each loses when dropped
-FEW_SHARE, FEW_TURN = 0.3, 3.0  # of the time left, for all among a few imagers, and of a fair part of that for each
+FEW_SHARE, FEW_TURN = 0.4, 3.0  # of the time left, for all among a few imagers, and of a fair part of that for each
+LEAST_FEW_S, FEW_S = 0.3, 1.2  # in less no search among a few imagers has its answer; in this most have
 LONGEST_FEW = 0.35  # of the time left for these, for one that comes early
 MORE = 8  # times as many, where nothing helps among a few
-HELPED = 0.4  # of their shares is what the others get where something is known to help
+HELPED = 0.7  # of their shares is what the others get where something is known to help
 LONG_TURN = 0.5  # of the time left, for the question whether all would fit at central prices
 ROUNDS = 3  # of the time that is left, as long as nothing helps
 HOPE_SHARE, HOPE_TURN = 0.5, 0.6  # of the time left, for what is likely to help, and of that for each
@@ -35,6 +37,7 @@ IMAGER_S = 1e-5  # that a search takes at least for an imager that another requi
 QUICK_TURN = 0.5  # of the time left, for one of all imagers where that is soon known
 FEW = 3  # requirements that are as well dropped one by one
 SUSPECT_TURN, LAST_SUSPECT = 0.45, 0.7  # of the time left, for one that likely stands in the way
+DRAW_SHARE = 0.3  # of the time left, for how little of these does
 
 
 @dataclass
@@ -62,10 +65,10 @@ class Singles:
         """First of all drop those that likely stand in the way.
 
         Where bounds tell soon, all others are dropped at once before: where nothing fits even so none of them helps,
-        and that one has to give.
+        and that one has to give. Where they do not, the first that helps leaves the time to all else.
         """
         trials, like = self.trials, self.trials.relaxer.like
-        waiting = [] if like is None else suspects_of(like.outcome.account, trials.limits)
+        waiting = [] if like is None else suspects_of(of_lamps(like.outcome), trials.limits)
         asked = list[str]()
         while waiting and len(asked) < MOST_SUSPECTS and not trials.over:
             name = waiting.pop(0)
@@ -75,19 +78,23 @@ class Singles:
                 self._ask_all_but(name)
             if name in self._open(trials.limits):
                 self._ask_suspect(name, SUSPECT_TURN if waiting else LAST_SUSPECT)
+            if self.helpful and not trials.relaxer.is_soon_known():
+                return
             then = asked_by(self.useless.get(name, ()), trials.limits)
             waiting += [other for other in then if other not in (*asked, *waiting)]
 
     def _ask_suspect(self, name: str, share: float) -> None:
-        """Drop one that likely stands in the way, in a share of the time left: among a few imagers, then among all."""
+        """Drop one that likely stands in the way, in a share of the time left: among all where that is soon known.
+
+        Else among a few, and the time is kept for what else may help.
+        """
         trials = self.trials
         try:
-            if self._asks_central_first(name):
-                self._is_known_at_central_prices(name, trials.limits[name])
-            if name in self._open(trials.limits) and name in MAY_PASS and not trials.relaxer.is_soon_known():
+            if name in MAY_PASS and not trials.relaxer.is_soon_known():
                 self._try_among(name, FEW_IMAGERS, trials.deadline.at_most(share * trials.deadline.left_s))
-            if name in self._open(trials.limits) and not trials.interrupted:
-                self._is_known(name, trials.limits[name], trials.deadline.at_most(share * trials.deadline.left_s))
+            is_asked = name in self.hopes  # else there are hardly more than a few
+            if name in self._open(trials.limits) and not (is_asked or trials.interrupted):
+                self._is_known(name, trials.deadline.at_most(share * trials.deadline.left_s))
         except KeyboardInterrupt:
             trials.interrupted = True
 
@@ -115,7 +122,7 @@ class Singles:
             if phase.passed() or trials.interrupted:
                 return
             relaxed = None if name == "depth_rating_m" else without(trials.mission, *RELAXABLE[name][:2])
-            if relaxed is None or self._asks_central_first(name):
+            if relaxed is None or self._may_keep_central(name):
                 continue
             found = same_hardware(known, relaxed)
             if found.outcome.best:
@@ -135,11 +142,11 @@ class Singles:
             key=lambda name: (not trials.is_own(name), name not in OF_LIGHT, name == "min_snr"),
         )
         for place, name in enumerate(names):
-            if trials.interrupted or phase.passed():
+            if trials.interrupted or phase.left_s < LEAST_FEW_S:
                 break
             trials.say(0.0, f"why nothing fits: without {name}")
             fair_s = phase.left_s / (len(names) - place)
-            self._try_among(name, number, phase.at_most(max(FEW_TURN * fair_s, LONGEST_FEW * phase.left_s)))
+            self._try_among(name, number, phase.at_most(max(FEW_TURN * fair_s, LONGEST_FEW * phase.left_s, FEW_S)))
 
     def try_more(self) -> None:
         """The same among more, where no rule lets any of the few through."""
@@ -151,7 +158,7 @@ class Singles:
         trials = self.trials
         alike = [name for name in self._open(trials.limits) if name in OF_LIGHT and name != "min_snr"]
         others = [name for name in self._open(trials.limits) if name not in alike]
-        turn = phase.at_most(LONGEST_FEW * phase.left_s)
+        turn = phase.at_most(max(LONGEST_FEW * phase.left_s, FEW_S))
         found = None if len(alike) < FEW else trials.few_without(alike, turn, number)
         if found is None or not (found.outcome.best or found.outcome.complete):
             return [*alike, *others]
@@ -189,7 +196,7 @@ class Singles:
     def _try_among(self, name: str, number: int, turn: Deadline) -> None:
         """Drop one and look among so many imagers."""
         trials = self.trials
-        relaxed = None if self._asks_central_first(name) else without(trials.mission, *RELAXABLE[name][:2])
+        relaxed = without(trials.mission, *RELAXABLE[name][:2])
         if relaxed is None or self.in_vain.get(name, 0) >= number:
             return
         found = trials.relaxer.among_few(relaxed, goal_without(name), {name}, turn, number=number)
@@ -197,7 +204,7 @@ class Singles:
             return
         self.hopes[name] = hope(found)
         if found.outcome.best:
-            self.helpful.append(Without(name, trials.limits[name], relaxed, found))
+            self._take(name, relaxed, found)
         elif found.outcome.complete:
             self.in_vain[name] = number
         trials.interrupted |= found.outcome.interrupted
@@ -206,7 +213,7 @@ class Singles:
         """Of the time left, for what else may help: less where something does, or several have to give together."""
         return share * (HELPED if self.helpful or len(self.unmet) > 1 else 1.0)
 
-    def _asks_central_first(self, name: str) -> bool:
+    def _may_keep_central(self, name: str) -> bool:
         """Whether a limit is of cost at high prices, which central ones might keep, as far as is known."""
         return name == "cost" and self.trials.mission.limits.cost_basis == "high" and name not in self.dear
 
@@ -237,6 +244,11 @@ class Singles:
             ])  # fmt: skip
         self._drop_each(trials.deadline.at_most(self.share(REST_SHARE) * trials.deadline.left_s))
         self.left = {**light, **self.left}
+
+    def drop_left(self) -> None:
+        """Once more those that took too long."""
+        self.left = self._open(self.left)
+        self._drop_each(self.trials.deadline)
 
     def drop_others(self) -> None:
         """Once more those that took too long, with more time for each."""
@@ -274,7 +286,7 @@ class Singles:
         if len(missed) != 1 or not self._open(dict.fromkeys(missed, 0.0)):
             return
         (name,) = missed
-        if self._asks_central_first(name):  # by how much is to be asked first
+        if self._may_keep_central(name):  # by how much is to be asked first
             return
         self.take_for_helpful(name, found)
 
@@ -292,7 +304,7 @@ class Singles:
                     if self._helps_among_few(name, one):  # all its imagers alone would take longer
                         known.append(name)
                     continue
-                if self._is_known(name, self.left[name], one):
+                if self._is_known(name, one):
                     known.append(name)
             except KeyboardInterrupt:
                 trials.interrupted = True
@@ -309,7 +321,12 @@ class Singles:
         effort = 0.0 if name in OF_LIGHT else self.trials.relaxer.effort({name})
         return effort if math.isfinite(effort) else 0.0
 
-    def _is_known(self, name: str, limit: float, turn: Deadline) -> bool:
+    def _take(self, name: str, relaxed: Mission, found: Sought) -> None:
+        """Something fits without a requirement; whether a limit of cost would do at central prices is asked then."""
+        if not self._may_keep_central(name) or not self._is_known_at_central_prices(name, self.trials.limits[name]):
+            self.helpful.append(Without(name, self.trials.limits[name], relaxed, found))
+
+    def _is_known(self, name: str, turn: Deadline) -> bool:
         """Drop a requirement and see whether something fits then; whether that is known in the time for one."""
         trials, (section, key, _) = self.trials, RELAXABLE[name]
         by_depth = key == "depth_rating_m"
@@ -319,10 +336,8 @@ class Singles:
             return True
         seek_one = partial(
             trials.relaxer.seek, goal=goal_without(name), freed={name}, enough=True,
-            few_first=self._asks_central_first(name),
+            few_first=False,
         )  # fmt: skip
-        if self._asks_central_first(name) and self._is_known_at_central_prices(name, limit):
-            return True
         if by_depth:
             deep = trials.relaxer.any_design(trials.mission, turn, depth_m=0.0)
             if deep is None:
@@ -331,7 +346,7 @@ class Singles:
         else:
             found = seek_one(relaxed, deadline=turn)
         if found.outcome.best:
-            self.helpful.append(Without(name, limit, relaxed, found))
+            self._take(name, relaxed, found)
         elif found.outcome.complete:
             self.useless[name] = trials.relaxer.why_not(found, name)
         elif found.outcome.account.evaluated:
@@ -359,7 +374,7 @@ class Singles:
         """Draw in those that are known to help, in a share of the time left."""
         trials = self.trials
         try:
-            in_rounds(self.changes(), trials.deadline.at_most(SUSPECT_TURN * trials.deadline.left_s))
+            in_rounds(self.changes(), trials.deadline.at_most(DRAW_SHARE * trials.deadline.left_s))
         except KeyboardInterrupt:
             trials.interrupted = True
 

@@ -27,6 +27,8 @@ from uwopt.solvers.infeasible.trials import Trials
 
 BOUNDED = ("light", "max_white_balance", "bound", "power_w", "energy_wh", "cost", "mass_kg")
 HARDWARE_SHARE = 0.5  # of the time left, for what the hardware that came nearest does with other changes
+DRAWN_SHARE = 0.4  # of the time left, for that, kept from what is asked once more
+HARDWARE_S = 1.0  # of the processor, for how near to what is asked the hardware of a change reaches
 LEAST_SHARE = 0.9  # of the time left, for the least of each change that helps
 QUICK_SHARE = 0.2  # of the time left, likewise, where single changes are soon known
 KEPT_SHARE = 0.35  # of the time left, for changes together where none is known to help alone
@@ -41,11 +43,12 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
     by_size = any(item.rule.startswith("housing") and item.count for item in certificate.discarded)
     singles, mover = Singles(trials), Mover(trials)
     singles.ask_suspects()
-    try_hardware(singles, mover)
-    if singles.helpful and not trials.over:
-        singles.draw_in()
     is_quick = trials.relaxer.is_soon_known()
+    if singles.helpful and is_quick and not trials.over:
+        singles.draw_in()
+    try_hardware(singles, mover)
     soon = first_that_help(trials, singles, mover, is_quick=is_quick)
+    draw_by_hardware(singles, mover)
     whole = trials.deadline
     if not singles.helpful and not mover.far:  # it may be that no single change helps
         trials.deadline = whole.but_for(KEPT_SHARE)
@@ -62,9 +65,11 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
         mover.try_all()
         if not mover.far:
             singles.drop_others()
+    if singles.helpful or mover.far:
+        ask_open(singles, mover)
+    every, moves = least_changes(trials, singles, mover)
     singles.tell_open()
     mover.tell_open()
-    every, moves = least_changes(trials, singles, mover)
     relaxations = [one for one in every if one.is_of_use]
     together, nearest = changes_together(trials, relaxations, bool(moves), singles.together, soon)
     if not relaxations and not moves and not together:  # a limit that is out of reach by far: better told than nothing
@@ -116,8 +121,9 @@ def first_that_help(trials: Trials, singles: Singles, mover: Mover, *, is_quick:
         singles.drop_rest()
         trials.deadline = whole
     else:
-        singles.try_few()
         mover.try_few()
+        draw_by_hardware(singles, mover)
+        singles.try_few()
     soon = None
     if not singles.helpful and not mover.far and not trials.over:
         soon = together_soon(trials, singles, mover)
@@ -151,14 +157,43 @@ def together_soon(trials: Trials, singles: Singles, mover: Mover) -> CommonFit |
 
 def least_changes(trials: Trials, singles: Singles, mover: Mover) -> tuple[list[Relaxation], list[Moved]]:
     """Of each single requirement and key that helps the least change, by turns; the smallest of requirements first."""
-    limits, moves = singles.changes(), mover.changes()
     if not trials.interrupted:
-        phase = trials.deadline.at_most(LEAST_SHARE * trials.deadline.left_s)
         try:
-            in_rounds([*limits, *(move.drawn for move in moves)], phase)
+            draw_in(singles, mover)
+            if singles.left or mover.left:
+                ask_open(singles, mover)
+                draw_in(singles, mover)
         except KeyboardInterrupt:
             trials.interrupted = True
+    limits, moves = singles.changes(), mover.changes()
     return sorted((one.told() for one in limits), key=lambda one: one.miss_rel), [move.told() for move in moves]
+
+
+def draw_by_hardware(singles: Singles, mover: Mover) -> None:
+    """Draw in what helps as far as its own hardware reaches, which takes no search: far values are of little use."""
+    trials = singles.trials
+    try:
+        for change in [*singles.changes(), *(move.drawn for move in mover.changes())]:
+            if change.gap >= 1.0 and not trials.over:
+                change.step(trials.deadline.at_most(HARDWARE_S))
+    except KeyboardInterrupt:
+        trials.interrupted = True
+
+
+def draw_in(singles: Singles, mover: Mover) -> None:
+    """Draw in what helps, by turns, in a share of the time left."""
+    phase = singles.trials.deadline.at_most(LEAST_SHARE * singles.trials.deadline.left_s)
+    in_rounds([*singles.changes(), *(move.drawn for move in mover.changes())], phase)
+
+
+def ask_open(singles: Singles, mover: Mover) -> None:
+    """Ask once more what there was no time to know, before what helps is drawn in any further."""
+    trials, whole = singles.trials, singles.trials.deadline
+    trials.deadline = whole.but_for(DRAWN_SHARE)
+    singles.drop_left()
+    if not trials.interrupted:
+        mover.try_all(1.0)
+    trials.deadline = whole
 
 
 def design_of(trials: Trials, relaxations: list[Relaxation]) -> Design | None:
