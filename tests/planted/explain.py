@@ -173,6 +173,22 @@ DEFECTS = (
         test=f"{SOON}::test_requirements_that_nothing_meets_by_themselves_are_told_to_have_to_give",
     ),
     Defect(
+        name="what helps is told far from what is asked, as all else is asked before",
+        file="uwopt/solvers/infeasible/why_nothing.py",
+        old="            if change.gap >= 1.0 and not trials.over:\n",
+        new="            if False:\n",
+        test="tests/solvers/test_hardware_at_hand.py"
+        "::test_what_helps_is_drawn_in_by_its_hardware_before_all_else_is_asked",
+    ),
+    Defect(
+        name="where one design is enough, light is made for all of a batch",
+        file="uwopt/solvers/exact/evaluation.py",
+        old="        if self.enough and len(turn):\n",
+        new="        if False:\n",
+        test="tests/solvers/test_open_nodes.py"
+        "::test_where_one_that_fits_is_enough_the_lighting_of_the_first_comes_first[True-groups1]",
+    ),
+    Defect(
         name="dear cameras are taken for what the last designs fall by",
         file="uwopt/solvers/infeasible/suspects.py",
         old="lost[rule] - each * tally.get(rule, 0) for",

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import pytest
 from test_any_lighting import POWER, reef, searched
 
-from uwopt.deadline import NEVER
+from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.assembly import load_catalog
 from uwopt.mission.weakened import RELAXABLE, without
 from uwopt.solvers.exact import search as searching
@@ -15,7 +17,7 @@ from uwopt.solvers.infeasible.moves import Mover
 from uwopt.solvers.infeasible.relaxer import Relaxer
 from uwopt.solvers.infeasible.singles import Singles
 from uwopt.solvers.infeasible.trials import BRIGHT, Trials
-from uwopt.solvers.infeasible.why_nothing import why_nothing
+from uwopt.solvers.infeasible.why_nothing import draw_by_hardware, why_nothing
 from uwopt.solvers.recommend import Sought, seek
 
 DARK_DB = 38.0  # a little more than their lamps give in this water
@@ -77,3 +79,21 @@ def test_of_a_catalogue_too_large_to_list_a_few_pairs_are_tried_first(monkeypatc
     found = few.among_few(free, BRIGHT, {"min_snr"})
     assert found is not None and found.outcome.best
     assert found.outcome.account.total < searched(free).outcome.account.total
+
+
+def test_what_helps_is_drawn_in_by_its_hardware_before_all_else_is_asked() -> None:
+    """Once each, in a second at most; what is drawn in already, and what time does not reach, is left."""
+    given_s: list[float] = []
+
+    def step(turn: Deadline) -> None:
+        given_s.append(turn.left_s)
+
+    far, near = (SimpleNamespace(gap=gap, step=step) for gap in (1.0, 0.4))
+    trials = SimpleNamespace(deadline=Deadline(9.0, lambda: 0.0), over=False, interrupted=False)
+    singles = SimpleNamespace(trials=trials, changes=lambda: [far, near])
+    mover = SimpleNamespace(changes=lambda: [SimpleNamespace(drawn=far)])
+    draw_by_hardware(singles, mover)
+    assert given_s == [1.0, 1.0]
+    trials.over = True
+    draw_by_hardware(singles, mover)
+    assert len(given_s) == 2

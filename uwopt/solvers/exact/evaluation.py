@@ -133,11 +133,20 @@ class Evaluation:
             self._evaluate_pairs(imager[some], lights, under.take(some))
 
     def together(self, under: Under) -> Iterator[Array]:
-        """Nodes whose designs are looked at together: not too many, and those without lamps apart."""
+        """Nodes whose designs are looked at together: not too many, and those without lamps apart.
+
+        Where one that fits ends the search, those under the lighting of the first alone, then under twice as many each:
+        light for all the others would be in vain.
+        """
         tables = self.bounds.light_tables
         sizes = np.array([len(table.light) for table in tables], int)[under.index]
         unlit = np.array([self.problem.are_unlit(table.light) for table in tables], bool)[under.index]
-        for alike in (np.flatnonzero(~unlit), np.flatnonzero(unlit)):
+        turn = np.zeros(len(unlit), int)
+        if self.enough and len(turn):
+            _, first, back = np.unique(under.index, return_index=True, return_inverse=True)
+            turn = np.log2(np.argsort(np.argsort(first))[back] + 1.0).astype(int)
+        for alike in (np.flatnonzero((turn == one) & (unlit == dark)) for one in range(turn.max(initial=0) + 1)
+                      for dark in (False, True)):  # fmt: skip
             part = np.cumsum(sizes[alike]) // MOST_ROWS_AT_ONCE
             yield from (alike[part == value] for value in distinct(part)[0])
 
