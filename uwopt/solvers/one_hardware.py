@@ -10,6 +10,7 @@ import numpy as np
 
 from uwopt.catalog.records import Part, Port
 from uwopt.deadline import NEVER, Deadline
+from uwopt.forward.designs import Hardware
 from uwopt.forward.parts import Parts
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import SceneOptics
@@ -24,7 +25,7 @@ from uwopt.solvers.exact.search import Search
 KINDS = ("camera", "lens", "port", "light")
 
 
-def parts_of(problem: Problem, found: Found) -> list[tuple[str, Part]]:
+def parts_of(problem: Problem, found: Found | Hardware) -> list[tuple[str, Part]]:
     """The four parts of a design by kind."""
     parts = problem.parts
     return [
@@ -44,7 +45,7 @@ def pieces_of(problem: Problem, found: Found) -> list[tuple[str, Part]]:
 
 
 def problem_of(
-    base: Problem, found: Found, *, mission: Mission | None = None, scenes: list[SceneOptics] | None = None,
+    base: Problem, found: Found | Hardware, *, mission: Mission | None = None, scenes: list[SceneOptics] | None = None,
     lists: Mapping[str, Sequence[Any]] | None = None,
 ) -> Problem:  # fmt: skip
     """A problem over one design's parts, count and mount, or over variants of them.
@@ -52,9 +53,10 @@ def problem_of(
     mission : another one brings its own scenes; scenes : in their place; lists : variants of each kind of part
     """
     lists = lists or {kind: [part] for kind, part in parts_of(base, found)}
+    mount = found.mount if isinstance(found, Hardware) else found.lighting.mount
     return base.over(
         Parts(*(tuple(lists[kind]) for kind in KINDS)), mission=mission, scenes=scenes,
-        counts=(found.count, found.count), mounts=[found.lighting.mount],
+        counts=(found.count, found.count), mounts=[mount],
     )  # fmt: skip
 
 

@@ -22,10 +22,9 @@ import numpy as np
 from uwopt.catalog.parts.kinds import ALL_FIELDS, FAVOURED
 from uwopt.catalog.records import Part, Quantity, exact
 from uwopt.forward.designs import Hardware
-from uwopt.forward.parts import Parts
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.one_hardware import KINDS, best_of_each
+from uwopt.solvers.one_hardware import KINDS, best_of_each, parts_of, problem_of
 
 FARTHEST, STEPS = 100.0, 7  # how much worse is tried: a factor; a share comes down to a hundredth
 HALVINGS = 10  # of a step: a limit to a thousandth
@@ -104,25 +103,13 @@ class PartTrial:
 
     def __init__(self, problem: Problem, hardware: Hardware, objective: Objective, kind: str):
         self.base, self.hardware, self.objective, self.kind = problem, hardware, objective, kind
-        own = problem.parts
-        rows = (own.cameras, own.lenses, own.ports, own.lights)
-        at = (hardware.camera, hardware.lens, hardware.port, hardware.light)
-        self.lists: dict[str, Any] = {name: row[n] for name, row, n in zip(KINDS, rows, at, strict=True)}
-
-    @property
-    def part(self) -> Part:
-        """The part as it is."""
-        part: Part = self.lists[self.kind]
-        return part
+        self.part = dict(parts_of(problem, hardware))[kind]
 
     def values(self, variants: Sequence[dict[str, float]]) -> list[float]:
         """Best minimised objective of each variant of the part's numbers; inf where no settings do."""
         made = [changed(self.part, variant) for variant in variants]
-        lists = {name: (made if name == self.kind else [part]) for name, part in self.lists.items()}
-        one = self.base.over(
-            Parts(*(tuple(lists[name]) for name in KINDS)), counts=(self.hardware.count,) * 2,
-            mounts=[self.hardware.mount],
-        )  # fmt: skip
+        lists = {name: [part] for name, part in parts_of(self.base, self.hardware)} | {self.kind: made}
+        one = problem_of(self.base, self.hardware, lists=lists)
         places = [dict.fromkeys(KINDS, 0) | {self.kind: n} for n in range(len(made))]
         return best_of_each(one, self.objective, places)
 

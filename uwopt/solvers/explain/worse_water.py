@@ -16,7 +16,6 @@ from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import UwoptError
 from uwopt.evaluation.design import evaluate_design
 from uwopt.forward.designs import Hardware, SceneSettings
-from uwopt.forward.parts import Parts
 from uwopt.forward.problem import Problem
 from uwopt.mission.keys import CLARITY_KEYS, JERLOV_TYPES
 from uwopt.mission.mission import Mission
@@ -25,6 +24,7 @@ from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL
 from uwopt.results.design import Design
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain.other_makers import furthest_rule
+from uwopt.solvers.one_hardware import parts_of, problem_of
 from uwopt.solvers.recommend import evaluated
 
 WORSE = (1.25, 1.5, 2.0)  # of a reading
@@ -77,14 +77,10 @@ def with_its_iris(mission: Mission, problem: Problem, hardware: Hardware, given:
 
 def alone(problem: Problem, hardware: Hardware, mission: Mission) -> Problem:
     """Tables of one hardware in another mission; parts written out without a mount stand together as they do."""
-    own = problem.parts
-    camera, lens = own.cameras[hardware.camera], own.lenses[hardware.lens]
-    if not (camera.mounts and lens.mounts):
-        camera, lens = replace(camera, mounts=ANY_MOUNT), replace(lens, mounts=ANY_MOUNT)
-    parts = Parts((camera,), (lens,), (own.ports[hardware.port],), (own.lights[hardware.light],))
-    return problem.over(
-        parts, mission=mission, counts=(hardware.count, hardware.count), mounts=[hardware.mount]
-    )  # fmt: skip
+    own: dict[str, Any] = dict(parts_of(problem, hardware))
+    if not (own["camera"].mounts and own["lens"].mounts):
+        own |= {kind: replace(own[kind], mounts=ANY_MOUNT) for kind in ("camera", "lens")}
+    return problem_of(problem, hardware, mission=mission, lists={kind: [part] for kind, part in own.items()})
 
 
 def nearest_that_does(
