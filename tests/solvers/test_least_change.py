@@ -414,6 +414,8 @@ def test_a_budget_is_given_up_among_a_few_imagers_before_central_prices_are_aske
     one = Singles(Trials(wanted, catalog, POWER, "never"))
     one._ask_suspect("cost", 0.5)
     assert asked == [{"cost"}] and not one.dear  # central prices are asked about only where none at all would do
+    assert one._may_keep_central("cost") and not one._is_known_at_central_prices("cost", 2300.0)
+    assert one.dear == {"cost"} and not one._may_keep_central("cost")  # asked once
 
 
 def test_what_was_looked_at_in_vain_but_not_to_the_end_is_told_apart(parts, catalog, monkeypatch):
