@@ -182,6 +182,8 @@ def len_of(part: Columns) -> int:
 def placed(parts: Sequence[tuple[Array | slice, Any]], count: int) -> Any:
     """One field of several groups, each at its rows; what is no column is the first group's."""
     first = parts[0][1] if parts else None
+    if isinstance(first, np.ndarray | None) and any((one is None) != (first is None) for _, one in parts):
+        raise TypeError("some groups of rows have a column that others have not")
     if isinstance(first, np.ndarray):
         return array_in_places(parts, count)
     if isinstance(first, Columns):

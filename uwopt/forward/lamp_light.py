@@ -169,7 +169,7 @@ class LampField:
         light = ImageLight(signal, forward, backscatter)
         if veils == "all" and self.effects.backscatter and self.scene.open_water:
             light = replace(light, background_e=(view.collecting_m2 * self.mean_background(view))[:, None])
-        if veils == "coarse" and self.effects.backscatter and self.scene.scatters and self.is_wide():
+        if veils == "coarse" and self.effects.backscatter and self.scene.scatters:
             light = self.between_bounds(view, light)
         if pixels is None:
             return light
@@ -248,8 +248,12 @@ class LampField:
     def between_bounds(self, view: Views, light: ImageLight) -> ImageLight:
         """The light with backscatter at its least and its most, from coarse integrals at three altitudes.
 
-        Altitudes between take the lesser and the greater of their neighbours.
+        Altitudes between take the lesser and the greater of their neighbours. Where a coarse integral tells nothing, the
+        least is none and the most has no end.
         """
+        if not self.is_wide():
+            none = np.zeros_like(light.signal_e)
+            return replace(light, backscatter_e=none, most_veil_e=np.full_like(none, np.inf))
         count = len(self.scene.range_m)
         places = sorted({0, count // 2, count - 1})
         coarse = view.collecting_m2[:, None] * self.coarse_backscatter(view, places)

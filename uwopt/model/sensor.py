@@ -242,18 +242,20 @@ def light_for_snr(
     noise_slope = snr2 * (
         total * (1.0 + 2.0 * prnu2 * other_light_e) + 2.0 * follow * level_per_light_e * base_e
     )
-    slope = noise_slope - 2.0 * signal_per_light_e * other_signal_e
+    helped = bool(np.any(other_signal_e))
+    half = 0.5 * noise_slope - signal_per_light_e * other_signal_e if helped else 0.5 * noise_slope
     noise_floor = (
         read_noise_e**2 + fixed + dark_e + other_light_e + prnu2 * other_light_e**2 + follow * base_e**2
     )
     floor = snr2 * noise_floor - other_signal_e**2
     reachable = np.where(square > 0.0, square, 1.0)
     wanting = np.maximum(floor, 0.0)
-    # The larger root, written so that nothing cancels where the slope is negative (other light that helps).
-    half = 0.5 * np.sqrt(slope**2 + 4.0 * reachable * wanting)
-    safe = np.where(half - 0.5 * slope > 0.0, half - 0.5 * slope, 1.0)
-    root = np.where(slope >= 0.0, (0.5 * slope + half) / reachable, wanting / safe)
-    enough = (snr2 == 0.0) | (floor < 0.0) | ((floor == 0.0) & (slope <= 0.0))
+    middle = np.sqrt(half**2 + reachable * wanting)
+    root = (half + middle) / reachable
+    if helped:  # the larger root, written so that nothing cancels where the slope is negative
+        away = middle - half
+        root = np.where(half >= 0.0, root, wanting / np.where(away > 0.0, away, 1.0))
+    enough = (snr2 == 0.0) | (floor < 0.0) | ((floor == 0.0) & (half <= 0.0))
     return np.where(enough, 0.0, np.where(square > 0.0, root, np.inf))[()]
 
 
