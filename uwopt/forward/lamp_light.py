@@ -248,8 +248,8 @@ class LampField:
     def between_bounds(self, view: Views, light: ImageLight) -> ImageLight:
         """The light with backscatter at its least and its most, from coarse integrals at three altitudes.
 
-        Altitudes between take the lesser and the greater of their neighbours. Where a coarse integral tells nothing, the
-        least is none and the most has no end.
+        Altitudes between take the lesser and the greater of their neighbours. Where a coarse integral tells nothing,
+        the least is none and the most has no end.
         """
         if not self.is_wide():
             none = np.zeros_like(light.signal_e)
