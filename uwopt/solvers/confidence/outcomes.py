@@ -37,6 +37,7 @@ from uwopt.tolerances import ROUND
 Array = NDArray[Any]
 STOPS_ON = (0.0, 1 / 3, 2 / 3, 4 / 3)  # from the widest stop that most scenarios allow: those that are looked at
 GAP = 1e-2  # of a scenario's objective where settings have no closed form: far less than scenarios differ
+A_SCENARIO = 2000  # cells of one scenario: it counts as missed where none of them does by then
 MOST_TOGETHER = 48  # hardware whose rows are in memory at once
 MOST = 0.9  # of the scenarios: a stop that as many allow is not too wide
 
@@ -244,7 +245,9 @@ class Judge:
     @cached_property
     def question(self) -> Question:
         """What is asked of the settings in each scenario."""
-        return self.designs.asked(self.group.problem, self.group.imagers, self.objective, self.rows, gap_rel=GAP)
+        return self.designs.asked(
+            self.group.problem, self.group.imagers, self.objective, self.rows, gap_rel=GAP, most_cells=A_SCENARIO
+        )  # fmt: skip
 
     def adapted(self) -> Best:
         """The best settings in each scenario, once the water is seen."""

@@ -54,6 +54,7 @@ class BoundedCells:
         rows, objective, constant = question.rows, question.objective, question.constant
         self.near, self.deadline, self.hardware = question.near, question.deadline, question.hardware
         self.rows, self.constant, self.cutoff = rows, constant, question.cutoff
+        self.most_cells = question.most_cells
         self.top, self.mean_limit, self.camera_power_w = question.top, question.mean_limit, question.camera_power_w
         self.n = len(question)
         self.scenes = [SceneCells(r, question.light_limit_w) for r in rows]

@@ -18,12 +18,11 @@ from uwopt.solvers.settings.cell_points import TriedCells
 from uwopt.solvers.settings.cell_pool import Pool
 from uwopt.solvers.settings.closed_form import Chosen
 from uwopt.solvers.settings.information import information_of
-from uwopt.solvers.settings.question import Best, Question
+from uwopt.solvers.settings.question import MOST_CELLS, Best, Question
 
 Array = NDArray[Any]
 BATCH = 4096  # cells halved at a time
-MOST_CELLS = 30_000  # bounded in one call, beside FEWEST a design
-FEWEST = 4_000
+FEWEST = 4_000  # bounded in one call for each of up to fifty designs, where that is more than for one
 PATTERNS = (
     (0.0, 1.0), (0.5, 0.5), (0.0, 0.5), (0.5, 1.0), (1.0, 1.0), (1.0, 0.0), (0.0, 0.0), (1.0, 0.5), (0.5, 0.0),
 )  # fmt: skip
@@ -73,7 +72,7 @@ class CellSearch(TriedCells):
         if points and self._two_numbers:
             pool = self._again(pool)
             spent += len(pool.design)
-        budget = max(MOST_CELLS, FEWEST * min(self.n, 50))
+        budget, own = max(MOST_CELLS, FEWEST * min(self.n, 50)), np.zeros(self.n, int)
         while len(pool.design) and spent < budget:
             self.deadline.check()
             if len(pool.design) > BATCH:
@@ -84,6 +83,7 @@ class CellSearch(TriedCells):
             children, seen = self._bounded(self._halved(active))
             hopeful = self.hopeful
             spent += len(active.design) * 2
+            own += 2 * np.bincount(active.design, minlength=self.n)
             open_ = np.nonzero(self._open(children))[0]
             some = [(PATTERNS[(4 * turn + k) % len(PATTERNS)]) for k in range(4)]
             tried = np.nonzero(self._open(children) & self._unknown(children))[0]
@@ -91,7 +91,7 @@ class CellSearch(TriedCells):
             self._try_points(children.take(tried), boxes, some)
             if self._two_numbers:
                 self._try_places(children.design[open_], hopeful[open_])
-            pool = self._prune(Pool.joined([children, rest]))
+            pool = self._left(self._prune(Pool.joined([children, rest])), own < self.most_cells)
             turn += 1
             self._polish_open(pool, turn)
         np.minimum.at(self.closed, pool.design, pool.bound)
@@ -123,6 +123,12 @@ class CellSearch(TriedCells):
         worse = gone.bound > self._threshold()[gone.design]
         self.dropped[gone.design[worse]] = True
         return pool.take(alive)
+
+    def _left(self, pool: Pool, going_on: Array) -> Pool:
+        """Cells of the designs that go on; those of the others leave their bound behind, unproven."""
+        mine = going_on[pool.design]
+        np.minimum.at(self.closed, pool.design[~mine], pool.bound[~mine])
+        return pool if mine.all() else pool.take(mine)
 
     def _again(self, pool: Pool) -> Pool:
         """Cells bounded by tangents at the best settings that points and polishing have found since."""

@@ -17,6 +17,7 @@ from uwopt.solvers.settings.mean_limit import MeanLimit
 
 Array = NDArray[Any]
 GAP = 1e-4  # relative, where cells are searched
+MOST_CELLS = 30_000  # bounded for one design, which is then left with its bound
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,7 @@ class Question(Columns):
     gap_rel: float = GAP
     top: int | None = None  # designs are dropped, too, that so many of other hardware surely beat
     mean_limit: MeanLimit | None = None
+    most_cells: int = MOST_CELLS  # of one design
     deadline: Deadline = NEVER
 
     @staticmethod
