@@ -18,6 +18,20 @@ BESIDE = "tests/solvers/test_beside.py"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="one design takes the cells of all",
+        file="uwopt/solvers/settings/cells.py",
+        old="own < self.most_cells)",
+        new="own >= 0)",
+        test="tests/solvers/test_cells.py::test_a_design_takes_no_more_cells_than_it_may",
+    ),
+    Defect(
+        name="cells of a design that is left leave no bound",
+        file="uwopt/solvers/settings/cells.py",
+        old="np.minimum.at(self.closed, pool.design[~mine], pool.bound[~mine])",
+        new="mine = np.asarray(mine)",
+        test="tests/solvers/test_cells.py::test_a_design_takes_no_more_cells_than_it_may",
+    ),
+    Defect(
         name="searches beside the first go on where a person wants no more",
         file="uwopt/solvers/exact/search.py",
         old="        if outcome.interrupted:\n            raise",

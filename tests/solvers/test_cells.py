@@ -306,6 +306,20 @@ def test_cells_are_halved_no_longer_than_there_is_time(search: Any) -> None:
         search(Question.of(*args, deadline=Deadline.after(0.0)))
 
 
+def test_a_design_takes_no_more_cells_than_it_may(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One of 820 scenarios at the edge of what settings can do took 47 of 56 s; what it leaves is a bound still."""
+    rows, wanted, halved, taken = lit(veil=100.0, sun=(3e5, 2e5), well_e=9000.0), {"snr_db": 1.0, "power": 0.1}, [], 0
+    best = value_of(solved([rows], wanted), goal(wanted))
+    sound = CellSearch._halved
+    monkeypatch.setattr(CellSearch, "_halved", lambda self, pool: halved.append(len(pool.design)) or sound(self, pool))
+    for most in (64, 512):
+        cut = solved([rows], wanted, gap_rel=1e-12, most_cells=most)
+        assert cut.lower_bound[0] <= best + GAP and not np.isinf(cut.lower_bound[0])
+        assert most <= 2 * sum(halved) <= 4 * most and 2 * sum(halved) > taken
+        taken = 2 * sum(halved)
+        halved.clear()
+
+
 def test_pixels_looked_at_block_by_block_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     points, most = SceneCells.points, 0
 
