@@ -221,6 +221,20 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/solvers/test_exact.py::test_search_equals_enumeration",
     ),
     Defect(
+        name="a narrow beam has no veil at all",
+        file="uwopt/forward/lamp_light.py",
+        old="most_veil_e=np.full_like(none, np.inf))",
+        new="most_veil_e=none)",
+        test="tests/solvers/test_lightings.py::test_beams_wide_and_narrow_in_the_same_rows_keep_each_its_light_and_its_bounds",
+    ),
+    Defect(
+        name="a column that some rows alone have is forgotten",
+        file="uwopt/forward/columns.py",
+        old="isinstance(first, np.ndarray | None) and any(",
+        new="isinstance(first, np.ndarray) and any(",
+        test="tests/solvers/test_lightings.py::test_a_column_that_some_rows_alone_have_is_a_defect",
+    ),
+    Defect(
         name="the light of one lighting is that of the next",
         file="uwopt/solvers/exact/light_tables.py",
         old="parts.append((mine, light))\n        return parts[0][1] if len(parts) == 1 else ImageLight",
