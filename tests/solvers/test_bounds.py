@@ -20,7 +20,6 @@ from one_of_each import one, with_parts
 from random_cases import Case
 from thorough import drawn
 
-from uwopt.forward.part_columns import Lights
 from uwopt.solvers.exact import large
 from uwopt.solvers.exact.account import Account
 from uwopt.solvers.exact.attack import attack
@@ -32,9 +31,7 @@ from uwopt.solvers.exact.node_bounds import bit_per_px_bound, suffix_min
 from uwopt.solvers.exact.outline import Level, OutlineRows, OutlineTables
 from uwopt.solvers.exact.pair_groups import PairGroups
 from uwopt.solvers.exact.port_groups import port_tree
-from uwopt.solvers.exact.screen import level_set, pair_rules
 from uwopt.solvers.exact.search import Cheapest, Search
-from uwopt.solvers.exact.signals import SignalTables
 
 Array = NDArray[Any]
 FOUND = 1.0 + 1e-6  # what the enumeration's own rounding may take
@@ -155,11 +152,10 @@ def below(bound: float, best: brute.Best) -> bool:
     return bool(bound <= best.value + (FOUND - 1.0) * best.scale)
 
 
-def bounds_of(name: str, tables: type[FieldTables] = FieldTables) -> Bounds:
-    """Bounds of all imagers, with signals from the tables or integrated."""
+def bounds_of(name: str) -> Bounds:
+    """Bounds of all imagers."""
     search, imagers = searched(name)
-    made = search.tables if tables is FieldTables else tables(search.problem, imagers, like=search.tables)
-    return Bounds(search.objective, imagers, made)
+    return Bounds(search.objective, imagers, search.tables)
 
 
 # ---------------------------------------------------------------- nodes
@@ -232,34 +228,6 @@ def test_the_bound_of_a_unit_is_tight(name: str) -> None:
     k = next(i for i, table in enumerate(bounds.light_tables) if hw.light in table.light)
     light_w = best.power_w - 3.0
     assert bounds.of_nodes(k, row).power[0] - 3.0 >= 0.99 * light_w
-
-
-@pytest.mark.parametrize("tables", [FieldTables, SignalTables])
-@pytest.mark.parametrize("name", MISSIONS)
-def test_a_single_light_is_bounded_by_its_best(name: str, tables: type[FieldTables]) -> None:
-    """A light that a rule discards has no feasible settings, and the least of the others bounds the unit."""
-    _, imagers = searched(name)
-    bounds, rows = bounds_of(name, tables=tables), np.arange(len(imagers))
-    for k, table in enumerate(bounds.light_tables):
-        unit = bounds.of_nodes(k, rows)
-        rule, least = pair_rules(bounds, k, rows, unit, np.inf)
-        for row in rows:
-            own = dict(camera=imagers.camera[row], lens=imagers.lens[row], port=imagers.port[row])
-            for column, (light, count) in enumerate(zip(table.light, table.count, strict=True)):
-                best = known(name).least(**own, light=light, count=count)
-                if best is not None:
-                    assert rule[row, column] < 0, "discarded, and yet feasible"
-                    assert below(least[row], best)
-
-
-def test_a_single_light_is_bounded_more_sharply_than_the_unit() -> None:
-    """A lamp with steps draws the next one up: the unit's bound knows no step, the light's own does."""
-    search = one(wanted=FAST, physics="paper", light={"dim_levels": (0.1, 0.9, 1.0)}).searcher()
-    imagers, row = search.prepare(), np.arange(1)
-    bounds = Bounds(search.objective, imagers, search.tables)
-    unit = bounds.of_nodes(0, row)
-    _, least = pair_rules(bounds, 0, row, unit, np.inf)
-    assert least[0] == pytest.approx(3.0 + 0.9 * 300.0) and unit.value[0] < 0.9 * least[0]
 
 
 # ---------------------------------------------------------------- pairs, groups of ports, cameras
@@ -355,21 +323,6 @@ def floors_of(search: Search, pairs: FittingPairs) -> Array:
 # ---------------------------------------------------------------- signal and quality
 
 
-@pytest.mark.parametrize("flat", [False, True])
-def test_the_integrated_signal_is_the_exact_one(flat: bool) -> None:
-    """The signal_bounds's integral is the field mean's own, but for a millionth."""
-    made = with_parts(
-        one(wanted=FAST, flat=flat), lenses=[{"focal_length_mm": 12.0}], ports=[{"thickness_mm": 16.0}]
-    )
-    search = made.searcher()
-    imagers = search.prepare()
-    tables, rows = SignalTables(search.problem, imagers, like=search.tables), np.arange(len(imagers))
-    for lighting in tables.lightings:
-        bound = tables.bound(0, lighting, len(search.problem.scenes[0].range_m) - 1, rows)
-        exactly = tables.exact(0, lighting, rows, veils="none").signal_e[:, -1]
-        assert (bound >= exactly).all() and (bound <= exactly * (1.0 + 3e-6)).all()
-
-
 @pytest.mark.parametrize(("flat", "most"), [(False, 1.25), (True, 1.5)])
 def test_the_tabled_signal_is_not_far_above_the_exact_one(flat: bool, most: float) -> None:
     """A looser bound would cost time only: behind a dome within a quarter, behind a flat port with a gap a half."""
@@ -449,25 +402,6 @@ def test_a_contrast_that_the_forward_veil_forbids_is_discarded() -> None:
 # ---------------------------------------------------------------- small things that bounds are made of
 
 
-@pytest.mark.parametrize(
-    ("levels", "least", "wanted", "level"),
-    [
-        ((0.1, 0.5, 1.0), 0.0, 0.3, 0.5),  # the next step up
-        ((0.1, 0.5, 1.0), 0.0, 0.5, 0.5),  # the very step
-        ((0.1, 0.5, 1.0), 0.0, 2.0, 1.0),  # no step is enough: full, and another rule says so
-        (None, 0.2, 0.05, 0.2),  # not below the dial's end
-        (None, 0.2, 0.6, 0.6),
-    ],
-)
-def test_the_least_level_that_is_enough(
-    levels: tuple[float, ...] | None, least: float, wanted: float, level: float
-) -> None:
-    """By hand."""
-    light = {"dim_levels": levels} if levels else {"dim_min_frac": least}
-    lamp: Lights = one(light=light).problem().lights
-    assert level_set(np.array([[wanted]]), lamp)[0, 0] == pytest.approx(level, rel=1e-8)
-
-
 def test_the_least_of_each_number_and_all_after_it() -> None:
     """A light without power has no number and does not count."""
     assert suffix_min(np.array([3.0, 1.0, np.nan, 2.0, 5.0])).tolist() == [1.0, 1.0, 2.0, 2.0, 5.0]
@@ -478,7 +412,7 @@ def test_large_and_small_search_agree_on_the_best_of_the_enumeration(monkeypatch
     from uwopt.solvers.exact import search as exact_search
 
     for place, names in ((exact_search, ("FIRST_CHUNK", "FIRST_BATCH", "LARGEST_BATCH", "LARGEST_CHUNK")),
-                         (exact_search, ("FIRST_SIFTED",)), (large, ("FIRST_ROWS", "FIRST_LEAVES"))):  # fmt: skip
+                         (large, ("FIRST_ROWS", "FIRST_LEAVES"))):  # fmt: skip
         for name in names:
             monkeypatch.setattr(place, name, 1)
     monkeypatch.setattr(exact_search, "TOO_FEW_TO_BOUND", 0)

@@ -108,7 +108,6 @@ def cut(monkeypatch: pytest.MonkeyPatch, calls: int, *, way: str = "small") -> t
         monkeypatch.setattr(exact_search, name, 1)
     for name in ("FIRST_ROWS", "FIRST_LEAVES"):
         monkeypatch.setattr(large, name, 1)
-    monkeypatch.setattr(exact_search, "FIRST_SIFTED", 1)
     monkeypatch.setattr(exact_search, "TOO_FEW_TO_BOUND", 0)
     monkeypatch.setattr(exact_search, "MOST_IMAGERS", 10**9 if way == "small" else 0)
     case_ = replace(case_, parts=replace(case_.parts, cameras=case_.parts.cameras[::-1]))

@@ -7,7 +7,7 @@ without a case here makes a test fail. What `brute_force` says, which shares no 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
@@ -35,7 +35,6 @@ from uwopt.solvers.exact.imagers import IMAGER_RULES, enumerate_imagers, fitting
 from uwopt.solvers.exact.node_bounds import NODE_RULES
 from uwopt.solvers.exact.outline import Level, OutlineRows
 from uwopt.solvers.exact.port_groups import port_tree
-from uwopt.solvers.exact.screen import pair_rules
 from uwopt.solvers.exact.search import Search
 
 NEAR = 1e-6
@@ -272,7 +271,6 @@ def unit_limit(rule: str, *, fits: bool) -> Case:
         "power_w": {"limits": {"power_w": power_w * share}},
         "energy_wh": {"limits": {"energy_wh": power_w * 2.0 * share}, **TWO_HOURS},
         "max_white_balance": {"camera": COLOURED, "wanted": {**FAST, "max_white_balance": 4.0 * share}},
-        "bound": {},
     }[rule]
     return one(physics="paper", **{"wanted": FAST, **given})
 
@@ -293,20 +291,7 @@ def unit_rules(case_: Case) -> list[str]:
     return [NODE_RULES[int(rule)] for rule in bounds.of_nodes(0, np.arange(1)).rule if rule >= 0]
 
 
-def light_rules(case_: Case, threshold: float = np.inf) -> list[str]:
-    """Rules that discard its one light when looked at alone."""
-    search = case_.searcher()
-    imagers = search.prepare()
-    bounds = Bounds(search.objective, imagers, search.tables)
-    unit = replace(bounds.of_nodes(0, np.arange(1)), rule=np.array([-1]))
-    rule, _ = pair_rules(bounds, 0, np.arange(1), unit, threshold)
-    return [NODE_RULES[int(one_)] for one_ in rule.ravel() if one_ >= 0]
-
-
 IN_TABLES = tuple(rule for rule in NODE_RULES if rule != "bound")
-OF_LIGHTS = tuple(rule for rule in IN_TABLES if rule != "max_white_balance")  # which no lamp of its optics mends
-
-
 @pytest.mark.parametrize("rule", IN_TABLES)
 def test_a_unit_falls_when_its_light_is_outside(rule: str) -> None:
     """A hundredth less light or power than the enumeration needs is enough, a millionth of the others."""
@@ -319,25 +304,6 @@ def test_a_unit_stays_when_its_light_is_inside(rule: str) -> None:
     assert unit_rules(unit_limit(rule, fits=True)) == []
 
 
-@pytest.mark.parametrize("rule", OF_LIGHTS)
-def test_a_single_light_falls_when_it_is_outside(rule: str) -> None:
-    """As the unit does."""
-    assert light_rules(unit_limit(rule, fits=False)) == [rule]
-
-
-@pytest.mark.parametrize("rule", OF_LIGHTS)
-def test_a_single_light_stays_when_it_is_inside(rule: str) -> None:
-    """As the unit does."""
-    assert light_rules(unit_limit(rule, fits=True)) == []
-
-
-def test_a_single_light_falls_when_it_cannot_win() -> None:
-    """Its least power, a hundredth below what enumeration finds at most, against a threshold."""
-    _, power_w = needed("paper")
-    assert light_rules(unit_limit("bound", fits=True), threshold=LOOSE * power_w) == ["bound"]
-    assert light_rules(unit_limit("bound", fits=True), threshold=power_w) == []
-
-
 LED = {
     "kind": "pulsed_led", "min_pulse_us": 1.0, "max_pulse_us": 2000.0, "max_duty_frac": exact(1.0),
     "max_rate_hz": exact(50.0),
@@ -348,7 +314,6 @@ def test_a_lamp_that_cannot_keep_up_with_the_images_falls() -> None:
     """0.284 pulses a second are asked."""
     for share, found in ((1.0 - NEAR, ["light"]), (1.0 + NEAR, [])):
         light = {**LED, "max_rate_hz": exact(RATE_HZ * share)}
-        assert light_rules(one(light=light, wanted=FAST)) == found
         assert unit_rules(one(light=light, wanted=FAST)) == found
 
 

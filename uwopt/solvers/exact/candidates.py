@@ -15,7 +15,6 @@ from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.bounds import Bounds
 from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.light_tables import FieldTables
-from uwopt.solvers.exact.signals import SignalTables
 
 Array = NDArray[Any]
 
@@ -27,7 +26,6 @@ class Candidates:
     imagers: Imagers
     tables: FieldTables
     bounds: Bounds
-    signal_bounds: Bounds | None = None  # with the light of each node integrated, where there are many more
 
     @staticmethod
     def of(
@@ -40,14 +38,10 @@ class Candidates:
         return Candidates(imagers, tables, bounds)
 
     def others(self, imagers: Imagers) -> Candidates:
-        """Other imagers of the same catalogue; their lights must meet what is left of the budgets together."""
-        problem, own = self.tables.problem, self.bounds
-        tables, signals = (kind(problem, imagers, like=self.tables) for kind in (FieldTables, SignalTables))
-        bounds, signal_bounds = (
-            Bounds(own.objective, imagers, made, lights=own.searched, like=own)
-            for made in (tables, signals)
-        )
-        return Candidates(imagers, tables, bounds, signal_bounds)
+        """Other imagers of the same catalogue; the tables of lights are the same."""
+        own, tables = self.bounds, FieldTables(self.tables.problem, imagers, like=self.tables)
+        bounds = Bounds(own.objective, imagers, tables, lights=own.searched, like=own)
+        return Candidates(imagers, tables, bounds)
 
     @cached_property
     def motorised(self) -> Array:

@@ -33,9 +33,8 @@ from uwopt.solvers.exact.imagers import (
     landscapes,
 )
 from uwopt.solvers.exact.large import PairTree
-from uwopt.solvers.exact.node_bounds import NODE_RULES, NodeBounds
+from uwopt.solvers.exact.node_bounds import NodeBounds
 from uwopt.solvers.exact.open_nodes import OpenNodes
-from uwopt.solvers.exact.screen import pair_rules
 
 Array = NDArray[Any]
 
@@ -54,9 +53,6 @@ MOST_IMAGERS = 600_000  # beyond which pairs of camera and lens are bounded befo
 MOST_UNITS = 6_000_000  # imagers times lightings: what memory allows
 SAMPLES = 64  # of nodes that a rule discards, about
 TOO_FEW_TO_BOUND = 8  # nodes: evaluating them is cheaper
-MOST_PAIRS = 500_000  # imagers times lights that are bounded together
-FIRST_SIFTED, LARGEST_SIFTED = 8, 2048  # nodes that are evaluated together once their light is known
-NEXT_BATCH, NEXT_SIFTED = 256, 64  # the first of both where earlier imagers have left designs that are hard to beat
 TAKEN = 1.0 + 1e-12  # of a threshold: outlines are summed in another order
 
 
@@ -290,7 +286,7 @@ class Search(Evaluation):
         nodes = self._bounded(rows)
         if nodes is None:
             return None
-        self._patient = not self._sifts and self.bounds.weighs_quality()
+        self._patient = self.bounds.weighs_quality()
         batch, least_look, costly = self._first_batch(), self._least_look(), bool(nodes.rough.any())
         look = max(least_look, REFINED_AHEAD * batch)
         try:
@@ -332,7 +328,7 @@ class Search(Evaluation):
         self.bounds_s += time.perf_counter() - start
         if not bounds:
             return None
-        rough = not few and not self._sifts and self.bounds.can_refine()
+        rough = not few and self.bounds.can_refine()
         sizes = [len(table.light) for table in self.bounds.light_tables]
         nodes = OpenNodes.of(bounds, rows, self.imagers.cost[rows], sizes, rough=rough, how_wide=self._how_wide(rows))
         for name, failed in nodes.failed():
@@ -363,8 +359,6 @@ class Search(Evaluation):
 
     def _first_batch(self) -> int:
         """Nodes that are evaluated together at first."""
-        if self._sifts and self.ranking.best:
-            return NEXT_BATCH
         if self.enough:
             return FIRST_ENOUGH
         return FIRST_DEAR if self.objective.weight("information") else FIRST_BATCH
@@ -389,9 +383,7 @@ class Search(Evaluation):
         try:
             self.deadline.check()
             if len(useful):
-                (self.sift if self._sifts else self.evaluate_nodes)(
-                    nodes.lighting_of(useful), nodes.imager_of(useful)
-                )
+                self.evaluate_nodes(nodes.lighting_of(useful), nodes.imager_of(useful))
         except OutOfTimeError:
             self.account.restore(before)
             self._waiting = waited
@@ -411,43 +403,6 @@ class Search(Evaluation):
                 self._discard(name, nodes, failed)
         nodes.rough[some] = False
         nodes.sort()
-
-    @property
-    def _sifts(self) -> bool:
-        """Whether the light of nodes is integrated for a bound before they are evaluated."""
-        return self.candidates.signal_bounds is not None
-
-    def sift(self, lighting_index: Array, imager: Array) -> None:
-        """Evaluate the nodes that may still be best when their light is known, best first; count the others."""
-        signals, account, tables = self.candidates.signal_bounds, self.account, self.bounds.light_tables
-        assert signals is not None
-        value = np.full(len(imager), np.inf)
-        for k in np.unique(lighting_index):
-            every = np.nonzero(lighting_index == k)[0]
-            step = max(1, MOST_PAIRS // len(tables[k].light))
-            for mine in (every[start : start + step] for start in range(0, len(every), step)):
-                node = signals.of_nodes(int(k), imager[mine])
-                rule, value[mine] = pair_rules(
-                    signals, int(k), imager[mine], node, self.ranking.threshold() * TAKEN
-                )
-                closed = ~np.isfinite(value[mine])
-                lost, rows = rule[closed], imager[mine[closed]]
-                for number, name in enumerate(NODE_RULES):
-                    account.charge(name, int((lost == number).sum()))
-                    mine_lost = rows[(lost == number).any(axis=1)]
-                    self._sample(name, mine_lost, np.full(len(mine_lost), k))
-                account.charge("bound", int((lost < 0).sum()))  # what the node's own bound discards
-        sizes = np.array([len(table.light) for table in tables])
-        order = np.argsort(value, kind="stable")
-        order = order[np.isfinite(value[order])]
-        position, batch = 0, NEXT_SIFTED if self.ranking.best else FIRST_SIFTED
-        while position < len(order):
-            ahead = order[position : position + batch]
-            useful = ahead[value[ahead] <= self.ranking.threshold() * TAKEN]
-            account.charge("bound", int(sizes[lighting_index[ahead]].sum() - sizes[lighting_index[useful]].sum()))
-            self.evaluate_nodes(lighting_index[useful], imager[useful])
-            position += len(ahead)
-            batch = min(4 * batch, LARGEST_SIFTED)
 
     def _sample(self, rule: str, imager: Array, lighting: Array | None = None) -> None:
         """Remember some of the nodes that a rule discards, for an audit; None: with any light."""
