@@ -1,13 +1,15 @@
 """Which parts a mission lets into the search."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
 
 from uwopt.catalog.catalogue import Catalog, Exclusion
 from uwopt.catalog.choose import Choice, matches, select
-from uwopt.catalog.load import assembled, build_rows
+from uwopt.catalog.load import assembled, build_rows, load_catalog
 from uwopt.catalog.parts.camera import Camera
+from uwopt.catalog.parts.housing import Housing
 from uwopt.catalog.parts.lens import Lens
 from uwopt.catalog.parts.light import Light
 from uwopt.catalog.parts.port import Port
@@ -107,6 +109,27 @@ def test_unknown_depth_rating_never_passes_unless_accepted():
     assert select(CATALOG, required_depth_m=50.0).indices["port"] == (0,)
     accepting = select(CATALOG, Choice(accept_unrated=["dome_unrated"]), required_depth_m=50.0)
     assert accepting.indices["port"] == (0, 1)
+
+
+def test_a_rating_for_short_dives_serves_no_longer_ones():
+    short = Port(id="cap", depth_rating_m=100.0, rated_time_h=336.0)
+    tube = Housing(id="tube", depth_rating_m=100.0, rated_time_h=336.0)
+    known = replace(CATALOG, ports=(short, CATALOG.ports[0]), housings=(tube,))
+    for hours, ports, housings in ((None, (0, 1), (0,)), (336.0, (0, 1), (0,)), (337.0, (1,), ())):
+        chosen = select(known, duration_h=hours)
+        assert (chosen.indices["port"], chosen.indices["housing"]) == (ports, housings)
+    assert [e.reason for e in chosen.excluded if e.rule == "rated time"] == [
+        "its depth rating holds for 336 h, 337 h are needed"
+    ] * 2
+
+
+def test_makers_acrylic_that_is_rated_for_two_weeks_is_left_out_of_a_season():
+    # "only for short-term submersions lasting less than two weeks": the maker's page of enclosures
+    season = select(load_catalog(), Choice(generic="allow"), duration_h=2000.0)
+    left = {e.part_id for e in season.excluded if e.rule == "rated time"}
+    assert {"blue-robotics-3-in-acrylic-tube-150", "blue-robotics-3-in-acrylic-end-cap-2026"} < left
+    assert all("acrylic" in name for name in left)
+    assert all(one.material != "acrylic" for one in season.housings)
 
 
 def test_generic_parts_step_in_where_no_real_part_is_left():

@@ -91,6 +91,7 @@ RANGES = {
     "colour_temperature_k": (2500, 10000),
     "cri": (50, 100),
     "depth_rating_m": (4, 15000),
+    "rated_time_h": (24, 8760),
     "supply_v_min": (5, 250),
     "supply_v_max": (5, 250),
     "run_time_min": (10, 1000),
@@ -114,6 +115,7 @@ RANGES = {
 UNIT_ENDINGS = (
     "_px", "_um", "_nm", "_hz", "_e", "_db", "_e_s", "_dn", "_per_e", "_us", "_s", "_w", "_g", "_in", "_mm",
     "_m", "_frac", "_pct", "_lm", "_deg", "_candela", "_k", "_j", "_v_min", "_v_max", "_bits", "_per_mm", "_min",
+    "_h",
 )  # fmt: skip
 PLAIN_NUMBERS = {
     "bit_depth", "qe", "f_number_min", "f_number_max", "rated_megapixel", "output_factor", "dim_step_count",

@@ -316,6 +316,7 @@ CASES: list[tuple[str, Callable[[float], Changes]]] = [
     ("storage_gb", high(
         "limits.storage_gb", 2.0 * 2000 * 1000 * 12 / 8 * 48.0 * 3600 / 1e9, **{"vehicle.duration_h": 48.0})),
     ("depth_rating_m (port)", lambda over: {"port.depth_rating_m": 300.0 / (1.0 + over)}),
+    ("rated_time_h (port)", low("vehicle.duration_h", 336.0, **{"port.rated_time_h": 336.0})),
     ("depth_rating_m (lamp)", lambda over: {"light.depth_rating_m": 300.0 / (1.0 + over)}),
     ("depth_rating_m (port)", lambda over: {
         "port.depth_rating_m": 375.0 / (1.0 + over), "reserve.depth": 1.25}),

@@ -27,6 +27,13 @@ DEFECTS = (
         test="tests/catalog/test_choose.py::test_part_serves_down_to_its_rating_and_no_deeper",
     ),
     Defect(
+        name="a rating for short dives serves a season",
+        file="uwopt/catalog/choose.py",
+        old="rated_h is None or rated_h >= self.duration_h",
+        new="rated_h is None or 10.0 * rated_h >= self.duration_h",
+        test="tests/catalog/test_choose.py::test_a_rating_for_short_dives_serves_no_longer_ones",
+    ),
+    Defect(
         name="lights need no depth rating",
         file="uwopt/catalog/choose.py",
         old="not isinstance(part, Port | Light | Housing | Complete)",

@@ -22,6 +22,13 @@ BY_EITHER = f"{EVERY}::test_signal_to_noise_of_mean_and_frame_has_its_price_by_e
 
 DEFECTS = (
     Defect(
+        name="a shorter mission has no part again that a long one may not",
+        file="uwopt/solvers/infeasible/relaxer.py",
+        old="any(one.rule in OF_HOURS for one in self.selection.excluded)",
+        new="False",
+        test="tests/solvers/test_hardware_at_hand.py::test_a_shorter_mission_may_have_parts_that_a_long_one_may_not",
+    ),
+    Defect(
         name="a budget is asked of central prices for ever",
         file="uwopt/solvers/infeasible/singles.py",
         old=' == "high" and name not in self.dear',

@@ -46,6 +46,13 @@ DEFECTS = (
         test=f"{OUTSIDE}[depth_rating_m (port)]",
     ),
     Defect(
+        name="a depth rating holds twice as long as is said",
+        file="uwopt/objectives/requirements.py",
+        old="np.array([rated]), np.array([hours])",
+        new="np.array([2.0 * rated]), np.array([hours])",
+        test=f"{OUTSIDE}[rated_time_h (port)]",
+    ),
+    Defect(
         name="light_duty never limits",
         file="uwopt/objectives/requirements.py",
         old="np.where(led, lights.max_duty, 1.0)",

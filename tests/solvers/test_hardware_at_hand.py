@@ -8,7 +8,8 @@ import pytest
 from test_any_lighting import POWER, reef, searched
 
 from uwopt.deadline import NEVER, Deadline
-from uwopt.forward.assembly import load_catalog
+from uwopt.forward.assembly import load_catalog, selected
+from uwopt.mission.mission import Mission, load_mission
 from uwopt.mission.weakened import RELAXABLE, without
 from uwopt.solvers.exact import search as searching
 from uwopt.solvers.exact.certificate import certificate
@@ -97,3 +98,17 @@ def test_what_helps_is_drawn_in_by_its_hardware_before_all_else_is_asked() -> No
     trials.over = True
     draw_by_hardware(singles, mover)
     assert len(given_s) == 2
+
+
+def test_a_shorter_mission_may_have_parts_that_a_long_one_may_not():
+    def lasting(hours: float) -> Mission:
+        base = reef(20.0).to_dict()
+        ports = {"ports": ["blue-robotics-4-in-acrylic-end-cap-2026", "blue-robotics-4-in-dome-plastic-ring-2026"]}
+        vehicle = base["vehicle"] | {"duration_h": hours}
+        return load_mission(base | {"vehicle": vehicle, "catalog": base["catalog"] | ports})
+
+    season, catalog = lasting(2000.0), load_catalog(reef(20.0))
+    found = Relaxer(season, catalog, "never").any_design(lasting(20.0), NEVER, moved="duration_h")
+    assert found is not None
+    assert [len(selected(one, catalog, generic="never").ports) for one in (season, lasting(20.0))] == [1, 2]
+    assert len(found.selection.ports) == 2

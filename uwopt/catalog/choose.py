@@ -43,6 +43,7 @@ RULES = (
     "lamp supply",
     "run time",
     "trigger",
+    "rated time",
     "depth rating",
     "setting",
     "generic",
@@ -235,6 +236,7 @@ class _Filters:
             or self._unverified(part)
             or self._wrong_sensor(part)
             or self._wrong_supply(part, wanted)
+            or self._rated_too_short(part)
             or self._too_shallow(part)
             or (("setting", why) if (why := self.unsettable(part)) else None)
         )
@@ -293,6 +295,13 @@ class _Filters:
         if needed_min is None or part.run_time_min is None or part.run_time_min >= needed_min:
             return None
         return "run time", f"its battery lasts {part.run_time_min:g} min{how}, {needed_min:g} min are needed"
+
+    def _rated_too_short(self, part: Part) -> tuple[str, str] | None:
+        """Whether its depth rating is for shorter dives than the mission."""
+        rated_h = part.rated_time_h if isinstance(part, Port | Housing) else None
+        if self.duration_h is None or rated_h is None or rated_h >= self.duration_h:
+            return None
+        return "rated time", f"its depth rating holds for {rated_h:g} h, {self.duration_h:g} h are needed"
 
     def _too_shallow(self, part: Part) -> tuple[str, str] | None:
         if self.required_depth_m is None or not isinstance(part, Port | Light | Housing | Complete):

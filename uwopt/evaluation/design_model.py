@@ -48,6 +48,7 @@ from uwopt.objectives.requirements import (
     MarginRows,
     duration_margins,
     fixed_margins,
+    rated_time_margins,
     scene_margins,
     system_margins,
     trigger_margins,
@@ -244,6 +245,7 @@ class DesignModel(DesignLight):
                 depth_m=mission.required_depth_m, ratings_m=self.ratings_m(),
                 accepted=self.accepted_unrated(), depth_reserve_m=mission.required_depth_m - mission.asked_depth_m,
             ),
+            *rated_time_margins(mission.vehicle.duration_h, self.rated_times_h()),
             *(self.duration_margins([figures]) if len(self.problem.scenes) == 1 else ()),
         ]  # fmt: skip
         return [m for m in margins if not (self.unlit and m.requirement in LAMP_MARGINS)]
@@ -399,18 +401,26 @@ class DesignModel(DesignLight):
         """What the rings behind each lens cost and weigh; nothing where none stand there."""
         return self.problem.spacers if self.spacer_m > 0.0 else {}
 
+    def enclosure(self) -> list[Port | Housing]:
+        """What keeps the water from the camera; of a complete camera it is the camera's own."""
+        port = self.problem.parts.ports[self.hardware.port]
+        return [replace(port, id=port.complete)] if port.complete else [port, *([port.housing] if port.housing else [])]
+
     def ratings_m(self) -> dict[str, float | None]:
         """Depth ratings of the parts that meet the water; inline parts are not checked for what they leave out."""
-        port = self.problem.parts.ports[self.hardware.port]
         light = self.problem.parts.lights[self.hardware.light]
-        wet: list[Port | Housing | Light] = [port, *([port.housing] if port.housing else [])]
-        wet = [replace(port, id=port.complete)] if port.complete else wet
+        wet: list[Port | Housing | Light] = []
+        wet += self.enclosure()
         wet += [] if self.unlit else [light]
         return {
             part.id: part.depth_rating_m
             for part in wet
             if not (part.inline and part.depth_rating_m is None)
         }
+
+    def rated_times_h(self) -> dict[str, float]:
+        """Of the parts around the camera whose depth rating holds for a limited time, how long."""
+        return {part.id: part.rated_time_h for part in self.enclosure() if part.rated_time_h is not None}
 
     def totals(self, figures: Figures) -> dict[str, Array]:
         """Cost, mass and power of the system, with the lights' power in one scene."""

@@ -30,7 +30,7 @@ from uwopt.results.design import Note
 
 PLACE_DIGITS = 6  # of metres and of directions: lamps nearer to each other stand in one place
 MORE_LIGHT_REL = 1e-6  # a smaller working f-number counts from here on
-TOLD_OTHERWISE = ("colour", "shutter", "depth rating")  # of selection: margins of every evaluation
+TOLD_OTHERWISE = ("colour", "shutter", "depth rating", "rated time")  # of selection: margins of every evaluation
 PLACE_KEYS = ("light_baseline_m", "light_tilt_deg", "light_mounts")
 
 

@@ -6,7 +6,7 @@ every margin is at least -1e-6 of its limit; of a limit in decibels also -1e-6 o
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -344,6 +344,12 @@ def system_margins(
             known = 0.0 if rating is None else rating
             deep = depth_m * every
             yield MarginRows(f"depth_rating_m ({part})", known * every, deep, ">=", "m", reserve=depth_reserve_m)
+
+
+def rated_time_margins(hours: float | None, rated_h: Mapping[str, float]) -> Iterator[MarginRows]:
+    """Whether the depth rating of each part that states how long it holds does so for a mission of so many hours."""
+    for part, rated in rated_h.items() if hours is not None else ():
+        yield MarginRows(f"rated_time_h ({part})", np.array([rated]), np.array([hours]), ">=", "h")
 
 
 def trigger_margins(cameras: Cameras, lights: Lights) -> Iterator[MarginRows]:

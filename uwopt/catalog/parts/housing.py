@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from pydantic.dataclasses import dataclass
 
 from uwopt.catalog.parts.cell import NEEDED, POSITIVE, Cell, Inline, Range
-from uwopt.catalog.parts.part import Part, PartKind, shown_depth
+from uwopt.catalog.parts.part import RATED_TIME, Part, PartKind, shown_depth
 from uwopt.catalog.parts.quantity import Known
 
 ANY_PORT = "any"  # in `ports`: an end cap is made for the port
@@ -45,6 +45,7 @@ class Housing(Part):
         Cell("length over all in millimetres, without the port", POSITIVE, span=SIZE_MM),
     ] = None
     depth_rating_m: Annotated[float | None, Cell("depth rating in metres", POSITIVE)] = None
+    rated_time_h: Annotated[float | None, RATED_TIME] = None
     penetrators: Annotated[int | None, Cell("holes for cables in its end cap", Range(0.0, 1e3))] = None
     displaced_g: Annotated[Known, Cell(in_files=False)] = None  # of water, where the mass in water is stated
     ports: Annotated[
@@ -56,7 +57,7 @@ class Housing(Part):
 def _summary(housing: Housing) -> tuple[str, ...]:
     inner = f"{housing.inner_diameter_mm:g} mm inside" if housing.inner_diameter_mm is not None else ""
     length = f"{housing.inner_length_mm:g} mm long" if housing.inner_length_mm is not None else ""
-    return (housing.shape, housing.material, inner, length, shown_depth(housing.depth_rating_m))
+    return (housing.shape, housing.material, inner, length, shown_depth(housing.depth_rating_m, housing.rated_time_h))
 
 
 KIND = PartKind(

@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic.dataclasses import dataclass
 
-from uwopt.catalog.parts.cell import FROM_ZERO, UNSEEN, Cell, Inline
+from uwopt.catalog.parts.cell import FROM_ZERO, POSITIVE, UNSEEN, Cell, Inline
 from uwopt.catalog.parts.quantity import Known, Quantity
 
 Kind = Literal["camera", "lens", "port", "light", "housing", "complete"]
@@ -18,6 +18,7 @@ PriceStatus = Literal["quoted", "derived", "estimated"]
 MOUNT_NAMES = ("C", "CS", "S", "M12", "F", "EF", "MFT", "TFL", "TFL-II", "M42", "M58", "M72", "T2", "none")
 MOUNTS = Cell("lens mounts", choices=MOUNT_NAMES, inline=Inline(unless="such as [C]"))
 FORMAT = Cell("such as 2/3", inline="never")
+RATED_TIME = Cell("hours under water up to which the depth rating holds; empty: any", POSITIVE, span=(1.0, 1e6))
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +81,7 @@ def shown(before: str, quantity: Quantity | None, after: str) -> str:
     return f"{before}{'~' if quantity.estimated else ''}{number}{after}"
 
 
-def shown_depth(depth_rating_m: float | None) -> str:
-    """How deep a part may go; empty when unknown."""
-    return "" if depth_rating_m is None else f"to {depth_rating_m:g} m"
+def shown_depth(depth_rating_m: float | None, rated_time_h: float | None = None) -> str:
+    """How deep a part may go, and for how long where that is limited; empty when unknown."""
+    depth = "" if depth_rating_m is None else f"to {depth_rating_m:g} m"
+    return depth if not depth or rated_time_h is None else f"{depth} for {rated_time_h:g} h"

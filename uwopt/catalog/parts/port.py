@@ -7,7 +7,7 @@ from pydantic.dataclasses import dataclass
 
 from uwopt.catalog.parts.cell import FROM_ZERO, NEEDED, POSITIVE, SMALLEST, UNSEEN, Cell, Inline, Range
 from uwopt.catalog.parts.housing import Housing
-from uwopt.catalog.parts.part import Part, PartKind, shown, shown_depth
+from uwopt.catalog.parts.part import RATED_TIME, Part, PartKind, shown, shown_depth
 from uwopt.catalog.parts.quantity import Known, Quantity
 
 Purpose = Literal[
@@ -92,6 +92,7 @@ class Port(Part):
     depth_rating_m: Annotated[float | None, Cell("depth rating in metres", POSITIVE)] = (
         None  # never estimated
     )
+    rated_time_h: Annotated[float | None, RATED_TIME] = None
     housing: Annotated[Housing | None, UNSEEN] = None  # that it is built into, where housings are searched
 
     @property
@@ -129,7 +130,7 @@ class Port(Part):
 
 def _summary(port: Port) -> tuple[str, ...]:
     size = shown("radius ", port.outer_radius_mm, " mm")
-    return (port.geometry, port.material, size, shown_depth(port.depth_rating_m))
+    return (port.geometry, port.material, size, shown_depth(port.depth_rating_m, port.rated_time_h))
 
 
 KIND = PartKind(

@@ -110,7 +110,7 @@ class Vehicle(Section):
 
     duration_h: Positive | None = Field(
         default=None,
-        description="how long the mission takes in hours; energy and storage are counted over it",
+        description="hours that the mission takes, under water at one go; energy and storage are counted over it",
     )
     battery_wh: Positive | None = Field(
         default=None, description="energy of the battery in watt-hours, for the figure endurance"

@@ -116,6 +116,7 @@ REQUIREMENTS: Mapping[str, str] = {
     "run_time_h": "time that the cameras' own batteries last",
     "lamp_trigger": "signal that fires the lamps",
     "depth_rating_m": "depth rating",
+    "rated_time_h": "time that the depth rating holds",
 }
 
 SIZES: Mapping[str, str] = {  # that stop a fit
@@ -140,6 +141,7 @@ RULES: Mapping[str, str] = {
     "lamp supply": "lamp has its own battery, or its supply is unknown",
     "run time": "its own battery does not last",
     "trigger": "nothing fires the lamp with the camera",
+    "rated time": "depth rating holds for shorter dives alone",
     "depth rating": "depth rating too shallow or unknown",
     "setting": "cannot be set as the mission fixes it",
     "generic": "parts to be made, real ones are left",

@@ -9,6 +9,7 @@ from uwopt.solvers.recommend import Sought
 OTHER_WATER = "other water"  # of which no rule of an imager knows
 NO_REASONS = frozenset({"better_housing", "bound", "mount", "image_circle", "complete"})  # whatever is asked
 LATE_RULES = frozenset({*NODE_RULES, "cost", "mass_kg", "power_w", "energy_wh"}) - NO_REASONS  # that know of lamps
+HOURS, OF_HOURS = "duration_h", ("run time", "rated time")  # rules of parts that a shorter mission may have again
 SETTINGS = "settings"  # that none of a design's does: a reason, though no rule of a search
 MOST_REASONS = 2  # told
 
@@ -39,7 +40,7 @@ MAY_PASS: dict[str, frozenset[str]] = {
 MOVES_PASS: dict[str, frozenset[str]] = {
     "speed_m_s": frozenset({"max_blur_px", "frame_rate", "data_rate_mb_s", "storage_gb", "card_gb"}),
     "frame_interval_s": frozenset({"frame_rate", "data_rate_mb_s", "storage_gb", "card_gb"}),
-    "duration_h": frozenset({"storage_gb", "card_gb"}),
+    HOURS: frozenset({"storage_gb", "card_gb"}),
 }
 FREES = MAY_PASS | MOVES_PASS
 #: Those that count of imagers alone: who fits without them and not with them breaks their rule.

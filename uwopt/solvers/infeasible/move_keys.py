@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from uwopt.mission.duration import Duration
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Value, Varied, rounded
+from uwopt.solvers.infeasible.freed_rules import HOURS
 from uwopt.solvers.infeasible.least_change import rounded_away
 
 FARTHEST_SPEED = 0.1  # of the speed that is asked
@@ -21,7 +22,7 @@ FARTHEST_CLARITY = (40.0, 8.0)  # times as clear, but no clearer than a mission 
 CLEAREST = {"c_per_m": 0.055, "visibility_m": 80.0, "secchi_m": 80.0, "turbidity_ntu": 0.02}
 FARTHEST_TIME = 10.0  # times as long between images
 FARTHEST_ENERGY = (10.0, 100.0)  # times as short a mission, or as much in its battery
-BATTERY, HOURS = "battery_wh", "duration_h"
+BATTERY = "battery_wh"
 #: Jerlov types from the clearest on, by their attenuation at 530 nm.
 CLEAREST_FIRST = ("I", "IA", "IB", "II", "1C", "III", "3C", "5C", "7C", "9C")
 SWITCHES = ("camera_between_images", "lamps_between_images")  # that may be off, and draw less

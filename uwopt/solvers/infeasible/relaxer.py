@@ -34,8 +34,10 @@ from uwopt.solvers.exact.search import Search, are_too_many
 from uwopt.solvers.infeasible.broken_rules import Broken
 from uwopt.solvers.infeasible.freed_rules import (
     FREES,
+    HOURS,
     MAY_PASS,
     MOVES_PASS,
+    OF_HOURS,
     OF_IMAGERS,
     OF_LIGHT,
     OTHER_WATER,
@@ -193,7 +195,7 @@ class Relaxer:
 
     def _is_known_of(self, moved: str) -> bool:
         """Whether the imagers that a moved key leaves are among those of which it is known what they break."""
-        if self.are_too_many:
+        if self.are_too_many or (moved == HOURS and any(one.rule in OF_HOURS for one in self.selection.excluded)):
             return False
         return moved in MOVES_PASS or (moved == OTHER_WATER and self.known_in_best_housing is not None)
 
