@@ -34,7 +34,7 @@ DEFECTS = (
     Defect(
         name="what no lighting lights is not counted",
         file="uwopt/solvers/exact/search.py",
-        old='        self.account.charge("light", every * int(dark.sum()))\n',
+        old='        self.account.charge("light", int(self.bounds.sizes.sum() * dark.sum()))\n',
         new="",
         test=f"{TESTS}::test_every_combination_is_counted_as_it_is_one_lighting_after_another[45.0-one by one]",
     ),

@@ -225,8 +225,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="red is bounded by a part of its light",
         file="uwopt/solvers/exact/light_tables.py",
-        old="response = response * np.array([sees_colours(",
-        new="response = 0.3 * response * np.array([sees_colours(",
+        old="contraction.response(spectrum, q, channel) * loss",
+        new="contraction.response(spectrum, q, channel) * loss * (0.3 if channel else 1.0)",
         test=f"{COLOUR}::test_no_image_has_more_red_than_its_bound",
     ),
     Defect(

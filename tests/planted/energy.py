@@ -161,9 +161,9 @@ DEFECTS = (
     ),
     Defect(
         name="power of lamps that are off between images is bounded as if they burnt on",
-        file="uwopt/solvers/exact/bounds.py",
-        old="return np.minimum(1.0, rate_hz * (lead_s + time_s))",
-        new="return np.ones(len(rate_hz))",
+        file="uwopt/solvers/exact/lamp_choices.py",
+        old="return np.minimum(1.0, rate_hz * (self.lead_s + time_s))",
+        new="return np.ones_like(rate_hz)",
         test=f"{SWITCHED_SEARCH}test_bounds_are_no_higher_than_what_switched_lamps_draw",
     ),
     Defect(

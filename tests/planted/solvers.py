@@ -243,8 +243,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="bound of a node's power forgets its light",
         file="uwopt/solvers/exact/bounds.py",
-        old="scene_power = np.where(used > 0, used * drawn, 0.0)",
-        new="scene_power = 0.0 * used",
+        old="drawn = np.where(used > 0, used * per_light, 0.0)",
+        new="drawn = 0.0 * used",
         test=f"{BOUNDS}test_the_bound_of_a_unit_is_tight[least power]",
     ),
     Defect(
@@ -263,16 +263,16 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="nodes are kept whose bright lamps are too slow",
-        file="uwopt/solvers/exact/bounds.py",
-        old="reachable &= rate_hz <= fastest_hz * COARSE_ROUND",
-        new="reachable &= rate_hz <= table.max_rate_hz.max() * COARSE_ROUND",
+        file="uwopt/solvers/exact/lamp_choices.py",
+        old="np.append(-suffix_min(-self.lamps.max_rate_hz), -np.inf)[place]",
+        new="np.append(0.0 * self.capacity + self.lamps.max_rate_hz.max(), -np.inf)[place]",
         test=f"{RULES}test_a_unit_falls_when_no_lamp_is_both_bright_and_quick_enough",
     ),
     Defect(
         name="nodes fall where the brightest lamp alone is too slow",
-        file="uwopt/solvers/exact/bounds.py",
-        old="fastest_hz = -suffix_min(-table.max_rate_hz[own][order])[pick]",
-        new="fastest_hz = suffix_min(table.max_rate_hz[own][order])[pick]",
+        file="uwopt/solvers/exact/lamp_choices.py",
+        old="np.append(-suffix_min(-self.lamps.max_rate_hz), -np.inf)[place]",
+        new="np.append(suffix_min(self.lamps.max_rate_hz), -np.inf)[place]",
         test=f"{RULES}test_a_unit_falls_when_no_lamp_is_both_bright_and_quick_enough",
     ),
     Defect(

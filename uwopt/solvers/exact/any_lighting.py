@@ -95,13 +95,14 @@ def of_like_optics(lightings: Sequence[Lighting]) -> dict[int, list[Lighting]]:
 
 def brightest(tables: FieldTables, scene_index: int, some: list[Lighting], altitude: int, rows: Array) -> Array:
     """As `FieldTables.bound`, under whichever of these lightings is the brightest, (n,)."""
-    rectangle, back, response = tables.at_mounts(scene_index, some, altitude, rows)
+    rectangle = tables.rectangles_of_chunk(scene_index, altitude, rows)
     key = scene_index, some[0].optics, altitude
     if key not in tables.brightest:
         tables.brightest[key] = merged([tables.light_table(scene_index, one, altitude) for one in some])
+    response = tables.most_response(scene_index, some, altitude, rows)
     light = np.max([table.most_light(rectangle) for table in tables.brightest[key]], axis=0)
     collecting = tables.imagers.scenes[scene_index].view.collecting_m2[rows]
-    return np.asarray(collecting * response[back] * light * rectangle.samples_per_m2)
+    return np.asarray(collecting * response * light * rectangle.samples_per_m2)
 
 
 def merged(every: list[FloorLightBound]) -> list[FloorLightBound]:

@@ -14,34 +14,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.deadline import NEVER, Deadline, spend
-from uwopt.forward import switching
 from uwopt.forward.detail import most_scattering_per_m, shows_detail, texture_gain
-from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
+from uwopt.forward.part_columns import FLASH, PULSED
 from uwopt.forward.views import CORNER_FIELD, RMS_FIELD
 from uwopt.model import sensor
 from uwopt.model.aberration import field_blur
-from uwopt.objectives.objective import Objective, Terms
+from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact import off_balance
 from uwopt.solvers.exact.any_lighting import AnyLighting
 from uwopt.solvers.exact.imager_rules import limit
 from uwopt.solvers.exact.imagers import Imagers
+from uwopt.solvers.exact.lamp_choices import LampChoices, LampsOfKind, quickest
 from uwopt.solvers.exact.least_veil import LeastVeil
 from uwopt.solvers.exact.light_tables import FieldTables
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.node_bounds import (
     NODE_RULES,
-    Corner,
-    LampChoices,
     Needs,
     NodeBounds,
     bit_per_px_bound,
     first_missed,
     least_mean_frac,
     most_held_e,
-    quickest,
-    suffix_min,
 )
-from uwopt.tolerances import COARSE_ROUND, ROUND
+from uwopt.tolerances import ROUND
 from uwopt.units import ratio_to_db
 
 Array = NDArray[Any]
@@ -64,24 +60,30 @@ class Bounds:
             if like is None
             else like.light_tables
         )
-        self._corners: dict[tuple[int, int, str], Corner] = {} if like is None else like._corners
+        self.of_kinds: list[list[LampsOfKind]] = (  # by lighting
+            [[*LampsOfKind.each(self.problem, table)] for table in self.light_tables]
+            if like is None
+            else like.of_kinds
+        )
         self._needs_of: tuple[Array, dict[int, Needs]] | None = None
         self._any_lighting = AnyLighting(self)
+
+    @property
+    def sizes(self) -> Array:
+        """How many lamps in how many numbers each lighting has, (n_lightings,)."""
+        return np.array([len(table.light) for table in self.light_tables], int)
 
     def of_nodes(self, k: int, rows: Array, pixel_e: Mapping[int, Array] | None = None) -> NodeBounds:
         """Bounds of these imagers under one lighting, worst scene.
 
         `pixel_e`: by scene the most electrons per lm s of the pixel that must reach the SNR, where that is known.
         """
-        table = self.light_tables[k]
         n = len(rows)
-        bounds = NodeBounds.empty(n)
-        if n == 0 or len(table.light) == 0:
-            bounds.rule[:] = NODE_RULES.index("light")
+        bounds = NodeBounds.missing(n, "light")
+        if n == 0:
             return bounds
-        for kind in np.unique(table.kind):
-            own = table.kind == kind
-            bounds = bounds.better_of(self._kind_bounds(k, own, int(kind), rows, pixel_e or {}))
+        for lamps in self.of_kinds[k]:
+            bounds = bounds.better_of(self._of_kind(self.tables.lightings[k], lamps, rows, pixel_e or {}))
         off = (bounds.rule < 0) & off_balance.by_water(self.tables, self.imagers, k, rows)
         rule = np.where(off, NODE_RULES.index("max_white_balance"), bounds.rule)
         return replace(bounds, rule=rule, value=np.where(off, np.inf, bounds.value))
@@ -124,11 +126,8 @@ class Bounds:
         of it at the farthest altitude than at any. No bound is lower than that of the mean alone.
         """
         off = off_balance.by_image(self.tables, self.imagers, k, rows)
-        bounds = NodeBounds.empty(len(rows))
-        bounds.rule[:] = NODE_RULES.index("max_white_balance")
-        if not off.all():
-            bounds = bounds.with_rows(np.flatnonzero(~off), self._of_pixels(k, rows[~off]))
-        return bounds
+        bounds = NodeBounds.missing(len(rows), "max_white_balance")
+        return bounds if off.all() else bounds.put(np.flatnonzero(~off), self._of_pixels(k, rows[~off]))
 
     def _of_pixels(self, k: int, rows: Array) -> NodeBounds:
         """The same of imagers whose colours are balanced, or may be."""
@@ -143,96 +142,71 @@ class Bounds:
                 pixel_e[index] = np.max(by_count, axis=0)
         return self.of_nodes(k, rows, pixel_e)
 
-    def _corner(self, k: int, kind: int, name: str, value: Array, budget: Array) -> Corner:
-        """A table of the lights of one lighting and kind, made once."""
-        if (k, kind, name) not in self._corners:
-            self._corners[k, kind, name] = Corner.of(value, budget)
-        return self._corners[k, kind, name]
-
-    def _kind_bounds(
-        self, k: int, own: Array, kind: int, rows: Array, pixel_e: Mapping[int, Array]
+    def _of_kind(
+        self, lighting: Lighting, lamps: LampsOfKind, rows: Array, pixel_e: Mapping[int, Array]
     ) -> NodeBounds:
         """Bounds from the lights of one kind: what capable lights cost, weigh and draw at least."""
-        lighting, table, limits = self.tables.lightings[k], self.light_tables[k], self.limits
-        imagers = self.imagers
-        n = len(rows)
+        imagers, limits, n = self.imagers, self.limits, len(rows)
         spend("bounds", n)
         power, mean_power, capacity_needed, rate_hz = (np.zeros(n) for _ in range(4))
-        snr_db, information = np.full(n, np.inf), np.full(n, np.inf)
-        order = np.argsort(table.effective[own])
-        capacity = table.effective[own][order]
-        least_drawn = suffix_min(table.power_per_light[own][order])
-        power_left, most_drawn = (
-            limit(limits.power_w) * ROUND - imagers.camera_power_w[rows],
-            np.full(n, np.inf),
-        )
-        affordable = None
-        if limits.cost is not None:
-            affordable = self._corner(
-                k, kind, "drawn", table.power_per_light[own][order], table.limit_cost[own][order]
-            )
+        snr_db, information, most_drawn = (np.full(n, np.inf) for _ in range(3))
+        power_left = limit(limits.power_w) * ROUND - imagers.camera_power_w[rows]
         for index in range(len(imagers.scenes)):
             need = self.needs(index, rows)
-            light_time, wanted, most = self.light_needed(index, lighting, need, kind, rows, pixel_e.get(index))
-            light_time, wanted = self._within_pulse(table.light[own], kind, need, light_time, wanted)
+            light_time, wanted, most = self.light_needed(index, lighting, need, lamps.kind, rows, pixel_e.get(index))
+            light_time, wanted = self._within_pulse(lamps.lamps.light, lamps.kind, need, light_time, wanted)
             capacity_needed, rate_hz = np.maximum(capacity_needed, wanted), np.maximum(rate_hz, need.rate_hz)
-            at = np.searchsorted(capacity, wanted * (1 - 1e-12))
-            drawn = np.where(at < len(capacity), least_drawn[np.minimum(at, len(capacity) - 1)], np.inf)
-            if affordable is not None:
-                drawn = affordable.within(at, limit(limits.cost) * ROUND - imagers.limit_cost[rows])
             with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-                used = self._used(k, own, kind, need, light_time, wanted)
-                scene_power = np.where(used > 0, used * drawn, 0.0)
-                if kind != PULSED:
-                    on = need.rate_hz if kind == FLASH else self.on_share(k, own, need.rate_hz, 0.0)
-                    dimmest = self._dimmest(k, own) * on
-                    scene_power = np.maximum(scene_power, np.where(used > 0, dimmest, 0.0))
+                used = lamps.used(need.rate_hz, need.longest_s, light_time, wanted)
                 most_drawn = np.minimum(most_drawn, np.where(used > 0, power_left / used * ROUND, np.inf))
-            scene_power = np.where(np.isfinite(wanted), scene_power, np.inf)
+            scene_power = self._least_drawn(lamps, need, used, wanted, rows)
             power = np.maximum(power, scene_power)
-            mean_power += self.problem.duration.shares[index] * np.where(
-                np.isfinite(wanted), scene_power, 0.0
-            )
+            mean_power += self.problem.duration.shares[index] * np.where(np.isfinite(wanted), scene_power, 0.0)
             if self.objective.weight("snr_db") or self.objective.weight("information"):
-                electrons = capacity[-1] * most + need.sun_e[:, -1]
+                electrons = lamps.capacity[-1] * most + need.sun_e[:, -1]
                 reached = self._snr_bound(index, electrons, rows, self._most_contrast(index, [lighting], rows))
                 snr_db = np.minimum(snr_db, reached)
                 if self.objective.weight("information"):
                     information = np.minimum(information, self._information_bound(index, reached, rows))
-        at = np.searchsorted(capacity, capacity_needed * (1 - 1e-12))
-        reachable = at < len(capacity)
-        pick = np.minimum(at, len(capacity) - 1)
-        fastest_hz = -suffix_min(-table.max_rate_hz[own][order])[pick]  # of all that give as much
-        reachable &= rate_hz <= fastest_hz * COARSE_ROUND
-
-        def least(values: Array) -> Array:
-            return np.where(reachable, suffix_min(values[own][order])[pick], np.inf)
-
-        lights_cost = least(table.cost)
+        place = lamps.from_capacity(capacity_needed)
+        reachable = lamps.keep_up(place, rate_hz)
+        cost, limit_cost, mass = (
+            np.where(reachable, lamps.least[name][place], np.inf) for name in ("cost", "limit_cost", "mass_kg")
+        )
         if limits.power_w is not None:
-            corner = self._corner(k, kind, "cost", table.cost[own][order], table.power_per_light[own][order])
-            lights_cost = corner.within(at, most_drawn)
-        slack = self._slack(table.limit_cost[own][order], capacity, capacity_needed, power, rows)
+            cost = lamps.least_within("cost", "power_per_light", place, most_drawn)
+        slack = self._slack(lamps, capacity_needed, power, rows)
+        contrast, clear = self._contrast_bound(lighting, rows)
         bounds = NodeBounds(
             np.zeros(n), imagers.camera_power_w[rows] + power, imagers.camera_power_w[rows] + mean_power,
-            imagers.cost[rows] + lights_cost,
-            imagers.mass_kg[rows] + least(table.mass_kg), snr_db, np.zeros(n, int), information,
-            slack=slack,
+            imagers.cost[rows] + cost, imagers.mass_kg[rows] + mass, snr_db, np.zeros(n, int), information, contrast,
+            slack,
         )  # fmt: skip
-        contrast, clear = self._contrast_bound(lighting, rows)
-        reachable = reachable & clear
-        return self._judged(
-            bounds, reachable, imagers.limit_cost[rows] + least(table.limit_cost), rows, contrast
-        )
+        return self._judged(bounds, reachable & clear, imagers.limit_cost[rows] + limit_cost, rows)
 
-    def _slack(self, limit_cost: Array, capacity: Array, needed: Array, light_power_w: Array, rows: Array) -> Array:
+    def _least_drawn(self, lamps: LampsOfKind, need: Needs, used: Array, wanted: Array, rows: Array) -> Array:
+        """Least mean power [W] of lamps that give the wanted capacity within the budget; inf where none does."""
+        place = lamps.from_capacity(wanted)
+        if self.limits.cost is None:
+            per_light = lamps.least["power_per_light"][place]
+        else:
+            left = limit(self.limits.cost) * ROUND - self.imagers.limit_cost[rows]
+            per_light = lamps.least_within("power_per_light", "limit_cost", place, left)
+        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+            drawn = np.where(used > 0, used * per_light, 0.0)
+            if lamps.kind != PULSED:
+                on = need.rate_hz if lamps.kind == FLASH else lamps.on_share(need.rate_hz, 0.0)
+                drawn = np.maximum(drawn, np.where(used > 0, lamps.dimmest * on, 0.0))
+        return np.where(np.isfinite(wanted), drawn, np.inf)
+
+    def _slack(self, lamps: LampsOfKind, needed: Array, light_power_w: Array, rows: Array) -> Array:
         """How many times as much light as is needed affordable lamps give, or power there is, whichever is less, (n,).
 
-        limit_cost, capacity : of the lamps by their capacity
         needed, light_power_w : at least
         """
+        limit_cost = lamps.lamps.limit_cost
         by_cost = np.argsort(limit_cost, kind="stable")
-        most = np.maximum.accumulate(capacity[by_cost])
+        most = np.maximum.accumulate(lamps.capacity[by_cost])
         left = limit(self.limits.cost) * ROUND - self.imagers.limit_cost[rows]
         at = np.searchsorted(limit_cost[by_cost], left, side="right") - 1
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -241,34 +215,15 @@ class Bounds:
             by_power = np.where(light_power_w > 0.0, power_left_w / light_power_w, np.inf)
         return np.asarray(np.fmin(by_light, by_power))
 
-    def _used(
-        self, k: int, own: Array, kind: int, need: Needs, light_time: Array, wanted: Array
-    ) -> Array:
-        """Mean light [lm] that is paid for at least: all that burns, for as long as it is on."""
-        if kind != CONTINUOUS:
-            return np.asarray(light_time * need.rate_hz)
-        return np.asarray(wanted * self.on_share(k, own, need.rate_hz, need.longest_s))
-
-    def on_share(self, k: int, own: Array, rate_hz: Array, time_s: Array | float) -> Array:
-        """Least share of the time that any of these lamps burns for a time of light; 1 where they burn on."""
-        lamp = self.problem.lights.take(self.light_tables[k].light[own])
-        vehicles = [scene.view.vehicle for scene in self.problem.scenes]
-        switched = np.any([switching.are_switched(vehicle, lamp) for vehicle in vehicles], axis=0)
-        lead_s = float(np.where(switched, lamp.warm_up_s, np.inf).min(initial=np.inf))
-        if not np.isfinite(lead_s):
-            return np.ones(len(rate_hz))
-        return np.minimum(1.0, rate_hz * (lead_s + time_s))
-
-    def _contrast_bound(self, lighting: Lighting, rows: Array) -> tuple[Array | float, Array]:
+    def _contrast_bound(self, lighting: Lighting, rows: Array) -> tuple[Array, Array]:
         """Most contrast that the forward veil alone leaves, worst scene, and whether it is enough in all.
 
         1 where the sun shines too: its light may have less veil.
         """
         wanted = [scene.view.requirements.min_contrast or 0.0 for scene in self.problem.scenes]
-        enough = np.ones(len(rows), bool)
+        best, enough = np.ones(len(rows)), np.ones(len(rows), bool)
         if not self.problem.effects.forward_veil or not (self.objective.weight("contrast") or any(wanted)):
-            return 1.0, enough
-        best = np.ones(len(rows))
+            return best, enough
         for index, least in enumerate(wanted):
             best = np.minimum(best, self._most_contrast(index, [lighting], rows))
             if least:
@@ -339,15 +294,6 @@ class Bounds:
         known, (n,). Raises OutOfTimeError."""
         return self._any_lighting.leaves_dark(rows, deadline)
 
-    def _dimmest(self, k: int, own: Array) -> float:
-        """The least that any of these lights draws at its lowest level: W, or J a flash."""
-        table = self.light_tables[k]
-        lamp = self.problem.lights.take(table.light[own])
-        steps = np.fmin.reduce(lamp.levels, axis=1)
-        level = np.where(lamp.dims_freely, lamp.min_level, np.where(np.isnan(steps), 1.0, steps))
-        drawn = level * table.effective[own] * table.power_per_light[own]
-        return float(np.fmin.reduce(drawn, initial=np.inf))  # a lamp without light has no number
-
     def needs(self, scene_index: int, rows: Array) -> Needs:
         """What these imagers need in one scene, the same under every lighting."""
         if self._needs_of is None or self._needs_of[0] is not rows:
@@ -365,9 +311,7 @@ class Bounds:
             )  # fmt: skip
         return known[scene_index]
 
-    def _judged(
-        self, bounds: NodeBounds, reachable: Array, limit_cost: Array, rows: Array, contrast: Array | float
-    ) -> NodeBounds:
+    def _judged(self, bounds: NodeBounds, reachable: Array, limit_cost: Array, rows: Array) -> NodeBounds:
         """Objective of the bounds, infinite where a limit cannot be met, with the rule that says so."""
         limits = self.limits
         rule = first_missed([
@@ -377,16 +321,13 @@ class Bounds:
             ("power_w", bounds.power <= limit(limits.power_w) * ROUND),
             ("energy_wh", bounds.mean_power_w <= self.problem.duration.mean_power_limit_w * ROUND),
         ])  # fmt: skip
-        terms = Terms(
-            bounds.power, bounds.cost, bounds.mass, bounds.snr_db, self.imagers.gsd_mm[rows], contrast,
-            bounds.information,
-        )  # fmt: skip
+        terms = bounds.terms(slice(None), self.imagers.gsd_mm[rows])
         with np.errstate(invalid="ignore"):
             value = self.objective.cost_to_minimise(terms)
         over = (rule < 0) & ~np.isfinite(value)  # no light keeps within both budgets
         rule = np.where(over, NODE_RULES.index("power_w"), rule)
         value = np.where(rule >= 0, np.inf, value)
-        return replace(bounds, value=value, rule=rule, contrast=contrast)
+        return replace(bounds, value=value, rule=rule)
 
     def _signal_bound(self, scene_index: int, lighting: Lighting, rows: Array) -> Array:
         """Upper bounds of electrons per lm s at the farthest and the nominal altitude, (n, 2)."""

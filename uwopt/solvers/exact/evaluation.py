@@ -126,7 +126,7 @@ class Evaluation:
         if self.refusals.are_most:
             kept = self._may_keep_rules(imager, under)
             self.refusals.count(kept)
-            self.account.evaluated += sum(len(self.bounds.light_tables[k].light) for k in lighting_index[~kept])
+            self.account.evaluated += int(self.bounds.sizes[lighting_index[~kept]].sum())
             imager, under = imager[kept], under.take(kept)
         for some in self.together(under):
             lights = self.tables.in_scenes(under.take(some), imager[some], veils="none", deadline=self.deadline)
@@ -138,9 +138,8 @@ class Evaluation:
         Where one that fits ends the search, those under the lighting of the first alone, then under twice as many each:
         light for all the others would be in vain.
         """
-        tables = self.bounds.light_tables
-        sizes = np.array([len(table.light) for table in tables], int)[under.index]
-        unlit = np.array([self.problem.are_unlit(table.light) for table in tables], bool)[under.index]
+        sizes = self.bounds.sizes[under.index]
+        unlit = np.array([self.problem.are_unlit(table.light) for table in self.bounds.light_tables], bool)[under.index]
         turn = np.zeros(len(unlit), int)
         if self.enough and len(turn):
             _, first, back = np.unique(under.index, return_index=True, return_inverse=True)

@@ -10,9 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.forward.part_columns import CONTINUOUS, FLASH
+from uwopt.forward.part_columns import FLASH
 from uwopt.forward.sharpness import sharpness_of
 from uwopt.objectives.objective import Terms
+from uwopt.solvers.exact.imagers import Imagers
+from uwopt.solvers.exact.lamp_choices import LampsOfKind
+from uwopt.solvers.exact.node_bounds import Needs
 from uwopt.solvers.settings.joint import (
     F_NUMBERS,
     LEVELS_DB,
@@ -45,20 +48,19 @@ def _bound_of(bounds: Bounds, k: int, rows: Array) -> Array:
 
 def _in_scene(bounds: Bounds, k: int, rows: Array, index: int) -> Array:
     """The bound by what one scene alone needs and shows: no other lowers the power or betters the image."""
-    table, lighting = bounds.light_tables[k], bounds.tables.lightings[k]
+    lighting = bounds.tables.lightings[k]
     focused = bounds.imagers.scenes[index].focused.take(rows)
     ends = intervals(focused.n_low, focused.n_high, bounds.objective)
     snr_db, information = _most_quality(bounds, k, rows, index, ends)
     need, square = bounds.needs(index, rows), np.square(ends[:, :-1] * focused.working_factor[:, None])
     value = np.full(len(rows), np.inf)
-    for kind in np.unique(table.kind):
-        own = table.kind == kind
-        light_time, _, _ = bounds.light_needed(index, lighting, need, int(kind), rows)
+    for lamps in bounds.of_kinds[k]:
+        light_time, _, _ = bounds.light_needed(index, lighting, need, lamps.kind, rows)
         least_x = light_time / need.square
         light_x = np.maximum(_least_light(bounds, k, rows, index), least_x[:, None])
         light_time = np.where(light_x > 0.0, light_x, 0.0)[:, None, :] * square[:, :, None]
-        wanted = light_time if kind == FLASH else light_time / need.longest_s[:, None, None]
-        power, cost, mass = _price(bounds, k, own, rows, need, light_time, wanted, kind=int(kind))
+        wanted = light_time if lamps.kind == FLASH else light_time / need.longest_s[:, None, None]
+        power, cost, mass = _price(bounds.imagers, lamps, rows, need, light_time, wanted)
         gsd_mm = bounds.imagers.gsd_mm[rows][:, None, None]
         terms = Terms(power, cost, mass, snr_db[:, None, :], gsd_mm, 1.0, information)
         with np.errstate(invalid="ignore"):
@@ -94,23 +96,14 @@ def _least_light(bounds: Bounds, k: int, rows: Array, index: int) -> Array:
 
 
 def _price(
-    bounds: Bounds, k: int, own: Array, rows: Array, need: Any, light_time: Array, wanted: Array, *, kind: int
+    imagers: Imagers, lamps: LampsOfKind, rows: Array, need: Needs, light_time: Array, wanted: Array
 ) -> tuple[Array, Array, Array]:
     """Power, cost and mass at least with so much light from lamps of one kind; inf where none has it."""
-    table, imagers = bounds.light_tables[k], bounds.imagers
-    order = np.argsort(table.effective[own])
-    capacity = table.effective[own][order]
-    at = np.searchsorted(capacity, wanted * (1 - 1e-12))
-
-    def least(values: Array) -> Array:
-        return np.append(np.fmin.accumulate(values[own][order][::-1])[::-1], np.inf)[at]
-
+    at = lamps.from_capacity(wanted)
+    rate_hz, longest_s = (of[:, None, None] for of in (need.rate_hz, need.longest_s))
     with np.errstate(invalid="ignore"):  # light that no lamp gives, at no rate: inf by what is wanted
-        used = light_time * need.rate_hz[:, None, None]
-    if kind == CONTINUOUS:
-        used = wanted * bounds.on_share(k, own, need.rate_hz, need.longest_s)[:, None, None]
-    with np.errstate(invalid="ignore"):
-        drawn = np.where(used > 0.0, used * least(table.power_per_light), 0.0)
+        used = lamps.used(rate_hz, longest_s, light_time, wanted)
+        drawn = np.where(used > 0.0, used * lamps.least["power_per_light"][at], 0.0)
     camera_w, cost, mass = (of[rows][:, None, None] for of in (imagers.camera_power_w, imagers.cost, imagers.mass_kg))
-    power = np.where(at < len(capacity), camera_w + drawn, np.inf)
-    return power, cost + least(table.cost), mass + least(table.mass_kg)
+    power = np.where(at < len(lamps.capacity), camera_w + drawn, np.inf)
+    return power, cost + lamps.least["cost"][at], mass + lamps.least["mass_kg"][at]

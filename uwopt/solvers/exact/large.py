@@ -92,7 +92,7 @@ class PairTree:
     @property
     def _sizes(self) -> int:
         """How many lights, numbers and mounts an imager comes with."""
-        return sum(len(table.light) for table in self.none.bounds.light_tables)
+        return int(self.none.bounds.sizes.sum())
 
     def open_account(self) -> None:
         """Every combination of the parts, and the pairs that do not fit."""
@@ -280,7 +280,7 @@ class PairTree:
             rules.append(node.rule.astype(np.int8))
         closed = np.nonzero(~open_)[0]
         for k, found in enumerate(rules):
-            weights = size[index[closed]] * len(own.light_tables[k].light)
+            weights = size[index[closed]] * own.sizes[k]
             for name, mine in by_rule(found[closed]):
                 account.charge(name, int(weights[mine].sum()))
                 if k == 0:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.deadline import NEVER, Deadline
-from uwopt.forward.columns import distinct
+from uwopt.forward.columns import distinct, rows_alike
 from uwopt.forward.lamp_light import ImageLight, Veils, image_light
 from uwopt.forward.lamps import on_axis_gain
 from uwopt.forward.problem import Problem
@@ -56,7 +56,6 @@ class FieldTables:
         )
         self._widest: dict[tuple[int, int], Rectangles] = {} if like is None else like._widest
         self._losses: dict[tuple[int, int, int, int, int, str | None], float] = {} if like is None else like._losses
-        self._responses: dict[tuple[int, int, int, int], float] = {} if like is None else like._responses
         self.brightest: dict[tuple[int, int, int], list[FloorLightBound]] = {} if like is None else like.brightest
         self._likely: dict[Any, Array] = {}
         self._balance: dict[tuple[int, Lighting], Array] = {}
@@ -67,48 +66,34 @@ class FieldTables:
     ) -> Array:
         """Upper bound on the electrons per lm s of these imagers at one altitude, (n,); of one colour channel, which a
         mono sensor has not."""
-        problem, imagers = self.problem, self.imagers
-        _, curves, back = self._of_chunk(rows)
-        contraction = problem.contractions[scene_index]
-        spectrum = int(contraction.spectrum_of[lighting.optics])
-        collecting = imagers.scenes[scene_index].view.collecting_m2[rows]
+        collecting, problem = self.imagers.scenes[scene_index].view.collecting_m2[rows], self.problem
+        response = self.most_response(scene_index, [lighting], altitude, rows, channel=channel)
         if problem.paper:  # knows no field, so the bound is exact
-            beam, ranges = problem.beam(scene_index, lighting.optics), problem.scenes[scene_index].range_m
-            axis = on_axis_gain(beam, ranges)[altitude]
-            loss = [contraction.straight_loss(spectrum, int(q), channel)[altitude] for q in curves]
-        else:
-            loss = [self._least_loss(scene_index, lighting, altitude, int(q), channel) for q in curves]
-        response = np.array([contraction.response(spectrum, int(q), channel) for q in curves]) * np.array(loss)
-        if channel is not None:
-            response = response * np.array([sees_colours(problem.efficiencies[int(q)]) for q in curves])
-        if problem.paper:
-            return np.asarray(collecting * response[back] * axis)
-        rectangle = self._rectangles_of_chunk(scene_index, altitude, rows)
+            axis = on_axis_gain(problem.beam(scene_index, lighting.optics), problem.scenes[scene_index].range_m)
+            return np.asarray(collecting * response * axis[altitude])
+        rectangle = self.rectangles_of_chunk(scene_index, altitude, rows)
         light = self.light_table(scene_index, lighting, altitude).most_light(rectangle)
-        return np.asarray(collecting * response[back] * light * rectangle.samples_per_m2)
+        return np.asarray(collecting * response * light * rectangle.samples_per_m2)
 
-    def _rectangles_of_chunk(self, scene_index: int, altitude: int, rows: Array) -> Rectangles:
+    def most_response(
+        self, scene_index: int, some: Sequence[Lighting], altitude: int, rows: Array, *, channel: str | None = None
+    ) -> Array:
+        """The most that light of the same optics at any of some mounts becomes in these imagers, (n,)."""
+        _, curves, back = self._of_chunk(rows)
+        contraction, optics = self.problem.contractions[scene_index], some[0].optics
+        spectrum, response = int(contraction.spectrum_of[optics]), np.zeros(len(curves))
+        for place, q in enumerate(curves.tolist()):
+            if channel is None or sees_colours(self.problem.efficiencies[q]):
+                loss = max(self._least_loss(scene_index, one, altitude, q, channel) for one in some)
+                response[place] = contraction.response(spectrum, q, channel) * loss
+        return response[back]
+
+    def rectangles_of_chunk(self, scene_index: int, altitude: int, rows: Array) -> Rectangles:
         """The floor rectangles of these imagers at one altitude, which all lightings share."""
         rectangles, key = self._of_chunk(rows)[0], (scene_index, altitude)
         if key not in rectangles:
             rectangles[key] = self.rectangles(scene_index, altitude, rows)
         return rectangles[key]
-
-    def at_mounts(
-        self, scene_index: int, some: Sequence[Lighting], altitude: int, rows: Array
-    ) -> tuple[Rectangles, Array, Array]:
-        """Rectangles of these imagers, the efficiency curve of each, and by curve the most that light of the same
-        optics at any of some mounts becomes in it, as in `bound`."""
-        _, curves, back = self._of_chunk(rows)
-        contraction = self.problem.contractions[scene_index]
-        spectrum = int(contraction.spectrum_of[some[0].optics])
-        for q in curves:
-            key = scene_index, some[0].optics, altitude, int(q)
-            if key not in self._responses:
-                loss = max(self._least_loss(scene_index, one, altitude, int(q), None) for one in some)
-                self._responses[key] = contraction.response(spectrum, int(q)) * loss
-        response = [self._responses[scene_index, some[0].optics, altitude, int(q)] for q in curves]
-        return self._rectangles_of_chunk(scene_index, altitude, rows), back, np.array(response)
 
     def most_sun(self, scene_index: int, rows: Array) -> Array:
         """Upper bound of the sun's electrons a second, image-forming, of these imagers' means, (n, n_altitudes)."""
@@ -141,7 +126,11 @@ class FieldTables:
     def _least_loss(
         self, scene_index: int, lighting: Lighting, altitude: int, efficiency: int, channel: str | None
     ) -> float:
-        """Water's loss over the shortest possible paths."""
+        """Water's loss over the shortest possible paths; physics `paper` knows the way on the axis alone."""
+        if self.problem.paper:
+            contraction = self.problem.contractions[scene_index]
+            spectrum = int(contraction.spectrum_of[lighting.optics])
+            return float(contraction.straight_loss(spectrum, efficiency, channel)[altitude])
         key = (scene_index, lighting.optics, lighting.mount_index, altitude, efficiency, channel)
         if key not in self._losses:
             contraction = self.problem.contractions[scene_index]
@@ -276,20 +265,9 @@ class FieldTables:
     @cached_property
     def images(self) -> tuple[Array, Array]:
         """One imager of each image that differs by more than its collecting area, and each imager's image."""
-        return alike(self.problem, self.imagers)
-
-
-def alike(problem: Problem, imagers: Imagers) -> tuple[Array, Array]:
-    """One imager of each image that differs by more than its collecting area, and each imager's image."""
-    keys = [problem.like_port[imagers.port].astype(float), problem.cameras.qe_index[imagers.camera].astype(float)]
-    for scene in imagers.scenes:
-        keys += [scene.view.tan_along, scene.view.tan_across]
-    order = np.lexsort(keys)
-    columns = np.stack(keys)[:, order]
-    fresh = np.ones(len(order), bool)
-    fresh[1:] = (columns[:, 1:] != columns[:, :-1]).any(axis=0)
-    image_of = np.empty(len(order), int)
-    image_of[order] = np.cumsum(fresh) - 1
-    return order[fresh], image_of
-
-
+        problem, imagers = self.problem, self.imagers
+        views = [scene.view for scene in imagers.scenes]
+        return rows_alike(
+            problem.like_port[imagers.port], problem.cameras.qe_index[imagers.camera],
+            *(tangents for view in views for tangents in (view.tan_along, view.tan_across)),
+        )  # fmt: skip

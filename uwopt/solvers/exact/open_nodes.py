@@ -35,7 +35,7 @@ class OpenNodes:
 
     @staticmethod
     def of(
-        bounds: Sequence[NodeBounds], imager: Array, cost: Array, sizes: Sequence[int], *, rough: bool,
+        bounds: Sequence[NodeBounds], imager: Array, cost: Array, sizes: Array, *, rough: bool,
         how_wide: Array | None = None,
     ) -> OpenNodes:  # fmt: skip
         """From the bounds under each lighting and the number of lights and counts there."""
@@ -47,7 +47,7 @@ class OpenNodes:
         nodes.value[rule >= 0] = np.inf
         if how_wide is not None:
             nodes.how_wide = how_wide
-            nodes.slack = np.concatenate([np.broadcast_to(each.slack, len(imager)) for each in bounds])
+            nodes.slack = np.concatenate([each.slack for each in bounds])
         nodes.sort()
         return nodes
 

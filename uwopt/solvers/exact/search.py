@@ -247,7 +247,7 @@ class Search(Evaluation):
             )
         )  # fmt: skip
         order = np.argsort(floor, kind="stable")
-        every = int(sum(len(t.light) for t in self.bounds.light_tables))
+        every = int(self.bounds.sizes.sum())
         lightings = max(1, len(self.tables.lightings))
         most = max(64, MOST_UNITS // lightings)
         position, chunk = 0, min(max(1, FIRST_CHUNK // lightings), LARGEST_CHUNK, most)
@@ -329,8 +329,9 @@ class Search(Evaluation):
         if not bounds:
             return None
         rough = not few and self.bounds.can_refine()
-        sizes = [len(table.light) for table in self.bounds.light_tables]
-        nodes = OpenNodes.of(bounds, rows, self.imagers.cost[rows], sizes, rough=rough, how_wide=self._how_wide(rows))
+        nodes = OpenNodes.of(
+            bounds, rows, self.imagers.cost[rows], self.bounds.sizes, rough=rough, how_wide=self._how_wide(rows)
+        )
         for name, failed in nodes.failed():
             self._discard(name, nodes, failed)
         return nodes
@@ -340,8 +341,7 @@ class Search(Evaluation):
         dark = self.bounds.leaves_dark(rows, self.deadline)
         if not dark.any():
             return rows
-        every = sum(len(table.light) for table in self.bounds.light_tables)
-        self.account.charge("light", every * int(dark.sum()))
+        self.account.charge("light", int(self.bounds.sizes.sum() * dark.sum()))
         self._sample("light", rows[dark])
         return rows[~dark]
 

@@ -159,9 +159,6 @@ class FrontSearch:
             at = begin + np.searchsorted(used, curves.some.imager)
             self.curves[place] = replace(curves, some=replace(curves.some, imager=at))
 
-    def _sizes(self) -> Array:
-        return np.array([len(t.light) for t in self.search.bounds.light_tables])
-
     def _units(self) -> tuple[Array, Array, Array]:
         """Ideals of all nodes that may be feasible, with their lighting and imager."""
         bounds, imagers = self.search.bounds, self.search.imagers
@@ -169,7 +166,7 @@ class FrontSearch:
         ideals, lightings, rows = [np.empty((0, len(self.axes)))], [np.empty(0, int)], [np.empty(0, int)]  # no lamps
         for k in range(len(self.search.tables.lightings)):
             seen = bounds.of_nodes(k, every)
-            size = len(bounds.light_tables[k].light)
+            size = bounds.sizes[k]
             for name, lost in by_rule(seen.rule):
                 self.account.charge(name, len(lost) * size)
             alive = np.nonzero((seen.rule < 0) & np.isfinite(seen.value))[0]
@@ -180,7 +177,7 @@ class FrontSearch:
 
     def _layers(self, ideal: Array, lighting: Array, imager: Array, left: Array) -> bool:
         """Evaluate nodes until each is evaluated or beaten by a point; whether that was reached."""
-        sizes, total = self._sizes(), max(len(ideal), 1)
+        sizes, total = self.search.bounds.sizes, max(len(ideal), 1)
         batch = FIRST_NODES
         while left.any():
             rows = np.nonzero(left)[0]

@@ -163,7 +163,7 @@ def ideal_of(search: Search, bounds: Any, axis: str | OwnObjective, rows: Array)
     """The best that nodes could be on one axis; 0 where no bound is known."""
     imagers = search.imagers
     known = {"power": bounds.power, "cost": bounds.cost, "mass": bounds.mass, "snr_db": -bounds.snr_db,
-             "information": -np.broadcast_to(bounds.information, bounds.power.shape),
+             "information": -bounds.information,
              "gsd_mm": imagers.gsd_mm}  # fmt: skip
     if not isinstance(axis, str) or axis not in known:
         return np.zeros(len(rows))
