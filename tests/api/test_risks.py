@@ -270,6 +270,8 @@ def test_price_above_the_limit_at_its_high_end(calm: Result) -> None:
     assert risk.figure == "up to 1 100 against 1 000 USD" and risk.because == "50 % of the price is estimated"
     assert only(with_cost(calm, 1200.0, low=500.0, high=1100.0, estimated=450.0)).figure == "500 to 1 100 USD"
     assert risks_of(with_cost(calm, 1200.0, low=800.0, high=1100.0, estimated=90.0)) == []
+    nearly = only(with_cost(calm, 1000.0, value=900.0, low=500.0, high=1100.0, estimated=899.0))
+    assert nearly.because == "nearly all of the price is estimated"  # a part of it is quoted
 
 
 def test_a_price_just_above_its_limit_is_told_as_such(calm: Result) -> None:

@@ -8,6 +8,20 @@ SUNLIT = "tests/report/test_sunlit_pictures.py::"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="a slow rate is an interval against a rate",
+        file="uwopt/report/text/formats.py",
+        old='if symbol(margin.unit) == "Hz":',
+        new='if symbol(margin.unit) == "":',
+        test="tests/report/test_words.py::test_a_slow_rate_stands_in_hz_against_its_limit",
+    ),
+    Defect(
+        name="a price with a quoted part is wholly unquoted",
+        file="uwopt/report/text/words.py",
+        old="if cost.estimated == cost.value else",
+        new="if cost.estimated else",
+        test="tests/report/test_words.py::test_a_price_of_which_a_cheap_part_is_quoted_is_not_told_as_wholly_unquoted",
+    ),
+    Defect(
         name="a length beside another has a unit of its own", file="uwopt/report/text/formats.py",
         old="text=partial(in_step, step)", new="text=lambda one, more: quantity(one, unit, more)",
         test="tests/report/test_words.py::test_short_lengths_are_read_in_mm_all_that_stand_together_in_one_unit",

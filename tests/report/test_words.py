@@ -126,6 +126,18 @@ def test_margin_that_is_rounding_only_is_zero(make_margin: Callable[..., Any]) -
     assert formats.margin_text(make_margin("overlap", 0.6 + 1e-16, 0.6, ">=", "")) == "0"
 
 
+def test_a_slow_rate_stands_in_hz_against_its_limit(make_margin: Callable[..., Any]) -> None:
+    margin = make_margin("frame_rate", 1.0 / 120.0, 494.0, "<=", "Hz")  # once every 120 s would take the table's width
+    assert formats.margin_ends(margin) == ("0.008333 Hz", "494.0 Hz")
+    assert formats.margin_ends(make_margin("frame_rate", None, 494.0, "<=", "Hz"))[0] == "–"
+
+
+def test_a_price_of_which_a_cheap_part_is_quoted_is_not_told_as_wholly_unquoted() -> None:
+    hardly = Cost(16000.0, 9000.0, 37000.0, "USD", 15958.0, 8958.0, 36958.0)  # a dome of 42 USD is quoted
+    assert words.quoted_share(hardly) == "hardly any of it quoted"
+    assert words.quoted_share(Cost(9.0, 8.0, 10.0, "USD", 9.0, 8.0, 10.0)) == "none of it quoted"
+
+
 def test_a_cost_in_a_margin_has_the_digits_that_its_range_leaves(make_margin: Callable[..., Any]) -> None:
     cost = Cost(13233.0, 8470.0, 27244.0, "USD", 13233.0, 8470.0, 27244.0)
     margin = make_margin("cost", 27244.0, 30000.0, "<=", "USD")

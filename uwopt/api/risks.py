@@ -343,7 +343,8 @@ def price(result: Result, design: Design) -> Weighed:
     cost = design.totals.cost
     limit = (result.mission.get("limits") or {}).get("cost")
     share = cost.estimated / cost.value if cost.value else 0.0
-    because = f"{100 * share:.0f} % of the price is estimated"
+    told = "nearly all" if 0.995 <= share < 1.0 else f"{100 * share:.0f} %"  # which would round to all of it
+    because = f"{told} of the price is estimated"
     if limit is not None and cost.value <= limit < cost.high:
         end = format_at_most(max(cost.low, limit), cost.high)  # with the digits that tell it from the limit
         figure = f"up to {end} against {format_money(limit, cost.currency)}"

@@ -109,8 +109,15 @@ def margin_ends(margin: Margin, cost: Cost | None = None) -> tuple[str, str]:
     """What is reached of a requirement, a number with its unit or the word in its place; and its limit."""
     if (told := told_cost(margin, cost)) is not None:
         return money(told, margin.unit), money(margin.limit, margin.unit)
-    value, limit = quantities_apart(margin.value, margin.limit, unit=margin.unit, digits=4)
+    if symbol(margin.unit) == "Hz":  # in Hz both, however slow: no interval stands against a rate
+        value, limit = texts_apart(margin.value, margin.limit, text=_rate, digits=4)
+    else:
+        value, limit = quantities_apart(margin.value, margin.limit, unit=margin.unit, digits=4)
     return one_line(margin.word) if margin.value is None and margin.word else value, limit
+
+
+def _rate(value_hz: float | None, digits: int) -> str:
+    return quantity(None) if value_hz is None else format_difference(value_hz, "Hz", digits)
 
 
 def told_cost(margin: Margin, cost: Cost | None) -> float | None:

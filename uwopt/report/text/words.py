@@ -244,7 +244,9 @@ def quoted_share(cost: Cost) -> str:
     if not cost.estimated or not cost.value:
         return "nothing of it estimated"
     not_quoted = 100.0 * cost.estimated / cost.value
-    return "none of it quoted" if not_quoted > 99.5 else f"{format_number(not_quoted, 2)} % of it not quoted"
+    if not_quoted > 99.5:
+        return "none of it quoted" if cost.estimated == cost.value else "hardly any of it quoted"
+    return f"{format_number(not_quoted, 2)} % of it not quoted"
 
 
 def burning_text(design: Design) -> str:
