@@ -56,10 +56,21 @@ def tree_of(path: Path) -> ast.Module:
     return ast.parse(path.read_text(encoding="utf-8"))
 
 
+@cache
+def nodes_of(path: Path) -> tuple[ast.AST, ...]:
+    """All nodes of a file, walked through once."""
+    return tuple(ast.walk(tree_of(path)))
+
+
+def is_for_checkers(node: ast.AST) -> bool:
+    """Whether a node is read by type checkers alone."""
+    return isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING"
+
+
 def running_nodes(node: ast.AST) -> Iterator[ast.AST]:
     """All nodes but those for type checkers only."""
     for child in ast.iter_child_nodes(node):
-        if not (isinstance(child, ast.If) and ast.unparse(child.test) == "TYPE_CHECKING"):
+        if not is_for_checkers(child):
             yield child
             yield from running_nodes(child)
 

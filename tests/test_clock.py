@@ -20,15 +20,19 @@ MAY_STOP = {
 }
 
 
+def sets_up_hypothesis(call: ast.Call) -> bool:
+    """Whether it is settings of Hypothesis that a call makes."""
+    return ast.unparse(call.func).rpartition(".")[2] in ("settings", "register_profile")
+
+
 def limits_in(source: str) -> Iterator[tuple[int, str]]:
     """Line and text of every call that sets a time limit, or a deadline of Hypothesis."""
     for call in (node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Call)):
-        name = ast.unparse(call.func).rpartition(".")[2]
         for given in call.keywords:
             value = given.value.value if isinstance(given.value, ast.Constant) else None
             number = isinstance(value, int | float) and not isinstance(value, bool)
             timed = given.arg in LIMITS and number and value > SHORT
-            hasty = given.arg == "deadline" and name in ("settings", "register_profile") and value is not None
+            hasty = given.arg == "deadline" and value is not None and sets_up_hypothesis(call)
             if timed or hasty:
                 yield call.lineno, ast.unparse(call)
 
