@@ -30,6 +30,7 @@ SUM = {"power": 0.2, "snr_db": 1.0}
 OBJECTIVES: tuple[Any, ...] = (
     "power", "cost", "mass", "snr_db", "gsd_mm", "contrast", "information", SUM, {"power": 1.0, "cost": 0.01},
 )  # fmt: skip
+SOME = ["power", "gsd_mm", "contrast", "sum", "information"]  # what is known of the parts, of light, of both
 ELSEWHERE = drawn(("snr_db", "contrast"), ("power", "snr_db", "contrast", "information"))
 SUN = ({"sun_lux": 5_000.0, "depth_m": 20.0},)
 TWO = ({}, {"altitude_m": 1.5, "water": "III"})
@@ -103,7 +104,7 @@ def lensless(monkeypatch: pytest.MonkeyPatch, lens: int) -> None:
 # ---------------------------------------------------------------- it can fail
 
 
-@pytest.mark.parametrize("objective", [named(o) for o in OBJECTIVES])
+@pytest.mark.parametrize("objective", drawn(SOME, [named(o) for o in OBJECTIVES]))
 def test_it_finds_a_lens_that_was_thrown_away(objective: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Without its best lens a search finds something worse, and the audit something better, whatever is best."""
     fails_without_the_best_lens(objective, "one", monkeypatch)
@@ -131,7 +132,7 @@ def fails_without_the_best_lens(objective: str, scenes: str, monkeypatch: pytest
     assert {found["lens"] for found in report["better"]} == {case_.parts.lenses[sound.best[0].lens].id}
 
 
-@pytest.mark.parametrize("objective", [named(o) for o in OBJECTIVES if THOROUGH or o != "information"])
+@pytest.mark.parametrize("objective", drawn(SOME[:-1], [named(o) for o in OBJECTIVES]))
 def test_it_passes_an_honest_search(objective: str) -> None:
     """Nothing beside the best, and nothing that a rule discarded, is better."""
     report = report_of(world(objective), *honest(objective))
@@ -233,7 +234,7 @@ def test_pairs_that_do_not_fit_are_drawn_too() -> None:
 # ---------------------------------------------------------------- the generic search
 
 
-@pytest.mark.parametrize("seed", drawn((9, 10, 22), (3, 8, 9, 10, 13, 22)))
+@pytest.mark.parametrize("seed", drawn((10, 22), (3, 8, 9, 10, 13, 22)))
 def test_the_attack_comes_close_to_the_enumeration(seed: int) -> None:
     """Best settings of a few designs, by grids that know where ends of ranges meet, to a thousandth."""
     problem, objective, rng = bench(seed).problem, case(seed).objective, np.random.default_rng(seed)

@@ -92,6 +92,11 @@ OVER_FRAME: dict[str, Callable[[], Case]] = {
     ),
 }
 MOSTLY_BOUNDED = 0.6
+#: What the others have in other company: light that is worked out in full under a veil, signal beside a full well.
+IMPLIED = ("least power in full physics", "best signal")
+TRIED = drawn([name for name in MISSIONS if name not in IMPLIED], list(MISSIONS))
+SEARCHED = drawn(["least power", "two scenes", "lamps in steps", "best signal under a veil"], list(MISSIONS))
+FRAMES = drawn([name for name in OVER_FRAME if name != DEAREST], list(OVER_FRAME))
 UNDIMMED = ("least power", "two scenes", "pulses")  # where nothing is left out of a bound but quantisation
 
 
@@ -162,7 +167,7 @@ def bounds_of(name: str) -> Bounds:
 # ---------------------------------------------------------------- nodes
 
 
-@pytest.mark.parametrize("name", MISSIONS)
+@pytest.mark.parametrize("name", TRIED)
 def test_a_unit_is_bounded_by_its_best(name: str) -> None:
     """Objective and power of the best lamp and number; and what a rule discards has no feasible one."""
     _, imagers = searched(name)
@@ -182,7 +187,7 @@ def test_a_unit_is_bounded_by_its_best(name: str) -> None:
     assert tried > 0, "the mission was made to be feasible"
 
 
-@pytest.mark.parametrize("name", OVER_FRAME)
+@pytest.mark.parametrize("name", FRAMES)
 def test_the_pixel_that_decides_bounds_a_unit_more_sharply(name: str) -> None:
     """Every unit by its best of all lamps and numbers; and more sharply than the mean does by a tenth of its light."""
     _, imagers = searched(name)
@@ -234,7 +239,7 @@ def test_the_bound_of_a_unit_is_tight(name: str) -> None:
 # ---------------------------------------------------------------- pairs, groups of ports, cameras
 
 
-@pytest.mark.parametrize("name", MISSIONS)
+@pytest.mark.parametrize("name", TRIED)
 def test_a_group_of_ports_is_bounded_by_its_best(name: str) -> None:
     """From both domes together down to each."""
     search, imagers = searched(name)
@@ -258,7 +263,7 @@ def test_a_group_of_ports_is_bounded_by_its_best(name: str) -> None:
                     assert below(min(u.value[row] for u in nodes if u.rule[row] < 0), best)
 
 
-@pytest.mark.parametrize("name", MISSIONS)
+@pytest.mark.parametrize("name", TRIED)
 def test_a_group_of_pairs_is_bounded_by_its_best(name: str) -> None:
     """Cameras that see alike with lenses of any focal length, behind both domes together."""
     search, imagers = searched(name)
@@ -280,7 +285,7 @@ def test_a_group_of_pairs_is_bounded_by_its_best(name: str) -> None:
                 assert below(min(u.value[at] for u in nodes if u.rule[at] < 0), best)
 
 
-@pytest.mark.parametrize("name", MISSIONS)
+@pytest.mark.parametrize("name", TRIED)
 def test_the_floor_of_a_pair_is_below_its_best(name: str) -> None:
     """What camera and lens cost without light behind the cheapest port."""
     search = searched(name)[0]
@@ -298,7 +303,7 @@ def test_the_floor_of_a_pair_is_its_cost_without_light_behind_the_cheaper_dome()
     assert floors.tolist() == [1600.0, 1400.0, 1300.0, 1100.0]
 
 
-@pytest.mark.parametrize("name", MISSIONS)
+@pytest.mark.parametrize("name", TRIED)
 def test_a_camera_that_reaches_a_ceiling_is_looked_at(name: str) -> None:
     """With a ceiling at its best no camera is left out."""
     for camera in (0, 1):
@@ -418,7 +423,7 @@ def test_large_and_small_search_agree_on_the_best_of_the_enumeration(monkeypatch
             monkeypatch.setattr(place, name, 1)
     monkeypatch.setattr(exact_search, "TOO_FEW_TO_BOUND", 0)
     evaluated = []
-    for name in MISSIONS:
+    for name in SEARCHED:
         best = known(name).least()
         assert best is not None
         for most in (10**9, 0):

@@ -35,7 +35,8 @@ CLOSED = (
     ("power", "mass", "gsd_mm"), ("cost", "gsd_mm", "snr_db"), ("power", "contrast", "cost"),
 )  # fmt: skip
 SUNNY = ("sun", "steps in the sun", "sun at a level", "bars in the sun")
-DEAR = ("dark", "dark at a level", "sun", "sun at a level")  # what takes longest: others of their kind stay
+#: What takes longest, and what others show beside something else: lamps that are on, flashes, pulses, a lamp that dims.
+DEAR = ("dark", "dark at a level", "sun", "sun at a level", "on", "flash", "pulses", "dims", "nothing asked")
 SHADED = tuple(name for name in fc.PLANTED if name not in SUNNY)
 INFORMATION = ("steps", "flash", "counts and mounts", "still")
 CASES = [
@@ -206,7 +207,7 @@ def test_sun_and_information_have_points_that_hold(key, monkeypatch):
 
 @pytest.mark.parametrize(
     "key",
-    drawn([fc.SEVERAL, "all", "counts and mounts"], [3, fc.SEVERAL, 24, "all", "dark", "sharp", "counts and mounts"]),
+    drawn([fc.SEVERAL, "counts and mounts"], [3, fc.SEVERAL, 24, "all", "dark", "sharp", "counts and mounts"]),
 )
 @pytest.mark.parametrize("name", ["power", "cost", "snr_db"])
 def test_ends_are_what_the_exact_search_finds(key, name):
@@ -252,7 +253,7 @@ def test_best_information_is_what_the_exact_search_finds(key):
 # ---------------------------------------------------------------- what must and must not matter
 
 
-@pytest.mark.parametrize("seed", [3, fc.SEVERAL, 24])
+@pytest.mark.parametrize("seed", drawn([fc.SEVERAL, 24], [3, fc.SEVERAL, 24]))
 def test_order_of_parts_changes_nothing(seed):
     case, rng = rc.case(seed), np.random.default_rng(seed)
     kinds = ("cameras", "lenses", "ports", "lights")
@@ -270,7 +271,7 @@ def test_order_of_parts_changes_nothing(seed):
     assert other.values.min(axis=0) == pytest.approx(front.values.min(axis=0), rel=1e-9)
 
 
-@pytest.mark.parametrize("seed", [3, fc.SEVERAL])
+@pytest.mark.parametrize("seed", drawn([fc.SEVERAL], [3, fc.SEVERAL]))
 def test_more_parts_never_shrink_the_front(seed):
     case, rng = rc.case(seed), np.random.default_rng(seed + 2000)
     optics = small.beam(rng)
@@ -350,7 +351,7 @@ def claims_hold_when_cut_short(case, search, front, names, full):
 
 
 @pytest.mark.usefixtures("small_waves")
-@pytest.mark.parametrize("key", ["all", "counts and mounts"])
+@pytest.mark.parametrize("key", drawn(["counts and mounts"], ["all", "counts and mounts"]))
 @pytest.mark.parametrize("where", ["least_power", "best_quality", "first_bounds"])
 @pytest.mark.parametrize("call", drawn([0, 5], [0, 2, 5]))
 def test_interrupted_anywhere_its_claims_hold(key, where, call, monkeypatch):
@@ -371,7 +372,7 @@ def test_interrupted_anywhere_its_claims_hold(key, where, call, monkeypatch):
 
 
 @pytest.mark.usefixtures("small_waves")
-@pytest.mark.parametrize("key", ["all", "counts and mounts"])
+@pytest.mark.parametrize("key", drawn(["all"], ["all", "counts and mounts"]))
 @pytest.mark.parametrize("call", drawn((0, 2, 5), range(6)))
 def test_out_of_time_anywhere_its_claims_hold(key, call, monkeypatch):
     case, (_, full), calls = fc.case_of(key), fc.front_of(key, TRIPLE), []

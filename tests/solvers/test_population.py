@@ -15,7 +15,7 @@ from uwopt.solvers.population.evaluator import Evaluator
 from uwopt.solvers.population.light_store import LightStore
 
 TRIPLE = ("power", "cost", "snr_db")
-SEEDS = drawn((3, 8, 14, 22, 24), cases.FEASIBLE)  # one scene and two, flashes, a mean level, physics paper
+SEEDS = drawn((8, 14, 22), cases.FEASIBLE)  # one scene and two, flashes, a mean level, physics paper
 
 
 def coded(seed, names=TRIPLE):
@@ -69,7 +69,7 @@ def test_light_that_bounds_miss_is_missing_indeed(seed):
     assert (lacking[violation <= 0.0] == 0.0).all()
 
 
-@pytest.mark.parametrize("seed", [3, 9, 14, 24])
+@pytest.mark.parametrize("seed", SEEDS)
 def test_shared_images_have_the_light_of_each_imager(seed):
     search, coding, _ = coded(seed)
     store = LightStore(search, sharp=False)

@@ -23,9 +23,10 @@ from uwopt.solvers.exact.search import Search
 from uwopt.solvers.population.pymoo_front import ALGORITHMS, PymooRun, population_front
 
 PAIR, TRIPLE = ("power", "cost"), ("power", "cost", "snr_db")
-SEEDS = drawn((22, 24), cases.FEASIBLE)  # one scene and two, physics full and paper
+SEEDS = drawn((24,), cases.FEASIBLE)  # by default two scenes; what is asked of one, and on paper, stands beside
 ONE_SCENE = drawn((17,), (3, 7, 8, 9, 13, 17, 22, 24))
 FEW: dict[str, Any] = {"pop_size": 24, "generations": 6}  # where any front will do
+BRIEF: dict[str, Any] = FEW | drawn({"generations": 3}, {})
 CURVE_REL = 2e-4  # how near the enumeration's grids come to the best settings
 
 
@@ -85,7 +86,7 @@ def test_front_of_three_reaches_that_of_enumeration(seed):
     assert share_of(front.values, reference, TRIPLE) >= 0.97
 
 
-@pytest.mark.parametrize("seed", drawn([20, 21], [1, 6, 18, 20, 21]))
+@pytest.mark.parametrize("seed", drawn([20], [1, 6, 18, 20, 21]))
 def test_front_is_empty_where_enumeration_finds_nothing(seed):
     assert len(cases.enumerated_power_and_cost(seed)) == 0
     _, front = cases.front(seed, PAIR)
@@ -98,7 +99,7 @@ def test_front_is_empty_where_enumeration_finds_nothing(seed):
 
 
 @pytest.mark.parametrize(("kind", "names"), [
-    *((kind, ("power", "information")) for kind in drawn(["steps", "free"], list(cases.LAMPS))),
+    *((kind, ("power", "information")) for kind in drawn(["steps"], list(cases.LAMPS))),
     *((kind, ("power", "cost", "information")) for kind in drawn(["pulsed"], list(cases.LAMPS))),
 ])  # fmt: skip
 def test_front_of_information_is_feasible_with_every_kind_of_lamp(kind, names):
@@ -151,7 +152,7 @@ def test_same_seed_gives_the_same_front():
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
 def test_every_algorithm_gives_a_feasible_front(algorithm):
     search = kept_search(*TRIPLE)
-    front = population_front(search, TRIPLE, algorithm=algorithm, **FEW)
+    front = population_front(search, TRIPLE, algorithm=algorithm, **BRIEF)
     assert front.algorithm == algorithm
     assert_front(search, front, TRIPLE)
 
