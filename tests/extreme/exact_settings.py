@@ -224,7 +224,7 @@ def exact_rules(program: Any, x: Any) -> tuple[list[Any], list[Any]]:
         def at(shift: int, by: Any) -> list[Any]:
             point = [Exact(mp.mpf(float(v)) + (by if i == shift else 0)) for i, v in enumerate(x)]
             found = program.rules(point)
-            return [Exact(v).value for v in (found.objective, *found.inequalities, *found.equalities)]
+            return [Exact(v).value for v in (found.objective, *found.inequalities.values(), *found.equalities.values())]
 
         values = at(-1, 0)
         columns = [

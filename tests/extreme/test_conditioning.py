@@ -21,7 +21,7 @@ from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.continuous.optimality import derivatives
 from uwopt.solvers.continuous.pieces import SmoothDesign, SmoothScene, pieces_of
-from uwopt.solvers.continuous.program import Program
+from uwopt.solvers.continuous.program import Program, names_of_rules
 from uwopt.solvers.continuous.solve_settings import PROOF, ContinuousResult, solve_settings
 from uwopt.solvers.settings.best import best_settings
 from uwopt.solvers.settings.question import Question
@@ -237,7 +237,7 @@ def test_derivatives_equal_those_of_arbitrary_precision(seed: int) -> None:
         for share in shares:
             x = low + share * (high - low)
             values, gradients = exact.exact_rules(program, x)
-            n, cut = len(x), len(program.rule_names()[0])
+            n, cut = len(x), len(names_of_rules(program)[0])
             for found in (SymbolicProgram(program).derivatives(x), derivatives(program, x)):
                 got = np.concatenate([found.jacobian[:cut], found.jacobian[cut + 2 * n :]])
                 for row, wanted in zip([found.gradient, *got], gradients, strict=True):

@@ -27,7 +27,7 @@ from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.continuous import solve_settings as continuous
 from uwopt.solvers.continuous.optimality import derivatives
 from uwopt.solvers.continuous.pieces import SmoothDesign, SmoothScene, pieces_of
-from uwopt.solvers.continuous.program import Program
+from uwopt.solvers.continuous.program import Program, names_of_rules
 from uwopt.solvers.continuous.solve_settings import ContinuousResult, Method, solve_settings
 from uwopt.solvers.settings.best import best_settings
 from uwopt.solvers.settings.question import Question
@@ -269,7 +269,7 @@ def test_multiplier_says_what_more_snr_costs() -> None:
 def test_solver_stopped_early_does_not_claim_an_optimum(monkeypatch: pytest.MonkeyPatch) -> None:
     from uwopt.solvers.continuous import nlopt_algorithms as nlopt_solvers
 
-    monkeypatch.setitem(nlopt_solvers.EVALUATIONS, "cobyla", 5)
+    monkeypatch.setitem(nlopt_solvers.WAYS, "cobyla", replace(nlopt_solvers.WAYS["cobyla"], most_in_all=5))
     assert solved([scene()], method="cobyla").status in ("feasible", "failed")
 
 
@@ -329,7 +329,7 @@ def test_casadi_differentiates_the_snr_like_mpmath(log_point: tuple[float, ...])
     assert program.names == ("f_number", "time_s[0]", "level[0]", "gain[0]", "snr")
     x = np.array([*log_point, 0.0])
     found = SymbolicProgram(program).derivatives(x)
-    row = program.rule_names()[0].index("snr[0]")  # snr - ln SNR(settings) <= 0
+    row = names_of_rules(program)[0].index("snr[0]")  # snr - ln SNR(settings) <= 0
     with mpmath.workdps(50):
         wanted = [
             float(mpmath.diff(log_snr, log_point, tuple(int(i == k) for i in range(4)))) for k in range(4)

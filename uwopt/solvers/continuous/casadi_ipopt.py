@@ -63,7 +63,7 @@ class SymbolicProgram:
         rules = program.rules([self.x[i] for i in range(len(program.names))])
         self.objective = casadi.SX(rules.objective)
         self.n_inequalities = len(rules.inequalities)
-        self.rules = casadi.vertcat(casadi.SX(0, 1), *rules.inequalities, *rules.equalities)
+        self.rules = casadi.vertcat(casadi.SX(0, 1), *rules.inequalities.values(), *rules.equalities.values())
 
     def solver(self, max_seconds: float | None) -> casadi.Function:
         """IPOPT for this program, silent."""

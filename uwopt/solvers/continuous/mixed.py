@@ -182,7 +182,7 @@ class MixedProgram:
         """What must be 0 or below where this option is taken, at logarithms of the continuous unknowns."""
         candidate, s, piece = self.candidates[option.candidate], option.scene, option.piece
         scene, at = candidate.scenes[s], self._settings(option, logs)
-        found = scene_rules(scene, at)
+        found = [*scene_rules(scene, at).values()]
         for name, (low, high) in self._own_ranges(option).items():
             key = self._key(name, s)
             slack = SLACK if high - low < SLACK else 0.0

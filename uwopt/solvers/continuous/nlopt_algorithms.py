@@ -29,7 +29,7 @@ import nlopt
 import numpy as np
 
 from uwopt.solvers.continuous.optimality import Array, Attempt, derivatives, fitted_multipliers, kkt_residual
-from uwopt.solvers.continuous.program import Program
+from uwopt.solvers.continuous.program import Program, names_of_rules
 from uwopt.solvers.continuous.reduced import Reduced
 
 Algorithm = Literal["slsqp", "cobyla", "global", "mma", "ccsaq", "lbfgs", "isres", "ags", "direct_l", "mlsl"]
@@ -37,34 +37,37 @@ Algorithm = Literal["slsqp", "cobyla", "global", "mma", "ccsaq", "lbfgs", "isres
 RULE_TOLERANCE = 1e-9  # in logarithms
 HUGE = 1e6  # stands in for a value that is no number
 SEED = 20200913
-EVALUATIONS = {"slsqp": 300, "cobyla": 1500}
-EVALUATIONS_PER_UNKNOWN = 200  # of ISRES
 COBYLA_STEPS = (None, 0.1, 0.01, 0.001)  # first steps of its rounds, in logarithms; None: NLopt's own choice
 SETTLED = 1e-8  # a residual that needs no further round
-CODES = {"slsqp": nlopt.LD_SLSQP, "cobyla": nlopt.LN_COBYLA, "isres": nlopt.GN_ISRES}
 
 
 @dataclass(frozen=True)
-class Alone:
-    """How one algorithm is run that is given a reduced program."""
+class Way:
+    """How one algorithm is run."""
 
     code: int
-    gradients: bool
     most: int  # evaluations, for each unknown
+    most_in_all: int = 0  # in place of them; 0: none
+    gradients: bool = True
+    settles: bool = True  # it ends where unknowns or objective settle
+    reduced: bool = True  # given the program without equalities
     within: bool = False  # an augmented Lagrangian, which turns rules into penalties
     starts: bool = False  # it starts L-BFGS from many points
 
 
-#: Local ones may stop by themselves long before; global ones mostly do not.
-ALONE = {
-    "mma": Alone(nlopt.LD_MMA, True, 200),
-    "ccsaq": Alone(nlopt.LD_CCSAQ, True, 200),
-    "lbfgs": Alone(nlopt.LD_LBFGS, True, 400, within=True),
-    "isres": Alone(nlopt.GN_ISRES, False, 600),
-    "ags": Alone(nlopt.GN_AGS, False, 600),
-    "direct_l": Alone(nlopt.GN_ORIG_DIRECT_L, False, 150),
-    "mlsl": Alone(nlopt.G_MLSL_LDS, True, 400, within=True, starts=True),
+FAR = dict(gradients=False, settles=False)  # of global ones, which mostly do not stop by themselves
+WAYS = {
+    "slsqp": Way(nlopt.LD_SLSQP, 0, 300, reduced=False),
+    "cobyla": Way(nlopt.LN_COBYLA, 0, 1500, gradients=False, reduced=False),
+    "mma": Way(nlopt.LD_MMA, 200),
+    "ccsaq": Way(nlopt.LD_CCSAQ, 200),
+    "lbfgs": Way(nlopt.LD_LBFGS, 400, within=True),
+    "isres": Way(nlopt.GN_ISRES, 600, **FAR),
+    "ags": Way(nlopt.GN_AGS, 600, **FAR),
+    "direct_l": Way(nlopt.GN_ORIG_DIRECT_L, 150, **FAR),
+    "mlsl": Way(nlopt.G_MLSL_LDS, 400, within=True, starts=True),
 }
+NEAR = Way(nlopt.GN_ISRES, 200, reduced=False, **FAR)  # ISRES where SLSQP goes on
 SUBSIDIARY = 50  # evaluations for each unknown within one round of an augmented Lagrangian
 SUBSIDIARY_REL = 1e-8  # change of unknowns and objective at which such a round ends
 
@@ -98,8 +101,9 @@ class Evaluations:
         else:
             rules = self.program.rules([float(v) for v in self.last_x])
             self.objective = float(rules.objective)
-            self.inequalities = np.array(rules.inequalities, float)
-            self.equalities = np.array(rules.equalities, float)
+            self.inequalities, self.equalities = (
+                np.array([*some.values()], float) for some in (rules.inequalities, rules.equalities)
+            )
 
     def minimised(self, x: Array, gradient: Array) -> float:
         """NLopt's view of the objective."""
@@ -140,13 +144,11 @@ def solve(
         x, count, message = start, 0, "nothing is left open"
     elif algorithm == "global":
         half = None if max_seconds is None else 0.5 * max_seconds
-        near, first, found = run("isres", program, start, half)
+        near, first, found = run("isres", program, start, half, how=NEAR)
         x, count, message = run("slsqp", program, near, half)
         count, message = first + count, f"{found}, then {message}"
     elif algorithm == "cobyla":
         return in_rounds(program, start, max_seconds)
-    elif algorithm in ALONE:
-        x, count, message = run_alone(algorithm, program, start, max_seconds)
     else:
         x, count, message = run(algorithm, program, start, max_seconds)
     return assessed(program, x, count, message)
@@ -168,7 +170,7 @@ def in_rounds(program: Program, start: Array, max_seconds: float | None) -> Atte
     share = None if max_seconds is None else max_seconds / len(COBYLA_STEPS)
     x, total = start, 0
     for first_step in COBYLA_STEPS:
-        x, count, message = run("cobyla", program, x, share, first_step)
+        x, count, message = run("cobyla", program, x, share, first_step=first_step)
         total += count
         found = assessed(program, x, total, message)
         if found.kkt_residual <= SETTLED:
@@ -177,67 +179,49 @@ def in_rounds(program: Program, start: Array, max_seconds: float | None) -> Atte
 
 
 def run(
-    name: str, program: Program, start: Array, max_seconds: float | None, first_step: float | None = None
-) -> tuple[Array, int, str]:
-    """One NLopt algorithm: where it ends, evaluations, what it says."""
-    n = len(start)
-    evaluations = Evaluations(program)
-    low, high = program.bounds
-    inequalities, equalities = program.rule_names()
-    solver: Any = nlopt.opt(CODES[name], n)
-    solver.set_lower_bounds(low)
-    solver.set_upper_bounds(high)
-    solver.set_min_objective(evaluations.minimised)
-    if inequalities:
-        solver.add_inequality_mconstraint(evaluations.rules(0), np.full(len(inequalities), RULE_TOLERANCE))
-    if equalities:
-        solver.add_equality_mconstraint(evaluations.rules(1), np.full(len(equalities), RULE_TOLERANCE))
-    solver.set_maxeval(EVALUATIONS.get(name, EVALUATIONS_PER_UNKNOWN * n))
-    if name != "isres":
-        solver.set_xtol_abs(1e-11)
-        solver.set_ftol_abs(1e-13)
-    else:
-        nlopt.srand(SEED)
-    if first_step is not None:
-        solver.set_initial_step(np.minimum(first_step, 0.25 * (high - low)))
-    if max_seconds is not None:
-        solver.set_maxtime(max(max_seconds, 1e-3))
-    return ended(name, solver, evaluations, start)
-
-
-def run_alone(name: str, program: Program, start: Array, max_seconds: float | None) -> tuple[Array, int, str]:
-    """One algorithm on the program without equalities: where it ends as the program's point, evaluations, word."""
-    how = ALONE[name]
-    reduced = Reduced(program, worst_scene=how.gradients)
-    n = len(reduced.names)
-    if n == 0:
-        return reduced.full(np.empty(0)), 0, f"NLopt {name}: nothing is left open"
-    evaluations = Evaluations(reduced)
-    low, high = reduced.bounds
-    inequalities, _ = reduced.rule_names()
+    name: str, program: Program, start: Array, max_seconds: float | None, *, how: Way | None = None,
+    first_step: float | None = None,
+) -> tuple[Array, int, str]:  # fmt: skip
+    """One NLopt algorithm: where it ends as the program's point, evaluations, what it says."""
+    how = how or WAYS[name]
+    asked = Reduced(program, worst_scene=how.gradients) if how.reduced else program
+    n = len(asked.names)
+    if n == 0 and isinstance(asked, Reduced):
+        return asked.full(np.empty(0)), 0, f"NLopt {name}: nothing is left open"
+    evaluations = Evaluations(asked)
+    low, high = asked.bounds
     solver: Any = nlopt.opt(nlopt.AUGLAG if how.within else how.code, n)
     if how.within:
         solver.set_local_optimizer(subsidiary(how, low, high))
     solver.set_lower_bounds(low)
     solver.set_upper_bounds(high)
     solver.set_min_objective(evaluations.minimised)
-    if inequalities and how.gradients:
-        solver.add_inequality_mconstraint(evaluations.rules(0), np.full(len(inequalities), RULE_TOLERANCE))
-    elif inequalities:  # one by one: the original DIRECT and AGS know no vectors of rules
-        solver.add_inequality_constraint(evaluations.worst_rule, RULE_TOLERANCE)
-    solver.set_maxeval(how.most * n)
-    if how.gradients:
+    for which, names in enumerate(names_of_rules(asked)):
+        if not names:
+            continue
+        tolerances = np.full(len(names), RULE_TOLERANCE)
+        if which:
+            solver.add_equality_mconstraint(evaluations.rules(which), tolerances)
+        elif how.gradients or not how.reduced:
+            solver.add_inequality_mconstraint(evaluations.rules(which), tolerances)
+        else:  # one alone: the original DIRECT and AGS know no vectors of rules
+            solver.add_inequality_constraint(evaluations.worst_rule, RULE_TOLERANCE)
+    solver.set_maxeval(how.most_in_all or how.most * n)
+    if how.settles:
         solver.set_xtol_abs(1e-11)
         solver.set_ftol_abs(1e-13)
     nlopt.srand(SEED)
+    if first_step is not None:
+        solver.set_initial_step(np.minimum(first_step, 0.25 * (high - low)))
     if max_seconds is not None:
         solver.set_maxtime(max(max_seconds, 1e-3))
-    begin = np.clip(reduced.start(start), low, high)
-    x, count, message = ended(name, solver, evaluations, begin)
-    return reduced.full(x), max(count, evaluations.count), message
+    if not isinstance(asked, Reduced):
+        return ended(name, solver, evaluations, start)
+    x, count, message = ended(name, solver, evaluations, asked.start(start))
+    return asked.full(x), max(count, evaluations.count), message
 
 
-def subsidiary(how: Alone, low: Array, high: Array) -> Any:
+def subsidiary(how: Way, low: Array, high: Array) -> Any:
     """What an augmented Lagrangian calls within its bounds, round by round."""
     n = len(low)
     inner: Any = nlopt.opt(how.code, n)

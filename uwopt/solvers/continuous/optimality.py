@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.solvers.continuous.pieces import SmoothScene, SmoothSettings
-from uwopt.solvers.continuous.program import Program
+from uwopt.solvers.continuous.program import Program, names_of_rules
 from uwopt.solvers.continuous.reduced import Reduced
 
 Array = NDArray[Any]
@@ -109,8 +109,10 @@ def derivatives(program: Program | Reduced, x: Array) -> Derivatives:
 
     objective = split(rules.objective)
     low, high = program.bounds
-    inequalities = np.array([split(v) for v in rules.inequalities]).reshape(-1, n + 1)
-    equalities = np.array([split(v) for v in rules.equalities]).reshape(-1, n + 1)
+    inequalities, equalities = (
+        np.array([split(v) for v in some.values()]).reshape(-1, n + 1)
+        for some in (rules.inequalities, rules.equalities)
+    )
 
     def gradients(rows: Array) -> Array:
         return rows[:, 1:].imag / COMPLEX_STEP
@@ -126,7 +128,7 @@ def derivatives(program: Program | Reduced, x: Array) -> Derivatives:
 
 def rule_names(program: Program) -> list[str]:
     """Names of a program's rules in the order of `Derivatives.values`."""
-    inequalities, equalities = program.rule_names()
+    inequalities, equalities = names_of_rules(program)
     low = [f"{name} at least" for name in program.names]
     return inequalities + low + [f"{name} at most" for name in program.names] + equalities
 

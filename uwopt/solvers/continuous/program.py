@@ -42,11 +42,11 @@ FIXED = 1e-13  # a range narrower than this, in logarithms, is a constant
 
 @dataclass(frozen=True)
 class Rules:
-    """Values of a program's rules at a point: each inequality <= 0, each equality 0, in logarithms."""
+    """Values of a program's rules at a point, by name: each inequality <= 0, each equality 0, in logarithms."""
 
     objective: Symbolic
-    inequalities: list[Symbolic]
-    equalities: list[Symbolic]
+    inequalities: dict[str, Symbolic]
+    equalities: dict[str, Symbolic]
 
 
 @dataclass(frozen=True)
@@ -136,7 +136,7 @@ class Program:
         if self.goal == "restore":
             middle = [0.5 * sum(self.ranges[name]) for name in self.names[:-1]]
             inequalities, equalities = self._plain_rules([*middle, 0.0])
-            worst = max([0.0, *inequalities, *(abs(value) for value in equalities)])
+            worst = max([0.0, *inequalities.values(), *map(abs, equalities.values())])
             ranges["violation"] = (MARGIN_WANTED, float(worst) + 1.0)
         pairs = np.array([ranges[name] for name in self.names], float).reshape(-1, 2)
         return pairs[:, 0], pairs[:, 1]
@@ -168,7 +168,7 @@ class Program:
                 x[index] = np.log(min(s.nominal_snr(a) for s, a in zip(self.scenes, at, strict=True)))
             elif name == "violation":
                 inequalities, equalities = self._plain_rules(list(x))
-                x[index] = max([low[index], *inequalities, *(abs(value) for value in equalities)])
+                x[index] = max([low[index], *inequalities.values(), *map(abs, equalities.values())])
         return np.clip(x, low, high)
 
     def point(self, start: Sequence[SmoothSettings]) -> Array:
@@ -212,17 +212,10 @@ class Program:
         inequalities, equalities = self._plain_rules(x)
         if self.goal == "restore":
             worst = x[-1]
-            both = [side for value in equalities for side in (value - worst, -value - worst)]
-            return Rules(worst, [value - worst for value in inequalities] + both, [])
+            sides = {f"{name} {side}": sign * value for name, value in equalities.items()
+                     for side, sign in (("above", 1.0), ("below", -1.0))}  # fmt: skip
+            return Rules(worst, {name: value - worst for name, value in (inequalities | sides).items()}, {})
         return Rules(self._objective(self._epigraph(x)), inequalities, equalities)
-
-    def rule_names(self) -> tuple[list[str], list[str]]:
-        """Names of inequalities and equalities, in the order of `rules`."""
-        inequalities, equalities = self._plain_names
-        if self.goal == "restore":
-            both = [f"{name} {side}" for name in equalities for side in ("above", "below")]
-            return inequalities + both, []
-        return inequalities, equalities
 
     def _epigraph(self, x: Sequence[Symbolic]) -> dict[str, Symbolic]:
         values: dict[str, Symbolic] = {
@@ -245,56 +238,50 @@ class Program:
         """What one unit of ln SNR is worth in the minimised sum: dB per e-fold times the weight of a dB."""
         return self.snr_weight * float(ratio_to_db(np.e))
 
-    @cached_property
-    def _plain_names(self) -> tuple[list[str], list[str]]:
-        names, equal = [], []
-        for index, (scene, piece) in enumerate(zip(self.scenes, self.pieces, strict=True)):
-            several = len(scene.wanted) > 1
-            names += [f"min_snr[{index}]" + (f" at {n}" if several else "") for n in range(len(scene.wanted))]
-            if max(scene.signal_e) > 0.0:
-                names.append(f"saturation[{index}]")
-            if np.isfinite(scene.well_e) and max(scene.signal_e) > 0.0:
-                names.append(f"full_well[{index}]")
-            if scene.mean_level is not None:
-                equal.append(f"mean_level[{index}]")
-            if self._power_rule(scene, piece):
-                names.append(f"power[{index}]" if "power" in self.ranges else f"power_limit[{index}]")
-            if self.goal in ("snr", "sum"):
-                names.append(f"snr[{index}]")
-        return names, equal
-
     def _power_rule(self, scene: SmoothScene, piece: Piece) -> bool:
         """Whether a scene's power is a rule: it can vary, and something asks for it."""
         asked = self.goal in ("power", "sum") or bool(np.isfinite(self.light_limit_w))
         return asked and scene.draws and not piece.fixes_power(scene)
 
-    def _plain_rules(self, x: Sequence[Symbolic]) -> tuple[list[Symbolic], list[Symbolic]]:
-        values = self.settings(list(x))
-        epigraph = self._epigraph(x)
-        inequalities: list[Symbolic] = []
-        equalities: list[Symbolic] = []
-        for scene, piece, at in zip(self.scenes, self.pieces, values, strict=True):
-            inequalities += scene_rules(scene, at)
+    def _plain_rules(self, x: Sequence[Symbolic]) -> tuple[dict[str, Symbolic], dict[str, Symbolic]]:
+        epigraph, inequalities, equalities = self._epigraph(x), dict[str, Symbolic](), dict[str, Symbolic]()
+        each = zip(self.scenes, self.pieces, self.settings(list(x)), strict=True)
+        for index, (scene, piece, at) in enumerate(each):
+            inequalities |= {f"{name}[{index}]{where}": v for (name, where), v in scene_rules(scene, at).items()}
             wanted = wanted_dn(scene)
             if wanted is not None:
                 nominal_dn = scene.digital_dn(scene.total_e[scene.nominal], at, offset_dn=0.0)
-                equalities.append(np.log(nominal_dn / wanted))
+                equalities[f"mean_level[{index}]"] = np.log(nominal_dn / wanted)
             if self._power_rule(scene, piece):
-                limit = epigraph["power"] if "power" in epigraph else float(np.log(self.light_limit_w))
-                inequalities.append(np.log(piece.light_power_w(scene, at)) - limit)
+                name, limit = "power_limit", epigraph.get("power")
+                if limit is None:
+                    limit = float(np.log(self.light_limit_w))
+                else:
+                    name = "power"
+                inequalities[f"{name}[{index}]"] = np.log(piece.light_power_w(scene, at)) - limit
             if self.goal in ("snr", "sum"):
-                inequalities.append(epigraph["snr"] - np.log(scene.nominal_snr(at)))
+                inequalities[f"snr[{index}]"] = epigraph["snr"] - np.log(scene.nominal_snr(at))
         return inequalities, equalities
 
 
-def scene_rules(scene: SmoothScene, at: SmoothSettings) -> list[Symbolic]:
-    """Enough SNR where it is darkest, no saturation where it is brightest: both grow with signal."""
-    rules: list[Symbolic] = []
+def scene_rules(scene: SmoothScene, at: SmoothSettings) -> dict[tuple[str, str], Symbolic]:
+    """Enough SNR where it is darkest, no saturation where it is brightest: both grow with signal. By name and place."""
+    rules: dict[tuple[str, str], Symbolic] = {}
+    for place, (signal, total, wanted) in enumerate(scene.wanted):
+        where = f" at {place}" if len(scene.wanted) > 1 else ""
+        rules["min_snr", where] = -np.log(scene.snr(signal, at, total_e=total) / wanted)
     brightest = max(scene.total_e)
-    rules += [-np.log(scene.snr(signal, at, total_e=total) / wanted) for signal, total, wanted in scene.wanted]
     if brightest > 0.0:
-        rules.append(np.log(scene.digital_dn(brightest, at, offset_dn=0.0) / headroom_dn(scene)))
+        rules["saturation", ""] = np.log(scene.digital_dn(brightest, at, offset_dn=0.0) / headroom_dn(scene))
     if np.isfinite(scene.well_e) and brightest > 0.0:
         allowed = scene.well_e / scene.highlight_ratio
-        rules.append(np.log((scene.electrons(brightest, at) + scene.dark_e(at)) / allowed))
+        rules["full_well", ""] = np.log((scene.electrons(brightest, at) + scene.dark_e(at)) / allowed)
     return rules
+
+
+def names_of_rules(program: Any) -> tuple[list[str], list[str]]:
+    """Names of a program's inequalities and equalities, which are the same at every point."""
+    low, high = program.bounds
+    with np.errstate(all="ignore"):
+        rules = program.rules((0.5 * (low + high)).tolist())
+    return [*rules.inequalities], [*rules.equalities]

@@ -5,7 +5,7 @@ no gain can be turned: in logarithms both stand alone in it. Where neither is fr
 pair of inequalities, a little apart. Without derivatives the worst scene's power and SNR need no unknown
 of their own either: they are worked out from the others.
 
-Looks like a `Program` to whoever asks for `names`, `bounds`, `rules` and `rule_names`.
+Looks like a `Program` to whoever asks for `names`, `bounds` and `rules`.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.solvers.continuous.pieces import SmoothSettings, Symbolic, wanted_dn
-from uwopt.solvers.continuous.program import Program, Rules
+from uwopt.solvers.continuous.program import Program, Rules, names_of_rules
 
 Array = NDArray[Any]
 APART = 1e-8  # in logarithms: half the width of the gap that stands for an equality
@@ -36,20 +36,17 @@ class Reduced:
 
     def __init__(self, program: Program, *, worst_scene: bool):
         self.program, self.worst_scene = program, worst_scene
-        _, equalities = program.rule_names()
+        _, equalities = names_of_rules(program)
         self.solved: dict[int, str] = {}  # scene: the unknown that its mean level determines
         for name in equalities:
-            scene = int(name.partition("[")[2].partition("]")[0])
+            scene = scene_of(name)
             free = [f"{key}[{scene}]" for key in ("gain", "level") if f"{key}[{scene}]" in program.names]
             if free:
                 self.solved[scene] = free[0]
-        self.paired = [i for i, name in enumerate(equalities) if not self._is_solved(name)]
+        self.paired = [name for name in equalities if scene_of(name) not in self.solved]
         gone = set(self.solved.values()) | (set() if worst_scene else set(WORST))
         self.kept = [i for i, name in enumerate(program.names) if name not in gone]
         self.names = tuple(program.names[i] for i in self.kept)
-
-    def _is_solved(self, equality: str) -> bool:
-        return int(equality.partition("[")[2].partition("]")[0]) in self.solved
 
     @property
     def bounds(self) -> tuple[Array, Array]:
@@ -91,28 +88,26 @@ class Reduced:
         """Objective and inequalities at a point; no equalities."""
         point = self._expanded(x)
         low, high = self.program.bounds
-        sides = []
+        sides: dict[str, Symbolic] = {}
         for name in self.solved.values():
             place = self.program.names.index(name)
-            sides += [low[place] - point[place], point[place] - high[place]]
+            sides |= {f"{name} at least": low[place] - point[place], f"{name} at most": point[place] - high[place]}
         if not self.worst_scene:
             tight = self.program.complete(np.nan_to_num(np.array(point, float)))
             for place, name in enumerate(self.program.names):
                 if name in WORST:
                     point[place] = float(tight[place])
         found = self.program.rules(point)
-        pairs = [
-            side for i in self.paired for side in (found.equalities[i] - APART, -found.equalities[i] - APART)
-        ]
-        inequalities = [*found.inequalities, *sides, *pairs]
+        for name in self.paired:
+            value = found.equalities[name]
+            sides |= {f"{name} above": value - APART, f"{name} below": -value - APART}
+        inequalities = found.inequalities | sides
         if not self.worst_scene and inequalities:
-            inequalities = [float(np.max(np.nan_to_num(np.array(inequalities, float), nan=np.inf)))]
-        return Rules(found.objective, inequalities, [])
+            values = np.nan_to_num(np.array([*inequalities.values()], float), nan=np.inf)
+            inequalities = {"worst": float(np.max(values))}
+        return Rules(found.objective, inequalities, {})
 
-    def rule_names(self) -> tuple[list[str], list[str]]:
-        """Names in the order of `rules`."""
-        inequalities, equalities = self.program.rule_names()
-        sides = [f"{name} at {end}" for name in self.solved.values() for end in ("least", "most")]
-        pairs = [f"{equalities[i]} {side}" for i in self.paired for side in ("above", "below")]
-        names = [*inequalities, *sides, *pairs]
-        return (names if self.worst_scene else names[:1]), []
+
+def scene_of(rule: str) -> int:
+    """The scene that the name of a rule tells: `mean_level[2]` is of the third."""
+    return int(rule.partition("[")[2].partition("]")[0])
