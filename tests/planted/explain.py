@@ -15,6 +15,7 @@ ROUNDS = "tests/solvers/test_in_rounds.py"
 
 SIBLINGS, OF_SIBLINGS = "uwopt/solvers/explain/same_sensor.py", "tests/solvers/test_siblings.py"
 
+DRAWN = "tests/solvers/test_drawn_in.py"
 SOON = "tests/solvers/test_soon_known.py"
 YIELDING = "tests/api/test_yielding.py"
 PATIENCE = "tests/api/test_patience.py"
@@ -154,10 +155,51 @@ DEFECTS = (
     Defect(
         name="no key is moved where it goes on",
         file="uwopt/solvers/infeasible/why_nothing.py",
-        old="        trials.go_on()\n        mover.try_all()\n",
+        old="        trials.go_on()\n        mover.try_all(one_is_enough=True)\n",
         new="        trials.go_on()\n",
-        test="tests/solvers/test_least_change.py"
-        "::test_it_goes_on_where_nothing_is_known_to_help_when_time_ends[asked1-requirements1-keys1]",
+        test=f"{DRAWN}::test_what_is_found_late_is_drawn_in_before_others_are_asked_again",
+    ),
+    Defect(
+        name="what is found late is told as far as it was tried, as others are asked again before",
+        file="uwopt/solvers/infeasible/why_nothing.py",
+        old="        draw_in(singles, mover, FIRST_DRAWN_SHARE)\n",
+        new="",
+        test=f"{DRAWN}::test_what_is_found_late_is_drawn_in_before_others_are_asked_again",
+    ),
+    Defect(
+        name="a change that its design needs all of is halved all the same",
+        file="uwopt/solvers/infeasible/least_change.py",
+        old="        elif share == LITTLE:\n",
+        new="        elif False:\n",
+        test=f"{DRAWN}::test_hardware_that_needs_all_of_a_change_is_asked_once_for_less",
+    ),
+    Defect(
+        name="a limit is told that a few other imagers need less of",
+        file="uwopt/solvers/infeasible/least_limit.py",
+        old="            if best is not None and not self.by_few:\n",
+        new="            if False:\n",
+        test=f"{DRAWN}::test_the_best_of_a_few_imagers_takes_the_place_of_a_design_that_needs_more",
+    ),
+    Defect(
+        name="the best figure is asked for once, however little time there was",
+        file="uwopt/solvers/infeasible/least_limit.py",
+        old="self.figure_s, best = LONGER * turn.left_s, ",
+        new="self.figure_s, best = math.inf, ",
+        test=f"{DRAWN}::test_the_best_figure_is_asked_for_again_with_more_time",
+    ),
+    Defect(
+        name="a limit half-way is tried of all imagers at once",
+        file="uwopt/solvers/infeasible/least_limit.py",
+        old=", enough=True, likely=True)",
+        new=", enough=True)",
+        test=f"{DRAWN}::test_a_few_imagers_are_tried_first_though_all_are_soon_known",
+    ),
+    Defect(
+        name="what likely stands in the way is dropped for all imagers at once",
+        file="uwopt/solvers/infeasible/singles.py",
+        old="            if name in MAY_PASS:\n",
+        new="            if name in MAY_PASS and not trials.relaxer.is_soon_known():\n",
+        test=f"{DRAWN}::test_a_few_imagers_are_tried_first_though_all_are_soon_known",
     ),
     Defect(
         name="what likely stands in the way waits for all that does not",

@@ -25,7 +25,8 @@ from uwopt.solvers.recommend import Sought
 CLOSER = 0.02  # of a change: what is proven not to be enough is a change smaller by this share
 DIGITS = 3  # of a limit, rounded away from what was asked: it can be typed as it stands
 NOTHING = 1e-12
-HALVINGS = 30
+HALVES = (0.5,) * 30
+LITTLE = CLOSER  # of a change, that hardware which needs all of it cannot do with less
 ROUNDS = 20  # each takes a search over all hardware
 LEAST_TURN_S = 0.3  # a search over all hardware seldom finds anything in less
 ROUND_SHARE = 0.5  # of the time left, for one step of every change
@@ -138,6 +139,13 @@ class Narrowing:
         else:
             self._put_off(step)
 
+    def take(self, other: Change, turn: Deadline) -> bool:
+        """Put a smaller change that is known to do in the place of this, drawn in by its hardware; whether it is."""
+        if abs(other.limit - self.asked) >= abs(self.change.limit - self.asked):
+            return False
+        self.change = with_its_hardware(self.too_near, other, self.relaxed, turn)
+        return True
+
     def _put_off(self, step: float) -> None:
         """A search took too long: next one half as close, and from the middle again where that is no step."""
         far_enough = abs(step - self.change.limit) > CLOSER * abs(self.asked - self.change.limit)
@@ -152,15 +160,23 @@ def less_of(name: str) -> str:
 def with_its_hardware(
     asked: float, change: Change, relaxed: Callable[[float], Mission], deadline: Deadline = NEVER
 ) -> Change:
-    """The nearest limit that the hardware of a change can meet, to `DIGITS`, or as near as the time reaches."""
+    """The nearest limit that the hardware of a change can meet, to `DIGITS`, or as near as the time reaches.
+
+    Mostly the limit is just what its design needs: where a little less does not do, nothing nearer is tried.
+    """
     far, near, found = change.limit, asked, change.found
-    for _ in range(HALVINGS):
-        step = rounded_away(0.5 * (far + near), asked)
-        if deadline.passed() or not min(far, near) < step < max(far, near):
+    for share in (LITTLE, *HALVES):
+        step = rounded_away(far + share * (near - far), asked)
+        is_nearer = min(far, near) < step < max(far, near)
+        if deadline.passed() or not (is_nearer or share == LITTLE):
             break
+        if not is_nearer:
+            continue
         tried = same_hardware(found, relaxed(step))
         if tried.outcome.best:
             far, found = step, tried
+        elif share == LITTLE:
+            break
         else:
             near = step
     return Change(far, found)

@@ -23,6 +23,8 @@ from uwopt.solvers.recommend import Sought
 
 MOST_TIMES = 30.0  # what is asked of an image: beyond, it is another image that would be of no use
 FIGURE_S = 2.0  # in less the best figure of all hardware is seldom known, and a limit half-way often is
+FEW_S = 0.8  # at least for that of a few imagers: it takes that
+LONGER = 1.5  # times the turn in which the best figure was not known: in that it may be
 SOON = 0.7  # of the time for the best figure: for the best of a few imagers
 
 
@@ -65,7 +67,8 @@ class LeastLimit:
     one: Without
     narrowing: Narrowing | None = None  # once the figure of the design at hand is known
     is_least: bool = False
-    by_figure: bool = False  # whether the best figure was asked for
+    figure_s: float = FIGURE_S  # in less the best figure is not asked for
+    by_few: bool = False  # whether a few imagers were asked for theirs
     found: Sought = field(init=False)
 
     def __post_init__(self) -> None:
@@ -94,14 +97,17 @@ class LeastLimit:
     @cached_property
     def _at_first(self) -> float:
         """How far the design that is found first misses what is asked."""
-        far = miss(self.one.limit, self._reached())
+        far = miss(self.one.limit, self._reached(self.found))
         return 0.0 if far > MOST_TIMES else far  # an image of no use, or a figure that is not known
 
     def step(self, turn: Deadline) -> None:
         """Draw the limit in once."""
         self.trials.say(0.5, f"the least change of {self.name}")
+        best = RELAXABLE[self.name][2]
         if self.narrowing is not None:
-            if not (turn.left_s >= FIGURE_S and not self.by_figure and self._by_figure(turn)):
+            if best is not None and not self.by_few:
+                self._draw_by_few(self.narrowing, Objective.of(best), turn)
+            elif not (turn.left_s >= self.figure_s and self._by_figure(turn)):
                 self.narrowing.step(turn)
         elif RELAXABLE[self.name][1] == "depth_rating_m":
             trials = self.trials
@@ -109,26 +115,29 @@ class LeastLimit:
                 self.found, self.one.mission, trials.catalog, ANY, generic=trials.generic, deadline=turn
             )
             self.is_least = not turn.passed()
-        elif not (turn.left_s >= FIGURE_S and self._by_figure(turn)):
+        elif not (turn.left_s >= self.figure_s and self._by_figure(turn)):
             self._narrow(turn)
 
     def _by_figure(self, turn: Deadline) -> bool:
         """Whether one search tells the least: it seeks the design with the best figure."""
-        self.by_figure, best = True, RELAXABLE[self.name][2]
+        self.figure_s, best = LONGER * turn.left_s, RELAXABLE[self.name][2]
         if best is None or not self._is_what_counts():
+            self.figure_s = math.inf
             return False
         sought = self._best_without(Objective.of(best), turn)
         self.is_least = sought.outcome.complete
         self.found = sought if sought.outcome.best else self.found
         if self.is_least:
             self.narrowing = None
+        elif self.narrowing is not None:
+            self._offer(self.narrowing, self.found, turn)
         if sought.outcome.interrupted:
             raise KeyboardInterrupt
         return self.is_least
 
     def _narrow(self, turn: Deadline) -> None:
         """Begin at what the design at hand reaches; where that has no figure, nothing less is known."""
-        needed = self._reached()
+        needed = self._reached(self.found)
         if needed is None:
             self.is_least = True
             return
@@ -137,9 +146,26 @@ class LeastLimit:
         self.narrowing = Narrowing(self.one.limit, Change(needed, self.found), relaxed, self._search)
         self.narrowing.step(turn)
 
+    def _draw_by_few(self, narrowing: Narrowing, goal: Objective, turn: Deadline) -> None:
+        """Take the first of a few imagers by what their figure can be, where it needs less than the design at hand.
+
+        It is often near the best, and known long before that. Where another figure is what counts, it mostly is too.
+        """
+        self.by_few = True
+        soon = self.trials.deadline.at_most(max(turn.left_s, FEW_S))
+        few = self.trials.relaxer.among_few(self.one.mission, goal, {self.name}, soon)
+        if few is not None and few.outcome.best:
+            self._offer(narrowing, few, soon)
+
+    def _offer(self, narrowing: Narrowing, other: Sought, turn: Deadline) -> None:
+        """Take what another search found, where that needs less."""
+        needed = self._reached(other)
+        if needed is not None and narrowing.take(Change(needed, other), turn):
+            self.found = narrowing.change.found
+
     def _search(self, wanted: Mission, turn: Deadline) -> Sought:
         """A search of all hardware."""
-        found = self.trials.relaxer.seek(wanted, ANY, {self.name}, deadline=turn, enough=True)
+        found = self.trials.relaxer.seek(wanted, ANY, {self.name}, deadline=turn, enough=True, likely=True)
         if found.outcome.interrupted:
             raise KeyboardInterrupt
         return found
@@ -150,20 +176,20 @@ class LeastLimit:
         is_least = self.is_least or (self.narrowing is not None and self.narrowing.is_least)
         if not is_least:
             self.trials.deadline.left_out.append(less_of(self.name))
-        needed, found = (self._reached(), self.found) if change is None else (change.limit, change.found)
+        needed, found = (self._reached(self.found), self.found) if change is None else (change.limit, change.found)
         return Relaxation(
             one.name, one.limit, needed, miss(one.limit, needed), found, one.at_central_prices,
             is_least and needed is not None,
         )  # fmt: skip
 
-    def _reached(self) -> float | None:
-        """The limit that the design at hand would keep, as it would be typed."""
+    def _reached(self, found: Sought) -> float | None:
+        """The limit that a design would keep, as it would be typed."""
         key, mission = RELAXABLE[self.name][1], self.trials.mission
         if key == "depth_rating_m":
-            rated = rated_depth(self.found)
+            rated = rated_depth(found)
             needed = None if rated is None else rated / mission.depth_factor
         else:
-            value = reached_value(self.trials.judged(self.found), key)
+            value = reached_value(self.trials.judged(found), key)
             needed = None if value is None else asked_when_held(mission.reserve, key, value)
         return None if needed is None else rounded_away(needed, self.one.limit)
 
@@ -180,6 +206,7 @@ class LeastLimit:
         first = judged_by(one.mission, self.found, goal).objective_value
         ceiling = math.inf if first is None else goal.minimised(first)
         soon = turn.at_most(SOON * turn.left_s)
+        self.by_few = True
         few = relaxer.among_few(one.mission, goal, {self.name}, soon, enough=False, ceiling=ceiling)
         if few is not None and few.outcome.best:
             self.found, ceiling = few, few.outcome.best[0].minimised

@@ -200,11 +200,11 @@ class Mover:
         self.trials.interrupted |= found is not None and found.outcome.interrupted
         return found
 
-    def try_all(self, share: float = SHARE) -> None:
-        """Move each key far, as long as there is time: a share of what is left."""
+    def try_all(self, share: float = SHARE, *, one_is_enough: bool = False) -> None:
+        """Move each key far, as long as there is time, a share of what is left, or until one is known to help."""
         phase = self.trials.deadline.at_most(share * self.trials.deadline.left_s)
         for one in self.left:
-            if self.trials.interrupted or phase.left_s <= LEAST_S:
+            if self.trials.interrupted or phase.left_s <= LEAST_S or (one_is_enough and self.far):
                 break
             try:
                 self._try_far(one, phase)

@@ -89,11 +89,12 @@ class Relaxer:
 
     def seek(
         self, mission: Mission, goal: Objective, freed: Collection[str], *, deadline: Deadline = NEVER,
-        enough: bool = False, ceiling: float = math.inf, few_first: bool = True,
+        enough: bool = False, ceiling: float = math.inf, few_first: bool = True, likely: bool = False,
     ) -> Sought:  # fmt: skip
         """Search for a mission that differs in these requirements, which ask for less. `enough` as in `Search`.
 
-        `few_first`: where one design is enough, look for it among a few imagers before all.
+        few_first : where one design is enough, look for it among a few imagers before all
+        likely : that something fits: so too where all are soon known
         """
         if not set(freed) <= FREES.keys() or self.are_too_many:
             few_first &= enough and self.are_too_many
@@ -103,7 +104,7 @@ class Relaxer:
                 mission, self.catalog, goal, generic=self.generic, top=1, deadline=deadline, like=self.problem,
                 enough=enough, ceiling=ceiling,
             )  # fmt: skip
-        few_first &= enough and not self.is_soon_known(freed)
+        few_first &= enough and (likely or not self.is_soon_known(freed))
         if few_first and (soon := fitting(self.among_few(mission, goal, freed, deadline))) is not None:
             return soon
         problem = self.asking(mission)

@@ -37,7 +37,7 @@ IMAGER_S = 1e-5  # that a search takes at least for an imager that another requi
 QUICK_TURN = 0.5  # of the time left, for one of all imagers where that is soon known
 FEW = 3  # requirements that are as well dropped one by one
 SUSPECT_TURN, LAST_SUSPECT = 0.45, 0.7  # of the time left, for one that likely stands in the way
-DRAW_SHARE = 0.3  # of the time left, for how little of these does
+DRAW_SHARE = 0.5  # of the time left, for how little of these does
 
 
 @dataclass
@@ -84,15 +84,16 @@ class Singles:
             waiting += [other for other in then if other not in (*asked, *waiting)]
 
     def _ask_suspect(self, name: str, share: float) -> None:
-        """Drop one that likely stands in the way, in a share of the time left: among all where that is soon known.
+        """Drop one that likely stands in the way, in a share of the time left: among a few, then where it may be soon
+        known among all.
 
-        Else among a few, and the time is kept for what else may help.
+        Else the time is kept for what else may help.
         """
         trials = self.trials
         try:
-            if name in MAY_PASS and not trials.relaxer.is_soon_known():
+            if name in MAY_PASS:
                 self._try_among(name, FEW_IMAGERS, trials.deadline.at_most(share * trials.deadline.left_s))
-            is_asked = name in self.hopes  # else there are hardly more than a few
+            is_asked = name in self.hopes and not trials.relaxer.is_soon_known()  # else there may be hardly more
             if name in self._open(trials.limits) and not (is_asked or trials.interrupted):
                 self._is_known(name, trials.deadline.at_most(share * trials.deadline.left_s))
         except KeyboardInterrupt:

@@ -29,6 +29,7 @@ BOUNDED = ("light", "max_white_balance", "bound", "power_w", "energy_wh", "cost"
 HARDWARE_SHARE = 0.5  # of the time left, for what the hardware that came nearest does with other changes
 DRAWN_SHARE = 0.4  # of the time left, for that, kept from what is asked once more
 HARDWARE_S = 1.0  # of the processor, for how near to what is asked the hardware of a change reaches
+FIRST_DRAWN_SHARE = 0.6  # of the time left, for the least of what came late, before others are asked again
 LEAST_SHARE = 0.9  # of the time left, for the least of each change that helps
 QUICK_SHARE = 0.2  # of the time left, likewise, where single changes are soon known
 KEPT_SHARE = 0.35  # of the time left, for changes together where none is known to help alone
@@ -62,9 +63,10 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
     trials.deadline = whole
     if soon is None and singles.together is None and not singles.helpful and not mover.far:
         trials.go_on()
-        mover.try_all()
+        mover.try_all(one_is_enough=True)
         if not mover.far:
             singles.drop_others()
+        draw_in(singles, mover, FIRST_DRAWN_SHARE)
     if singles.helpful or mover.far:
         ask_open(singles, mover)
     every, moves = least_changes(trials, singles, mover)
@@ -157,14 +159,10 @@ def together_soon(trials: Trials, singles: Singles, mover: Mover) -> CommonFit |
 
 def least_changes(trials: Trials, singles: Singles, mover: Mover) -> tuple[list[Relaxation], list[Moved]]:
     """Of each single requirement and key that helps the least change, by turns; the smallest of requirements first."""
-    if not trials.interrupted:
-        try:
-            draw_in(singles, mover)
-            if singles.left or mover.left:
-                ask_open(singles, mover)
-                draw_in(singles, mover)
-        except KeyboardInterrupt:
-            trials.interrupted = True
+    draw_in(singles, mover)
+    if singles.left or mover.left:
+        ask_open(singles, mover)
+        draw_in(singles, mover)
     limits, moves = singles.changes(), mover.changes()
     return sorted((one.told() for one in limits), key=lambda one: one.miss_rel), [move.told() for move in moves]
 
@@ -180,10 +178,16 @@ def draw_by_hardware(singles: Singles, mover: Mover) -> None:
         trials.interrupted = True
 
 
-def draw_in(singles: Singles, mover: Mover) -> None:
+def draw_in(singles: Singles, mover: Mover, share: float = LEAST_SHARE) -> None:
     """Draw in what helps, by turns, in a share of the time left."""
-    phase = singles.trials.deadline.at_most(LEAST_SHARE * singles.trials.deadline.left_s)
-    in_rounds([*singles.changes(), *(move.drawn for move in mover.changes())], phase)
+    trials = singles.trials
+    if trials.interrupted:
+        return
+    try:
+        phase = trials.deadline.at_most(share * trials.deadline.left_s)
+        in_rounds([*singles.changes(), *(move.drawn for move in mover.changes())], phase)
+    except KeyboardInterrupt:
+        trials.interrupted = True
 
 
 def ask_open(singles: Singles, mover: Mover) -> None:

@@ -1,0 +1,116 @@
+"""What a told change is drawn in by: its own hardware, the best of a few imagers, and more time for the best of all."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+from test_least_change import POWER, mission, written
+
+from uwopt.catalog.catalogue import Catalog
+from uwopt.deadline import Deadline
+from uwopt.forward.assembly import load_catalog
+from uwopt.solvers.exact.certificate import certificate
+from uwopt.solvers.infeasible import least_change, why_nothing
+from uwopt.solvers.infeasible.least_change import Change, with_its_hardware
+from uwopt.solvers.infeasible.least_limit import FIGURE_S, LeastLimit, Without
+from uwopt.solvers.infeasible.reached import judged_by, reached_value
+from uwopt.solvers.infeasible.relaxer import Relaxer
+from uwopt.solvers.infeasible.singles import Singles
+from uwopt.solvers.infeasible.trials import Trials
+from uwopt.solvers.recommend import seek
+
+
+@pytest.fixture(scope="module")
+def parts(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return written(tmp_path_factory.mktemp("parts"))
+
+
+@pytest.fixture(scope="module")
+def catalog(parts: Path) -> Catalog:
+    return load_catalog(mission(parts))
+
+
+@pytest.mark.parametrize(("needs", "reached", "asked"), [(43.0, 43.0, [42.4]), (36.87, 36.9, None)])
+def test_hardware_that_needs_all_of_a_change_is_asked_once_for_less(monkeypatch, needs, reached, asked):
+    tried: list[float] = []
+
+    def same_hardware(found: Any, limit: Any) -> Any:
+        tried.append(limit)
+        return SimpleNamespace(outcome=SimpleNamespace(best=[1] * (limit >= needs)))
+
+    monkeypatch.setattr(least_change, "same_hardware", same_hardware)
+    drawn = with_its_hardware(12.0, Change(43.0, cast(Any, None)), cast(Any, lambda limit: limit))
+    assert drawn.limit == reached
+    assert asked is None or tried == asked
+
+
+def without_gsd(parts: Path, catalog: Catalog) -> LeastLimit:
+    """Images finer than any, and what fits without: that which takes least power, or else the coarser of two lenses."""
+    wanted = mission(parts, lenses=("zz-lens", "zz-wide"), max_gsd_mm=0.5)
+    relaxed = mission(parts, lenses=("zz-wide",))
+    trials = Trials(wanted, catalog, POWER, "never")
+    coarse = seek(relaxed, catalog, POWER, generic="never", top=1)
+    return LeastLimit(trials, Without("max_gsd_mm", 0.5, mission(parts, lenses=("zz-lens", "zz-wide")), coarse))
+
+
+def test_the_best_of_a_few_imagers_takes_the_place_of_a_design_that_needs_more(parts, catalog, monkeypatch):
+    one = without_gsd(parts, catalog)
+
+    def all_of_them(self: Relaxer, wanted: Any, goal: Any, freed: Any, *_: Any, **more: Any) -> Any:
+        return self.seek(wanted, goal, freed)
+
+    monkeypatch.setattr(Relaxer, "among_few", all_of_them)
+    turn = Deadline(0.5 * FIGURE_S, lambda: 0.0)
+    coarse = reached_value(judged_by(one.trials.mission, one.found, POWER), "max_gsd_mm")
+    one.step(turn)
+    assert one.told().needed == pytest.approx(coarse, rel=0.01)
+    one.step(turn)
+    assert one.told().needed < 0.9 * coarse
+    assert one.found.problem.parts.lenses[one.found.outcome.best[0].lens].id == "zz-lens"
+
+
+def test_the_best_figure_is_asked_for_again_with_more_time(parts, catalog, monkeypatch):
+    one, turns = without_gsd(parts, catalog), list[float]()
+
+    def too_long(self: LeastLimit, goal: Any, turn: Deadline) -> Any:
+        turns.append(turn.left_s)
+        return SimpleNamespace(outcome=SimpleNamespace(best=[], complete=False, interrupted=False))
+
+    monkeypatch.setattr(LeastLimit, "_best_without", too_long)
+    one.by_few = True
+    for seconds in (FIGURE_S, 1.1 * FIGURE_S, 2.0 * FIGURE_S, 2.1 * FIGURE_S):
+        one.step(Deadline(seconds, lambda: 0.0))
+    assert turns == [FIGURE_S, 2.0 * FIGURE_S]
+
+
+def test_what_is_found_late_is_drawn_in_before_others_are_asked_again(parts, catalog, monkeypatch):
+    """The time is over before it begins; a finer image is had from lower, and 1 m is far lower than it need be."""
+    wanted, at_first = mission(parts, max_gsd_mm=0.5), list[float]()
+    found = seek(wanted, catalog, POWER, generic="never", top=1)
+    proof = certificate(found.selection, found.problem, found.outcome, POWER)
+
+    def ask_open(singles: Any, mover: Any) -> None:
+        at_first.extend(move.drawn.gap for move in mover.changes())
+
+    monkeypatch.setattr(why_nothing, "ask_open", ask_open)
+    over = Deadline(0.0, lambda: 1.0)
+    why_nothing.why_nothing(Trials(wanted, catalog, POWER, "never", over, more_s=100.0), proof)
+    assert at_first and max(at_first) < 1.0 and math.isfinite(max(at_first))
+
+
+def test_a_few_imagers_are_tried_first_though_all_are_soon_known(parts, catalog, monkeypatch):
+    """Where something likely fits: without what likely stands in the way, and half-way to what is asked."""
+    one, asked = without_gsd(parts, catalog), list[Any]()
+    monkeypatch.setattr(Relaxer, "is_soon_known", lambda self, freed=(): True)
+    monkeypatch.setattr(Relaxer, "among_few", lambda self, wanted, *_, **more: asked.append(wanted))
+    one.by_few = True
+    for _ in range(2):
+        one.step(Deadline(0.5 * FIGURE_S, lambda: 0.0))
+    assert len(asked) == 1
+    singles = Singles(one.trials)
+    singles._ask_suspect("max_gsd_mm", 1.0)
+    assert len(asked) == 2 and [one.name for one in singles.helpful] == ["max_gsd_mm"]
