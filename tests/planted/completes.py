@@ -70,22 +70,22 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a card holds any number of images in the search",
         file="uwopt/solvers/exact/imager_rules.py",
-        old="<= problem.duration.mean_rate_into(cameras.storage_gb) * ROUND",
+        old="<= duration.mean_rate_into(cameras.storage_gb) * slack",
         new="<= np.inf * cameras.price",
         test=SEARCHED + "test_images_of_the_whole_mission_fit_on_the_card",
     ),
     Defect(
         name="a card that just holds all images is too small",
         file="uwopt/solvers/exact/imager_rules.py",
-        old="problem.duration.mean_rate_into(cameras.storage_gb) * ROUND",
-        new="problem.duration.mean_rate_into(cameras.storage_gb) * 0.9999",
+        old="duration.mean_rate_into(cameras.storage_gb) * slack",
+        new="duration.mean_rate_into(cameras.storage_gb) * 0.9999",
         test=RULES + "test_a_rule_keeps_what_is_a_millionth_inside[card_gb]",
     ),
     Defect(
         name="outlines let cards be a hundredth too small",
         file="uwopt/solvers/exact/outline.py",
-        old='passes["card_gb"] = duration.mean(rates) <= COARSE_ROUND * count',
-        new='passes["card_gb"] = duration.mean(rates) <= 1.01 * count',
+        old="focus_rules(problem, rows.camera, rows.lens, focused, COARSE_ROUND)",
+        new="focus_rules(problem, rows.camera, rows.lens, focused, 1.01)",
         test=RULES + "test_an_outline_discards_what_is_outside[card_gb]",
     ),
     Defect(

@@ -50,7 +50,7 @@ DEFECTS = (
     Defect(
         name="storage is held against each scene's rate",
         file="uwopt/solvers/exact/imager_rules.py",
-        old='yield "storage_gb", problem.duration.mean(rates) <=',
+        old='yield "storage_gb", duration.mean(rates) <=',
         new='yield "storage_gb", np.max(rates, axis=0) <=',
         test=f"{SEARCH}test_storage_discards_by_the_mean_over_scenes",
     ),

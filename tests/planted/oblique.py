@@ -155,15 +155,15 @@ DEFECTS = (
     Defect(
         name="a frame may reach the horizon",
         file="uwopt/solvers/exact/imager_rules.py",
-        old='yield "horizon", all_of(view.farthest <= FARTHEST * ROUND for view in seen)',
-        new='yield "horizon", all_of(view.farthest <= np.inf for view in seen)',
+        old='yield "horizon", below_horizon(seen)',
+        new='yield "horizon", below_horizon(seen, np.inf)',
         test=f"{RULES}::test_a_rule_discards_what_is_a_millionth_outside[horizon]",
     ),
     Defect(
         name="outlines discard frames that stay below the horizon",
         file="uwopt/solvers/exact/outline.py",
-        old='passes["horizon"] &= seen.view.farthest <= FARTHEST * COARSE_ROUND',
-        new='passes["horizon"] &= 1.1 * seen.view.farthest <= FARTHEST',
+        old="below_horizon(seen, COARSE_ROUND)",
+        new="below_horizon(seen, 1.0 / 1.1)",
         test=f"{RULES}::test_an_outline_keeps_what_is_inside[horizon]",
     ),
     Defect(

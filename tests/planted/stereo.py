@@ -69,22 +69,22 @@ DEFECTS = (
     Defect(
         name="a search forgets what both cameras see",
         file="uwopt/solvers/exact/imager_rules.py",
-        old="of_rows(np.minimum, view.common_across_m) * ROUND >=",
-        new="of_rows(np.minimum, view.covered_across_m) * ROUND >=",
+        old='at_least("min_common_swath_m", "common_across_m")',
+        new='at_least("min_common_swath_m", "covered_across_m")',
         test=f"{RULES}test_a_rule_discards_what_is_a_millionth_outside[min_common_swath_m]",
     ),
     Defect(
         name="outlines forget the baseline of a pair",
         file=OUTLINE,
-        old="seen.most.covered_across_m[:, 0] * COARSE_ROUND - pair.baseline_m",
-        new="seen.most.covered_across_m[:, 0] * COARSE_ROUND",
+        old="common_m = covered_m[:, :1] - pair.baseline_m",
+        new="common_m = covered_m[:, :1]",
         test=f"{RULES}test_an_outline_discards_what_is_outside[min_common_swath_m]",
     ),
     Defect(
         name="outlines ask a pair for more than its imagers give",
         file=OUTLINE,
-        old="least_m * 1e3 <= needs.max_depth_error_mm * COARSE_ROUND",
-        new="least_m * 1e3 <= needs.max_depth_error_mm * 0.999",
+        old="error_m[mine] = disparity_m / focal * square / baseline_m",
+        new="error_m[mine] = 1.001 * disparity_m / focal * square / baseline_m",
         test=f"{RULES}test_an_outline_keeps_what_is_inside[max_depth_error_mm]",
     ),
     Defect(

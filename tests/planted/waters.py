@@ -82,8 +82,8 @@ DEFECTS = (
     Defect(
         name="a swath counts what a lens would see that is focused at infinity",
         file="uwopt/solvers/exact/imager_rules.py",
-        old="of_rows(np.minimum, view.covered_across_m) * ROUND",
-        new="of_rows(np.minimum, view.footprint_across_m) * ROUND",
+        old='at_least("min_swath_m", "covered_across_m")',
+        new='at_least("min_swath_m", "footprint_across_m")',
         test="tests/evaluation/test_breathing.py::test_a_proven_swath_is_seen_by_a_lens_that_moves_as_a_whole",
     ),
     Defect(

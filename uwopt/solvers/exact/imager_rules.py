@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import reduce
 from typing import Any
@@ -93,57 +93,56 @@ def view_rules(
     problem: Problem, port: int, seen: list[Views], spacers_m: Array
 ) -> Iterator[tuple[str, Array]]:
     """The rules that a view and its focus are enough for, in turn, with the imagers that pass them, (n,)."""
-    every = list(zip(problem.scenes, seen, strict=True))
     yield "view", all_of(view_clears(problem, port, view) for view in seen)
-    yield "horizon", all_of(view.farthest <= FARTHEST * ROUND for view in seen)
+    yield "horizon", below_horizon(seen)
     yield "focus", np.isfinite(spacers_m)
-    yield (
-        "max_gsd_mm",
-        all_of(
-            of_rows(np.maximum, view.gsd_m) * 1e3 <= limit(scene.view.requirements.max_gsd_mm) * ROUND
-            for scene, view in every
-        ),
-    )
-    yield (
-        "min_swath_m",
-        all_of(
-            of_rows(np.minimum, view.covered_across_m) * ROUND >= (scene.view.requirements.min_swath_m or 0.0)
-            for scene, view in every
-        ),
-    )
-    yield (
-        "min_common_swath_m",
-        all_of(
-            of_rows(np.minimum, view.common_across_m) * ROUND >= (scene.view.requirements.min_common_swath_m or 0.0)
-            for scene, view in every
-        ),
-    )
-    yield (
-        "max_depth_error_mm",
-        all_of(
-            of_rows(np.maximum, view.depth_error_m) * 1e3 <= limit(scene.view.requirements.max_depth_error_mm) * ROUND
-            for scene, view in every
-        ),
-    )
+    yield from sight_rules(problem, seen)
+
+
+def below_horizon(seen: Sequence[Views], slack: float = ROUND) -> Array:
+    """Whether views meet the floor, (n,)."""
+    return all_of(view.farthest <= FARTHEST * slack for view in seen)
+
+
+def sight_rules(problem: Problem, seen: Sequence[Views], slack: float = ROUND) -> Iterator[tuple[str, Array]]:
+    """What the mission asks of what is seen, in turn, with the imagers that pass, (n,).
+
+    slack : factor by which bounds of groups may miss a limit
+    """
+    every = [(scene.view.requirements, view) for scene, view in zip(problem.scenes, seen, strict=True)]
+
+    def at_most(most: str, column: str) -> Array:
+        return all_of(
+            of_rows(np.maximum, getattr(view, column)) * 1e3 <= limit(getattr(needs, most)) * slack
+            for needs, view in every
+        )
+
+    def at_least(least: str, column: str) -> Array:
+        return all_of(
+            of_rows(np.minimum, getattr(view, column)) * slack >= (getattr(needs, least) or 0.0)
+            for needs, view in every
+        )
+
+    yield "max_gsd_mm", at_most("max_gsd_mm", "gsd_m")
+    yield "min_swath_m", at_least("min_swath_m", "covered_across_m")
+    yield "min_common_swath_m", at_least("min_common_swath_m", "common_across_m")
+    yield "max_depth_error_mm", at_most("max_depth_error_mm", "depth_error_m")
 
 
 def focus_rules(
-    problem: Problem, camera: Array, lens: Array, focused: list[Focused]
+    problem: Problem, camera: Array, lens: Array, focused: Sequence[Focused], slack: float = ROUND
 ) -> Iterator[tuple[str, Array]]:
     """Each further rule that ports of the same optics share, in turn, with the imagers that pass it, (n,)."""
     cameras, limits, count = problem.cameras.take(camera), problem.mission.limits, problem.mission.vehicle.camera_count
-    yield "frame_rate", all_of(extra.rate_hz <= cameras.max_rate_hz * ROUND for extra in focused)
-    rate_limit = limit(limits.data_rate_mb_s)
-    yield (
-        "data_rate_mb_s",
-        all_of(extra.rate_hz * cameras.frame_mb * count <= rate_limit * ROUND for extra in focused),
-    )
-    rates = [extra.rate_hz * cameras.frame_mb * count for extra in focused]
-    yield "storage_gb", problem.duration.mean(rates) <= problem.duration.mean_data_limit_mb_s * ROUND
+    duration = problem.duration
     each = [extra.rate_hz * cameras.frame_mb for extra in focused]
-    yield "card_gb", problem.duration.mean(each) <= problem.duration.mean_rate_into(cameras.storage_gb) * ROUND
+    rates = [one * count for one in each]
+    yield "frame_rate", all_of(extra.rate_hz <= cameras.max_rate_hz * slack for extra in focused)
+    yield "data_rate_mb_s", all_of(rate <= limit(limits.data_rate_mb_s) * slack for rate in rates)
+    yield "storage_gb", duration.mean(rates) <= duration.mean_data_limit_mb_s * slack
+    yield "card_gb", duration.mean(each) <= duration.mean_rate_into(cameras.storage_gb) * slack
     yield "lens_stop_down", stops_down(problem, problem.lenses)[lens]
-    yield "min_dof_m", common_f_number(focused)
+    yield "min_dof_m", common_f_number(focused, slack)
     yield (
         "max_blur_px",
         all_of(
@@ -219,10 +218,10 @@ def stops_down(problem: Problem, lenses: Any) -> Array:
     return np.asarray(lenses.f_number_from(most) <= lenses.f_number_max * ROUND)
 
 
-def common_f_number(focused: list[Focused]) -> Array:
+def common_f_number(focused: Sequence[Focused], slack: float) -> Array:
     """Whether an f-number of the lens keeps sharp what must be, the same in all scenes unless motorised."""
     low = np.max([extra.n_low for extra in focused], axis=0)
-    return np.asarray(np.isfinite(low) & (low <= focused[0].n_high * ROUND))
+    return np.asarray(np.isfinite(low) & (low <= focused[0].n_high * slack))
 
 
 def totals(

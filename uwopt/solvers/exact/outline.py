@@ -38,9 +38,9 @@ from uwopt.forward.views import (
     port_shapes,
 )
 from uwopt.model.enclosure import tube_needed_m
-from uwopt.model.imaging import FARTHEST, PortShape, ray_spread
+from uwopt.model.imaging import PortShape, ray_spread
 from uwopt.solvers.exact.floor_rectangles import Rectangles, crowding_of
-from uwopt.solvers.exact.imager_rules import limit
+from uwopt.solvers.exact.imager_rules import below_horizon, focus_rules, limit, sight_rules
 from uwopt.solvers.exact.imagers import Imagers, SceneImagers
 from uwopt.solvers.exact.light_tables import FieldTables
 from uwopt.solvers.exact.oblique import (
@@ -230,67 +230,45 @@ class Level:
 
     def rules(self, rows: OutlineRows, imagers: Imagers) -> list[tuple[str, Array]]:
         """Each imagers' rule with the rows that some port of the group may pass, in the imagers' order."""
-        problem, limits = self.problem, self.problem.mission.limits
-        cameras, count = problem.cameras, problem.mission.vehicle.camera_count
-        tie, at = problem.ties[0][rows.camera], rows.group
-        every = np.ones(len(rows), bool)
-        passes: dict[str, Array] = {
-            "complete": (self.groups.tie_low[at] <= tie) & (tie <= self.groups.tie_high[at]), "horizon": every.copy(),
-            "focus": self.lens_focus.focuses[rows.lens, rows.group],
-        }  # fmt: skip
-        for name in (
-            "max_gsd_mm", "min_swath_m", "min_common_swath_m", "max_depth_error_mm", "frame_rate", "data_rate_mb_s",
-            "storage_gb", "card_gb",
-        ):  # fmt: skip
-            passes[name] = every.copy()
-        duration, rates = problem.duration, []
-        passes["lens_stop_down"] = self.lens_focus.closes[rows.lens]
-        passes["min_dof_m"] = every.copy()
-        for scene, seen in zip(problem.scenes, imagers.scenes, strict=True):
-            assert isinstance(seen, OutlineScene)
-            needs, focused = scene.view.requirements, seen.focused
-            passes["horizon"] &= seen.view.farthest <= FARTHEST * COARSE_ROUND
-            passes["max_gsd_mm"] &= seen.view.gsd_m[:, 2] * 1e3 <= limit(needs.max_gsd_mm) * COARSE_ROUND
-            if needs.min_swath_m is not None:
-                passes["min_swath_m"] &= seen.most.covered_across_m[:, 0] * COARSE_ROUND >= needs.min_swath_m
-            self.pair_rules(passes, scene, rows, seen)
-            passes["frame_rate"] &= focused.rate_hz <= cameras.max_rate_hz[rows.camera] * COARSE_ROUND
-            data = focused.rate_hz * cameras.frame_mb[rows.camera] * count
-            passes["data_rate_mb_s"] &= data <= limit(limits.data_rate_mb_s) * COARSE_ROUND
-            rates.append(data)
-            passes["min_dof_m"] &= np.isfinite(focused.n_low) & (
-                focused.n_low <= focused.n_high * COARSE_ROUND
-            )
-        passes["card_gb"] = duration.mean(rates) <= COARSE_ROUND * count * duration.mean_rate_into(
-            cameras.storage_gb[rows.camera]
-        )
-        passes["storage_gb"] = duration.mean(rates) <= duration.mean_data_limit_mb_s * COARSE_ROUND
-        passes["max_blur_px"] = cameras.min_exposure_s[rows.camera] <= limits.max_exposure_ms * 1e-3
-        passes["housing"] = self.may_fit(rows)
-        passes["cost"] = imagers.limit_cost <= limit(limits.cost) * COARSE_ROUND
-        passes["mass_kg"] = imagers.mass_kg <= limit(limits.mass_kg) * COARSE_ROUND
-        passes["power_w"] = imagers.camera_power_w <= limit(limits.power_w) * COARSE_ROUND
-        passes["energy_wh"] = imagers.camera_power_w <= duration.mean_power_limit_w * COARSE_ROUND
+        problem, limits, at = self.problem, self.problem.mission.limits, rows.group
+        tie = problem.ties[0][rows.camera]
+        seen = [self.best_seen(index, rows, one) for index, one in enumerate(imagers.scenes)]
+        focused = [one.focused for one in imagers.scenes]
+        passes = {
+            "complete": (self.groups.tie_low[at] <= tie) & (tie <= self.groups.tie_high[at]),
+            "horizon": below_horizon(seen, COARSE_ROUND),
+            "focus": self.lens_focus.focuses[rows.lens, at],
+            **dict(sight_rules(problem, seen, COARSE_ROUND)),
+            **dict(focus_rules(problem, rows.camera, rows.lens, focused, COARSE_ROUND)),
+            "housing": self.may_fit(rows),
+            "cost": imagers.limit_cost <= limit(limits.cost) * COARSE_ROUND,
+            "mass_kg": imagers.mass_kg <= limit(limits.mass_kg) * COARSE_ROUND,
+            "power_w": imagers.camera_power_w <= limit(limits.power_w) * COARSE_ROUND,
+            "energy_wh": imagers.camera_power_w <= problem.duration.mean_power_limit_w * COARSE_ROUND,
+        }
+        passes["lens_stop_down"] = self.lens_focus.closes[rows.lens]  # of any lens of a group
         return list(passes.items())
 
+    def best_seen(self, index: int, rows: OutlineRows, seen: SceneImagers) -> Views:
+        """What rules look at of these rows in one scene, at the end of their groups that passes sooner.
 
-    def pair_rules(
-        self, passes: dict[str, Array], scene: SceneOptics, rows: OutlineRows, seen: OutlineScene
-    ) -> None:
-        """What a stereo pair that is not turned inward may see and measure at best; turned, its imagers are asked.
-
-        The strip is the footprint less the baseline. Behind domes the error is the same all over it; behind a flat port
-        no pixel in it is smaller than on the image's edge, and the rays to its middle meet at B / d at most.
+        Of a stereo pair that is turned inward nothing is known; its imagers are asked. Else the strip is the footprint
+        less the baseline. Behind domes the error is the same all over it; behind a flat port no pixel in it is smaller
+        than on the image's edge, and the rays to its middle meet at B / d at most.
         """
+        assert isinstance(seen, OutlineScene)
+        scene, covered_m = self.problem.scenes[index], seen.most.covered_across_m
         needs, pair = scene.view.requirements, pair_of(scene)
-        if pair is None or pair.turn_rad > 0.0:
-            return
-        if needs.min_common_swath_m is not None:
-            strip_m = seen.most.covered_across_m[:, 0] * COARSE_ROUND - pair.baseline_m
-            passes["min_common_swath_m"] &= strip_m >= needs.min_common_swath_m
-        if needs.max_depth_error_mm is None:
-            return
-        range_m = float(scene.range_m[-1])
+        common_m, error_m = np.full((len(rows), 1), np.inf), np.zeros((len(rows), 1))
+        if pair is not None and pair.turn_rad <= 0.0:
+            common_m = covered_m[:, :1] - pair.baseline_m
+            if needs.max_depth_error_mm is not None:
+                error_m[:, 0] = self.least_depth_error_m(scene, rows, pair.baseline_m)
+        return replace(seen.view, covered_across_m=covered_m, common_across_m=common_m, depth_error_m=error_m)
+
+    def least_depth_error_m(self, scene: SceneOptics, rows: OutlineRows, baseline_m: float) -> Array:
+        """No image measures a distance better by a pair with parallel axes, (n,)."""
+        range_m, error_m = float(scene.range_m[-1]), np.empty(len(rows))
         for mine, shape in port_shapes(self.groups.least, rows.group, scene):
             some = rows.take(mine)
             cameras, lenses = self.problem.cameras.take(some.camera), self.problem.lenses.take(some.lens)
@@ -299,8 +277,9 @@ class Level:
             square = np.square(range_m + at.outer_radius_m)
             if not at.is_dome:
                 square = range_m**2 * scene.n_water**2 * ray_spread(np.square(across), at)[1] ** 3
-            least_m = needs.disparity_error_px * cameras.pixel_pitch_m / focal * square / pair.baseline_m
-            passes["max_depth_error_mm"][mine] &= least_m * 1e3 <= needs.max_depth_error_mm * COARSE_ROUND
+            disparity_m = scene.view.requirements.disparity_error_px * cameras.pixel_pitch_m
+            error_m[mine] = disparity_m / focal * square / baseline_m
+        return error_m
 
     def may_fit(self, rows: OutlineRows) -> Array:
         """Whether the roomiest housing of the group is wide enough, and as long as what lies behind the pupil.
