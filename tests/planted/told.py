@@ -6,6 +6,20 @@ from planted.defect import Defect
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="what is not known yet is said once more as left out",
+        file="uwopt/report/text/short.py",
+        old="for note in notes_beside(result) if note.code in CUT_SHORT]",
+        new="for note in result.warnings if note.code in CUT_SHORT]",
+        test="tests/report/test_short.py::test_what_is_not_known_yet_is_said_once",
+    ),
+    Defect(
+        name="images of noise alone are told to help",
+        file="uwopt/report/text/helps.py",
+        old="needed < min(asked, USELESS_DB)",
+        new="needed < min(asked, 0.0)",
+        test="tests/report/test_short.py::test_a_signal_in_as_much_noise_is_out_of_reach",
+    ),
+    Defect(
         name="what would help is told by keys that nobody speaks of",
         file="uwopt/report/text/helps.py",
         old="names = words.listed([words.key_name(name) for name in why.not_known]",

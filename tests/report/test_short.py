@@ -13,10 +13,11 @@ import pytest
 from uwopt.api.risks import with_risks
 from uwopt.report.page.page import opening, report_html, status_words
 from uwopt.report.text.console import print_blocks
+from uwopt.report.text.helps import is_far, notes_beside
 from uwopt.report.text.nothing_fits import helpful_lines, infeasible_block
 from uwopt.report.text.short import short_text_blocks
 from uwopt.report.text.tables import result_blocks
-from uwopt.results.basis import Risk
+from uwopt.results.basis import Risk, WhyNothing
 from uwopt.results.design import Note
 from uwopt.results.result import Result
 
@@ -338,10 +339,10 @@ def test_ten_times_what_is_asked_is_called_out_of_reach(make_result: Make, neede
 
 
 def test_decibels_are_not_out_of_reach_by_their_ratio(make_result: Make) -> None:
-    snr = {"name": "min_snr", "limit": 30.0, "needed": 2.0, "miss_rel": 0.9}
+    snr = {"name": "min_snr", "limit": 70.0, "needed": 6.5, "miss_rel": 0.9}
     why = {"requirements": [], "nearest_miss": None, "relaxations": [snr]}
     text = text_of(make_result(status="infeasible", recommendation=None, runners_up=[], infeasible=why))
-    assert "Each of these changes" in text and "2.000 dB less may do" in text
+    assert "Each of these changes" in text and "6.500 dB less may do" in text
 
 
 def test_what_does_not_help_is_told_with_what_stands_in_the_way(make_result: Make) -> None:
@@ -389,6 +390,24 @@ def test_very_noisy_images_are_told_before_that_all_that_is_asked_is_held(
     assert opening(result)[0].startswith(told + ("best of" if told else "Best of"))
     assert f": {told[:1].lower()}{told[1:]}best of" in text_of(result)
     assert status_words(result)[1] == ("warn" if told else "good")
+
+
+def test_what_is_not_known_yet_is_said_once(make_result: Make) -> None:
+    given = "the time that was given is over; not worked out: "
+    open_yet = "whether it could be met without min_snr; whether another altitude_m would do"
+    why = WhyNothing([], [], None, [], not_known=["min_snr", "altitude_m"])
+    nothing = {"recommendation": None, "runners_up": [], "generic_alternative": None, "status": "infeasible"}
+    for more, left in (("", None), ("; whether fewer changes together would do", "fewer changes together")):
+        late = make_result(warnings=[Note("time", "", given + open_yet + more)])
+        late = replace(late, infeasible=why, **nothing)
+        for text in (text_of(late), *(str(one.message) for one in notes_beside(late))):
+            assert "could be met without" not in text and "another altitude" not in text
+        assert "Not known yet: whether it is enough to give way in signal to noise" in text_of(late)
+        assert ("Left out" in text_of(late)) is (left is not None) and (left or "") in text_of(late)
+
+
+def test_a_signal_in_as_much_noise_is_out_of_reach() -> None:
+    assert is_far("min_snr", 20.0, 0.97) and not is_far("min_snr", 30.0, 8.8) and not is_far("min_snr", 3.0, None)
 
 
 def test_what_was_left_out_for_want_of_time_stands_on_the_page(make_result: Make) -> None:

@@ -4,25 +4,31 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from uwopt.mission.reserves import depth_factor
 from uwopt.report.text import formats, words
 from uwopt.report.text.layout import Line, sentence
 from uwopt.results.basis import Moved
+from uwopt.results.design import Note
 from uwopt.results.result import Result
 
 if TYPE_CHECKING:
     from uwopt.results.front import FrontResult
 
 FAR_TIMES = 10.0
+USELESS_DB = 6.0  # of signal to noise: below, noise is more than half of the signal
 MORE_S = (60, 300, 1800)  # that are told to be given
+TOLD_AS_OPEN = ("whether it could be met without ", "whether another ", "whether less than that change of ")
 OF_DEPTH = ": depth rating"  # how what excludes a kind of part by its rating ends
 
 
 def is_far(name: str, asked: float | None, needed: float | None) -> bool:
-    """Whether a change is out of reach: to ten times what is asked, or a tenth of it. Of decibels none is."""
-    if not asked or not needed or name in ("min_snr", "min_snr_red_db"):
+    """Whether a change is out of reach: to ten times what is asked, or a tenth of it; of decibels to mere noise."""
+    if name in ("min_snr", "min_snr_red_db"):
+        return asked is not None and needed is not None and needed < min(asked, USELESS_DB)
+    if not asked or not needed:
         return False
     times = needed / asked
     return times >= FAR_TIMES or 0.0 < times <= 1.0 / FAR_TIMES
@@ -90,6 +96,21 @@ def not_known_lines(result: Result | FrontResult) -> list[Line]:
     spent_s = result.timing_s.get("explanation", 0.0)
     more_s = next((one for one in MORE_S if one > 1.5 * spent_s), MORE_S[-1])
     return [sentence(f"Not known yet: {'; '.join(told)}. uwopt explain with --seconds {more_s} goes on.")]
+
+
+def notes_beside(result: Result | FrontResult) -> list[Note]:
+    """The notes of a result; of what there was no time for without that which `not_known_lines` tells."""
+    if result.infeasible is None or result.status != "infeasible":
+        return result.warnings
+    made = []
+    for note in result.warnings:
+        said, _, rest = note.message.partition(": ")
+        left = [text for text in rest.split("; ") if not text.startswith(TOLD_AS_OPEN)]
+        if note.code != "time" or "; ".join(left) == rest:
+            made.append(note)
+        elif left:
+            made.append(replace(note, message=f"{said}: {'; '.join(left)}"))
+    return made
 
 
 def in_part_text(looked_at: Mapping[str, int]) -> str:

@@ -15,7 +15,7 @@ from uwopt.quantities import BY_NAME, TERMS
 from uwopt.report.text import formats, words
 from uwopt.report.text.certainty import ask_first, certainty_block, status_text, surer_block
 from uwopt.report.text.doubts import quoted_number
-from uwopt.report.text.helps import contradiction_lines, not_known_lines
+from uwopt.report.text.helps import contradiction_lines, not_known_lines, notes_beside
 from uwopt.report.text.in_hand import fails_first
 from uwopt.report.text.knee import goal_text
 from uwopt.report.text.layout import Block, Joined, Line, Text, block, columns, fact_lines, sentence
@@ -139,7 +139,7 @@ def cut_short_block(result: Result) -> Iterator[Block]:
     """What is not told for want of time, or because a person wanted no more: nobody should take it for no doubt."""
     if result.best is None and result.status == "stopped":
         return  # the verdict says so
-    if told := [words.as_sentence(words.note_text(note)) for note in result.warnings if note.code in CUT_SHORT]:
+    if told := [words.as_sentence(words.note_text(note)) for note in notes_beside(result) if note.code in CUT_SHORT]:
         yield block("Left out", [*map(sentence, told)])
 
 

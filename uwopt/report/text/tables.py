@@ -19,6 +19,7 @@ from uwopt.report.text.doubts import (
 )
 from uwopt.report.text.exactness import exactness_block, has_errors
 from uwopt.report.text.frame import frame_facts
+from uwopt.report.text.helps import notes_beside
 from uwopt.report.text.in_hand import fails_first
 from uwopt.report.text.knee import knee_blocks
 from uwopt.report.text.layout import Block, Grid, Joined, Line, Text, block, columns, fact_lines, sentence
@@ -425,7 +426,7 @@ def warning_blocks(result: Result | FrontResult) -> Iterator[Block]:
     """What the user should know of the input and the hardware."""
     best = result.best if isinstance(result, Result) else None
     own = best.warnings if best is not None else []
-    texts = dict.fromkeys(warning_text(item) for item in [*result.warnings, *own])
+    texts = dict.fromkeys(warning_text(item) for item in [*notes_beside(result), *own])
     if texts:
         yield block("Warnings", [sentence("- " + text) for text in texts])
 
