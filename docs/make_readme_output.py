@@ -62,9 +62,9 @@ def page_of(result: Result) -> str:
 
 def full_of(result: Result) -> str:
     """What is shown of what `solve --full` prints."""
-    from uwopt.report.text.tables import result_blocks
+    from uwopt.report.text.short import full_text_blocks
 
-    return shortened(printed(result_blocks(result)))
+    return shortened(printed(full_text_blocks(result)))
 
 
 def sections(text: str) -> list[tuple[str, list[str]]]:

@@ -8,6 +8,13 @@ SUNLIT = "tests/report/test_sunlit_pictures.py::"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="all there is leaves out how certain it is",
+        file="uwopt/report/text/short.py",
+        old="        yield from certainty_block(result)\n        yield from risk_blocks(result)\n",
+        new="        yield from risk_blocks(result)\n",
+        test="tests/report/test_certainty.py::test_what_is_not_certain_enough_is_said_first_on_the_page_and_in_full",
+    ),
+    Defect(
         name="a slow rate is an interval against a rate",
         file="uwopt/report/text/formats.py",
         old='if symbol(margin.unit) == "Hz":',

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable
+from typing import Any
+
+import pytest
 
 from uwopt.report.text.certainty import certainty_block
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.doubts import robustness_block
 from uwopt.report.text.layout import Block
+from uwopt.report.text.short import full_text_blocks, short_text_blocks
 from uwopt.results.result import Result
 
 COUNTED = {
@@ -44,6 +48,20 @@ def test_what_is_best_by_central_numbers_stands_beside_what_is_recommended(make_
         assert "scenarios draw reflectance of the floor" in text_of(robustness_block(result))
     (block,) = certainty_block(make_result(confidence=COUNTED | {"central_hardware": ours}))
     assert "30.00 W with the same parts" in text_of(block) and "of the choice" not in text_of(block)
+
+
+@pytest.mark.parametrize("blocks", [short_text_blocks, full_text_blocks])
+def test_what_is_not_certain_enough_is_said_first_on_the_page_and_in_full(
+    make_result: Callable[..., Result], blocks: Callable[..., Any]
+) -> None:
+    """All there is once began with `feasible: every requirement is met`, and left out how often that holds."""
+    unsure = make_result(status="feasible", confidence=COUNTED | {"held": 0.49, "enough": False})
+    stream = io.StringIO()
+    print_blocks(blocks(unsure), stream)
+    text = " ".join(stream.getvalue().split())
+    assert "not certain enough: holds in 49 % of" in text[:120] and "very requirement is met" not in text[:400]
+    for title in ("How certain", "Risks", "Measure or quote first"):
+        assert title in text
 
 
 def test_medians_that_scenarios_cannot_tell_apart_are_called_a_tie(make_result: Callable[..., Result]) -> None:

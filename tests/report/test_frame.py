@@ -12,7 +12,7 @@ import pytest
 from uwopt.report.page.page import report_html
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.frame import facts_of
-from uwopt.report.text.tables import result_blocks
+from uwopt.report.text.short import full_text_blocks
 from uwopt.results.result import Result
 
 Make = Callable[..., Any]
@@ -25,7 +25,7 @@ FIGURES: dict[str, Any] = {
 def text_of(result: Result) -> str:
     raw = io.BytesIO()
     stream = io.TextIOWrapper(raw, encoding="utf-8")
-    print_blocks(result_blocks(result), stream)
+    print_blocks(full_text_blocks(result), stream)
     stream.flush()
     return " ".join(raw.getvalue().decode("utf-8").split())
 

@@ -9,8 +9,7 @@ from typing import Any
 
 from uwopt.api.risks import risks_of
 from uwopt.report.text.console import print_blocks
-from uwopt.report.text.short import short_text_blocks
-from uwopt.report.text.tables import result_blocks
+from uwopt.report.text.short import full_text_blocks, short_text_blocks
 from uwopt.results.basis import Bought, Knee, ObjectiveValue
 from uwopt.results.result import Result
 
@@ -51,7 +50,7 @@ def test_signal_to_noise_is_told_in_decibels(make_result: Make) -> None:
 
 
 def test_full_text_names_the_system_that_more_would_buy(make_result: Make) -> None:
-    text = text_of(result_blocks(best_image(make_result)))
+    text = text_of(full_text_blocks(best_image(make_result)))
     assert "buys 1.2 % more information, with cam-2 + lens-2 + dome + lamp." in text
 
 

@@ -15,8 +15,7 @@ from uwopt.report.page.page import opening, report_html, status_words
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.helps import is_far, notes_beside
 from uwopt.report.text.nothing_fits import helpful_lines, infeasible_block
-from uwopt.report.text.short import short_text_blocks
-from uwopt.report.text.tables import result_blocks
+from uwopt.report.text.short import full_text_blocks, short_text_blocks
 from uwopt.results.basis import Risk, WhyNothing
 from uwopt.results.design import Note
 from uwopt.results.result import Result
@@ -43,7 +42,7 @@ TILT = {
 def text_of(result: Result, full: bool = False) -> str:
     """What is printed, on one line."""
     stream = io.StringIO()
-    print_blocks((result_blocks if full else short_text_blocks)(result), stream)
+    print_blocks((full_text_blocks if full else short_text_blocks)(result), stream)
     return " ".join(stream.getvalue().split())
 
 

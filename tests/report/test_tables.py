@@ -13,7 +13,8 @@ import pytest
 
 from uwopt.report.page.page import report_html
 from uwopt.report.text.console import print_blocks
-from uwopt.report.text.tables import result_blocks, shown_settings
+from uwopt.report.text.short import full_text_blocks
+from uwopt.report.text.tables import shown_settings
 from uwopt.results.result import Result
 
 Make = Callable[..., Any]
@@ -22,7 +23,7 @@ Make = Callable[..., Any]
 def text_of(result: Result, encoding: str = "utf-8") -> str:
     raw = io.BytesIO()
     stream = io.TextIOWrapper(raw, encoding=encoding)
-    print_blocks(result_blocks(result), stream)
+    print_blocks(full_text_blocks(result), stream)
     stream.flush()
     return raw.getvalue().decode(encoding)
 
@@ -90,7 +91,7 @@ def test_missed_requirement_is_marked_and_counted(
         certificate=None, design=make_design(scenes=[make_scene("reef", margins=[missed])]),
     )  # fmt: skip
     text = flat(text_of(result))
-    assert "1 requirement is missed." in text
+    assert "1 requirement is missed" in text
     assert "motion blur 2.000 px at most 1.000 px -1.00 px MISSED" in text
 
 

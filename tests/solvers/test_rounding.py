@@ -26,7 +26,7 @@ from uwopt.forward.figures import SettingRows
 from uwopt.forward.parts import Parts
 from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL
 from uwopt.report.text.console import print_blocks
-from uwopt.report.text.tables import result_blocks
+from uwopt.report.text.short import full_text_blocks
 from uwopt.results.design import SettableCheck
 from uwopt.solvers.recommend import SETTINGS_TO_SET, Sought, best_settable, hardware_of
 from uwopt.solvers.settable.rounding import exact_settings, rounded_design
@@ -282,7 +282,7 @@ def test_no_settings_are_offered_where_none_holds(unsettable: uwopt.Result) -> N
 
 def test_text_says_that_the_optimum_cannot_be_typed_in(unsettable: uwopt.Result) -> None:
     stream = io.StringIO()
-    print_blocks(result_blocks(unsettable), stream)
+    print_blocks(full_text_blocks(unsettable), stream)
     text = " ".join(stream.getvalue().split())
     assert "Settings to type in" not in text
     assert "no settings that can be typed in were found" in text

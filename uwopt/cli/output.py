@@ -67,9 +67,9 @@ def hand_over(
 
         print_blocks(front_blocks(result), said=wording_of(result))
     elif full:
-        from uwopt.report.text.tables import result_blocks
+        from uwopt.report.text.short import full_text_blocks
 
-        print_blocks(result_blocks(result), said=wording_of(result))
+        print_blocks(full_text_blocks(result), said=wording_of(result))
     else:
         from uwopt.report.text.short import rest_text_blocks, short_text_blocks
 

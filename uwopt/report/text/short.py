@@ -31,10 +31,12 @@ from uwopt.report.text.prices import short_price_sentence
 from uwopt.report.text.tables import (
     hardware_block,
     nearest_miss,
+    proof_blocks,
     rounding_lines,
     scenes_to_set,
     settings_table,
     status_style,
+    system_blocks,
 )
 from uwopt.results.basis import Risk
 from uwopt.results.design import (
@@ -85,6 +87,19 @@ def short_text_blocks(result: Result) -> Iterator[Block | Text]:
     yield sentence(HINT, "dim")
 
 
+def full_text_blocks(result: Result) -> Iterator[Block | Text]:
+    """All there is: how far it may be believed and what may go wrong as on the page, the rest in full."""
+    yield Block("", (title_line(result), *verdict_lines(result)))
+    yield from system_blocks(result)
+    if (design := result.best) is not None:
+        if said := not_in_it(result, design):
+            yield block("Not in the price", [sentence(words.as_sentence(said))])
+        yield from certainty_block(result)
+        yield from risk_blocks(result)
+        yield from question_blocks(result, design)
+    yield from proof_blocks(result)
+
+
 def first_text_blocks(result: Result) -> Iterator[Block]:
     """What the page begins with: all that is known once a recommendation is proven."""
     yield Block("", (title_line(result), *verdict_lines(result)))
@@ -124,14 +139,12 @@ def rest_of_blocks(result: Result) -> Iterator[Block]:
         yield from nothing_blocks(result)
         yield from cut_short_block(result)
         return
-    yield from surer_block(result)
-    yield risk_block(result.risks)
+    yield from risk_blocks(result)
     if alike := words.sibling_sentence(result):
         yield block("Would do as well", [sentence(words.as_sentence(alike))])
     if said := short_price_sentence(result):
         yield block("What asking for more costs", [sentence(said)])
-    if asked := [*questions(result, design)][:MOST_QUESTIONS]:
-        yield block("Measure or quote first", numbered(asked))
+    yield from question_blocks(result, design)
     yield from cut_short_block(result)
 
 
@@ -309,14 +322,19 @@ def cost_block(result: Result, design: Design) -> Block:
     if isinstance(limit, (int, float)) and cost.high > limit:
         end = "Its high end" if cost.value <= limit else "It"
         facts.append(("", f"{end} is above your limit of {formats.money(float(limit), cost.currency)}."))
-    if not_in_it := [item.what for item in not_counted(result, design) if item.bought]:
-        facts.append(("not in it", ", ".join(not_in_it)))
+    if said := not_in_it(result, design):
+        facts.append(("not in it", said))
     facts.append(("power", power_text(design)))
     if totals.mass_kg:
         facts.append(("mass", formats.quantity(totals.mass_kg, "kg") + words.housing_clause(totals)))
     if used_up := words.used_up_clause(totals).removeprefix(", "):
         facts.append(("used up", used_up))
     return block("What it costs", [fact_lines(facts)])
+
+
+def not_in_it(result: Result, design: Design) -> str:
+    """What must be bought and is not in the price."""
+    return ", ".join(item.what for item in not_counted(result, design) if item.bought)
 
 
 def power_text(design: Design) -> str:
@@ -328,6 +346,12 @@ def power_text(design: Design) -> str:
 
 
 # ---------------------------------------------------------------- risks, and what to ask
+
+
+def risk_blocks(result: Result) -> Iterator[Block]:
+    """What would hold more often, where that is known, and the greatest risks."""
+    yield from surer_block(result)
+    yield risk_block(result.risks)
 
 
 def risk_block(risks: Sequence[Risk]) -> Block:
@@ -342,6 +366,12 @@ def risk_text(risk: Risk) -> str:
     figure = f" ({formats.one_line(risk.figure)})" if risk.figure else ""
     reason = f": {formats.one_line(risk.because)}" if risk.because else ""
     return words.as_sentence(formats.one_line(risk.what, MOST_TOLD) + figure + reason)
+
+
+def question_blocks(result: Result, design: Design) -> Iterator[Block]:
+    """What to measure or have quoted before the order; none where nothing is to be asked."""
+    if asked := [*questions(result, design)][:MOST_QUESTIONS]:
+        yield block("Measure or quote first", numbered(asked))
 
 
 def questions(result: Result, design: Design) -> Iterator[str]:

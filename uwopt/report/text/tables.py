@@ -20,9 +20,8 @@ from uwopt.report.text.doubts import (
 from uwopt.report.text.exactness import exactness_block, has_errors
 from uwopt.report.text.frame import frame_facts
 from uwopt.report.text.helps import notes_beside
-from uwopt.report.text.in_hand import fails_first
 from uwopt.report.text.knee import knee_blocks
-from uwopt.report.text.layout import Block, Grid, Joined, Line, Text, block, columns, fact_lines, sentence
+from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, fact_lines, sentence
 from uwopt.report.text.nothing_fits import infeasible_block, miss_sentence
 from uwopt.report.text.prices import price_blocks
 from uwopt.results.design import BillRow, Cost, Design, Margin, Note, SceneResult
@@ -34,18 +33,20 @@ if TYPE_CHECKING:
 ONE_COLUMN_A_SCENE = 3  # more scenes are shown one a row
 
 
-def result_blocks(result: Result) -> Iterator[Block | Text]:
-    """The result block by block, each ending with an empty line."""
-    yield headline(result)
-    best = result.best
-    if best is not None:
-        yield from design_blocks(result, best)
+def system_blocks(result: Result) -> Iterator[Block]:
+    """What is recommended or given, in full; or why there is none, and what comes nearest."""
+    if result.best is not None:
+        yield from design_blocks(result, result.best)
     if result.infeasible:
         yield infeasible_block(result)
         miss = nearest_miss(result)
         if miss is not None:
             yield hardware_block(miss, "Nearest miss", note=miss_sentence(result))
             yield from margin_blocks(miss)
+
+
+def proof_blocks(result: Result) -> Iterator[Block | Text]:
+    """What stands behind it: other choices, the proof, what requirements cost, how firm it is, what it assumes."""
     yield from runner_up_blocks(result)
     if result.certificate is not None:
         yield certificate_block(result, result.certificate)
@@ -66,20 +67,6 @@ def result_blocks(result: Result) -> Iterator[Block | Text]:
 def nearest_miss(result: Result | FrontResult) -> Design | None:
     """The design that came nearest to feasible."""
     return result.infeasible.nearest_miss if result.infeasible is not None else None
-
-
-def headline(result: Result) -> Block:
-    """Name of the mission, verdict and value of the objective."""
-    name = formats.one_line(result.mission.get("name") or "mission", 80)
-    title = Joined((Text(name, "bold"), Text(": "), Text(result.status, status_style(result))))
-    lines: list[Line] = [title, Text(words.as_sentence(words.status_sentence(result)))]
-    if result.best is not None and result.best.objective_value is not None:
-        goal = formats.one_line(result.objective.name.replace("_", " "))
-        direction = formats.one_line(result.objective.direction)
-        lines.append(Text(f"Objective: {goal} {words.as_set_text(result, result.best)} ({direction}d)."))
-    if result.best is not None and (first := fails_first(result.best.as_set)):
-        lines.append(sentence(words.as_sentence(first)))
-    return block("", lines)
 
 
 def status_style(result: Result) -> str:

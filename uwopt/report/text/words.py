@@ -317,15 +317,6 @@ def value_text(result: Result, design: Design, value: float | None) -> str:
     return objective_text(result, value)
 
 
-def as_set_text(result: Result, design: Design) -> str:
-    """The objective at the settings to set, and the exact optimum's beside it where that is another."""
-    shown, exact = design.as_set.objective_value, design.objective_value
-    text = value_text(result, design, shown)
-    if design.as_set is design or value_text(result, design, exact) == text:
-        return text
-    return f"{text} as set, {value_text(result, design, exact)} exactly"
-
-
 def axis_text(objective: FrontObjective, point: FrontPoint, digits: int = 4) -> str:
     """The same of a point of a front, in one objective."""
     if objective.name == "cost":
