@@ -47,6 +47,7 @@ DEEP = (
     "  cameras: [avt-alvium-1800-c-235m]\n  lenses: [tamron-m112fm12, fujinon-cf12za-1s]\n"
     "  ports: [generic-dome-bk7-100mm]\n  lights: [generic-flash-50j]\n"
 )
+FEW_SCENARIOS = "doubt: {scenarios: 64}\n"
 #: Files that choose from few parts once a command has run: what each says, and what it says then.
 NARROWED = {
     AS_PROCESS: {
@@ -59,7 +60,9 @@ NARROWED = {
         "problems/mbari-lass-2013.yaml": [
             ("  generic: allow\n", "  generic: allow\n  cameras: [basler-aca2040-55uc]\n"),
         ],
-        "problems/jobs/deep-auv.yaml": [("objective: power\n", "catalog:\n" + DEEP + "objective: power\n")],
+        "problems/jobs/deep-auv.yaml": [
+            ("objective: power\n", "catalog:\n" + DEEP + FEW_SCENARIOS + "objective: power\n")
+        ],
     },
     INIT: {
         "my-survey.yaml": [
@@ -68,7 +71,7 @@ NARROWED = {
                 "  cameras: [basler-a2a2464-77umpro]\n  ports: [generic-dome-acrylic]\n  lights: [generic-flash-50j]\n"
                 + SOME_LENSES,
             ),
-            ("physics: auto\n", "physics: paper\n"),
+            ("physics: auto\n", "physics: paper\n" + FEW_SCENARIOS),
         ],
     },
 }  # fmt: skip

@@ -6,12 +6,14 @@ least electrons for the SNR (section 6), the lamp's level for those electrons, a
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 from typing import Any
 
 import extreme_cases as cases
 import mpmath as mp
 import pytest
+from thorough import drawn
 
 import uwopt
 from uwopt.mission.mission import load_mission
@@ -75,16 +77,25 @@ def least_level(snr: float, *, well_e: float, read_noise_e: float, water: str) -
 SNRS = [0.1, 1.0, 7.0, 100.0, 2000.0, 1e4]
 
 
-@pytest.mark.parametrize("snr", SNRS)
-@pytest.mark.parametrize("well_e", [1e2, 1e4, 1e7, 1e10])
-@pytest.mark.parametrize("read_noise_e", [0.0, 2.4])
+WELLS_E, NOISES_E = (1e2, 1e4, 1e7, 1e10), (0.0, 2.4)
+#: Each SNR before two wells, each well without noise and with it: the ends of all three among them.
+SOME = [
+    (snr, WELLS_E[(i + 2 * k) % 4], NOISES_E[(i // 2 + k) % 2]) for i, snr in enumerate(SNRS) for k in range(2)
+] + [(SNRS[-1], WELLS_E[-1], NOISES_E[0]), (SNRS[0], WELLS_E[0], NOISES_E[0])]
+
+
+@drawn(pytest.mark.usefixtures("undoubted"), lambda test: test)  # doubts at extremes are told of waters, below
+@pytest.mark.parametrize(
+    ("snr", "well_e", "read_noise_e"),
+    drawn(list(dict.fromkeys(SOME)), list(itertools.product(SNRS, WELLS_E, NOISES_E))),
+)
 def test_any_snr_behind_any_well(snr: float, well_e: float, read_noise_e: float, tmp_path: Path) -> None:
     """SNR 0.1 to 1e4, wells 1e2 to 1e10, read noise 0 too."""
     assert_solved(tmp_path, snr, well_e=well_e, read_noise_e=read_noise_e, water="absorbs")
 
 
 @pytest.mark.parametrize("water", WATERS)
-@pytest.mark.parametrize("snr", [1.0, 40.0])
+@pytest.mark.parametrize("snr", drawn([40.0], [1.0, 40.0]))
 def test_waters_of_ones_own(snr: float, water: str, tmp_path: Path) -> None:
     """Nothing, pure absorption, pure scattering, and c r = 200, which lets no light through."""
     assert_solved(tmp_path, snr, well_e=1e4, read_noise_e=2.4, water=water)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import pytest
+from random_cases import BATCHES
 
 from uwopt.solvers.exact import large, port_groups
 from uwopt.solvers.exact import search as exact_search
 
 
-@pytest.fixture(params=["as shipped", "bounds at work", "as if large"])
+@pytest.fixture(params=BATCHES)
 def batches(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
     """Batches as shipped are larger than a small catalogue; batches of one make every bound count.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
 from functools import cache
 from typing import Any
@@ -32,15 +33,28 @@ RINGS = 11  # the same of rings behind lenses
 PAIRS = 13  # the same of how two cameras stand
 PITCHES = 12  # the same of the angles by which cameras look ahead
 #: Of the first hundred random cases some that are enumerated quickly and, together, meet every kind of part, wish and
-#: rule, most of them with designs that are feasible; a test lists the kinds.
+#: rule, most of them with designs that are feasible; a test lists the kinds. In 9 alone designs under several lightings
+#: come to be evaluated in another order than that of the lightings.
 CHOSEN = (
-    4, 9, 10, 11, 14, 17, 20, 21, 22, 24, 32, 33, 35, 39, 44, 45, 48, 49, 54, 57, 60, 62, 72, 73, 75, 79, 80, 81, 87,
-    91,
+    11, 14, 17, 20, 21, 22, 32, 33, 35, 39, 44, 45, 48, 49, 54, 57, 60, 62, 72, 73, 75, 79, 80, 81, 87, 91, 9,
 )  # fmt: skip
 RICH = (10, 22, 33, 35, 57)  # of them some with several designs to choose from
 EASED_DB = 15.0  # corners are so much darker than the mean that few designs would be left
 CASES = drawn(CHOSEN, tuple(range(600)))
 FEW = drawn(RICH, tuple(range(100)))
+
+
+#: Sizes of batches that searches are tried with; what each does, its fixture says.
+BATCHES = ("as shipped", "bounds at work", "as if large")
+
+
+def in_batches(cases: Iterable[Any]) -> list[tuple[str, Any]]:
+    """Each case in batches as shipped and in one of the others, by turns; in all of them before a release."""
+    return [
+        (batches, case_)
+        for place, case_ in enumerate(cases)
+        for batches in drawn((BATCHES[0], BATCHES[1 + place % 2]), BATCHES)
+    ]
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import brute_force as brute
 import numpy as np
 import pytest
 from agreement import agree
-from random_cases import CASES, Case, case, enumerated, lamp, planted, ranked
+from random_cases import CASES, Case, case, enumerated, in_batches, lamp, planted, ranked
 from settings_attack import lit
 from thorough import drawn
 
@@ -33,9 +33,8 @@ MONO = {"mono": Curve((380.0, 780.0), (0.6, 0.6))}
 COLOURED = drawn((24, 44, 49), CASES)  # by default quick ones of both physics in which red decides
 
 
-@pytest.mark.usefixtures("batches")
-@pytest.mark.parametrize("seed", COLOURED)
-def test_search_asking_of_colours_equals_enumeration(seed: int) -> None:
+@pytest.mark.parametrize(("batches", "seed"), in_batches(COLOURED), indirect=["batches"])
+def test_search_asking_of_colours_equals_enumeration(batches: str, seed: int) -> None:
     """Best designs, feasibility and account of cases with a red SNR, a white balance and subjects that move."""
     coloured = case(seed, coloured=True)
     agree(coloured, coloured.solve()[1], ranked(enumerated(seed, coloured=True)))

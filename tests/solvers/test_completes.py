@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import small_catalogues as small
 from agreement import agree
-from random_cases import Case, case, enumerated, lamp, planted, ranked
+from random_cases import Case, case, enumerated, in_batches, lamp, planted, ranked
 from thorough import drawn
 
 from uwopt.evaluation.design_model import DesignModel
@@ -38,9 +38,8 @@ def alone(lights: Any = (BURNING,), *, limits: dict[str, Any] | None = None, **c
     return replace(made, parts=Parts(made.parts.cameras, (glass,), (window,), made.parts.lights))
 
 
-@pytest.mark.usefixtures("batches")
-@pytest.mark.parametrize("seed", CASES)
-def test_search_among_complete_cameras_equals_enumeration(seed: int) -> None:
+@pytest.mark.parametrize(("batches", "seed"), in_batches(CASES), indirect=["batches"])
+def test_search_among_complete_cameras_equals_enumeration(batches: str, seed: int) -> None:
     """Best designs, feasibility and account, with two complete cameras beside the others."""
     agree(case(seed, whole=True), case(seed, whole=True).solve()[1], ranked(enumerated(seed, whole=True)))
 

@@ -313,7 +313,9 @@ def test_where_nothing_fits_no_worse_numbers_are_searched(monkeypatch: pytest.Mo
     assert [len(some) for some in found] == [min(len(sought.outcome.best), search_module.OF_CENTRAL)]
 
 
-@pytest.mark.parametrize(("min_snr_db", "worse", "roomy"), [(28.0, 0.75, True), (31.0, 0.5, False)])
+@pytest.mark.parametrize(
+    ("min_snr_db", "worse", "roomy"), drawn([(28.0, 0.75, True)], [(28.0, 0.75, True), (31.0, 0.5, False)])
+)
 def test_what_goes_on_from_what_has_room_finds_and_counts_what_one_look_does(
     monkeypatch: pytest.MonkeyPatch, min_snr_db: float, worse: float, roomy: bool
 ) -> None:

@@ -124,10 +124,12 @@ def test_a_flash_that_fades_agrees_with_the_search(method: str) -> None:
 SMOOTH = [name for name in TABLE if "step" not in name and name != "flash far too bright"]
 
 
-@pytest.mark.parametrize(("objective", "method"), drawn(
-    [(SNR, "casadi"), (SUM, "slsqp")], [(goal, method) for goal in (SNR, SUM) for method in ("casadi", "slsqp")]
-), ids=str)  # fmt: skip
-@pytest.mark.parametrize("name", SMOOTH)
+ASKED = ((SNR, "casadi"), (SUM, "slsqp"), (SNR, "slsqp"), (SUM, "casadi"))
+
+
+@pytest.mark.parametrize(("name", "objective", "method"), [
+    (name, *asked) for place, name in enumerate(SMOOTH) for asked in drawn(ASKED[place % 2 : place % 2 + 1], ASKED)
+], ids=str)  # fmt: skip
 def test_snr_and_sums_agree_with_the_closed_form(name: str, objective: Objective, method: str) -> None:
     found = solved(TABLE[name], objective, method=method)
     assert found.status == "optimal", found
@@ -178,7 +180,7 @@ LOGS = dict(
 
 
 @settings(
-    max_examples=drawn(30, 200), deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True
+    max_examples=drawn(20, 200), deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True
 )
 @given(
     logs=st.fixed_dictionaries(LOGS),

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from agreement import agree
 from energy_cases import energy_case, enumerated_of
-from random_cases import CHOSEN, lamp, planted, ranked, solved
+from random_cases import CHOSEN, in_batches, lamp, planted, ranked, solved
 from settings_attack import lit, sharp
 from thorough import THOROUGH, drawn
 
@@ -30,9 +30,8 @@ BURNING = lamp("burning", flux_lm=2e4, power_w=200.0)
 SEEDS = tuple(s for s in CHOSEN if solved(s).best) if THOROUGH else (24, 33, 75, 81)
 
 
-@pytest.mark.usefixtures("batches")
-@pytest.mark.parametrize("seed", SEEDS)
-def test_search_with_an_energy_limit_equals_enumeration(seed: int) -> None:
+@pytest.mark.parametrize(("batches", "seed"), in_batches(SEEDS), indirect=["batches"])
+def test_search_with_an_energy_limit_equals_enumeration(batches: str, seed: int) -> None:
     agree(energy_case(seed), energy_case(seed).solve()[1], ranked(enumerated_of(energy_case, seed)))
 
 

@@ -18,7 +18,7 @@ import pytest
 import random_cases as rc
 import small_catalogues as small
 from agreement import agree
-from random_cases import CASES, FEW, bench, case, enumerated, lamp, planted, ranked, solved
+from random_cases import CASES, FEW, bench, case, enumerated, in_batches, lamp, planted, ranked, solved
 from thorough import drawn
 
 from uwopt.catalog.records import exact
@@ -52,7 +52,7 @@ OVER_FRAME = drawn((24,), CASES)  # by default those that are quick and whose an
 # ---------------------------------------------------------------- against enumeration
 
 
-@pytest.mark.parametrize("seed", CASES)
+@pytest.mark.parametrize(("batches", "seed"), in_batches(CASES), indirect=["batches"])
 def test_search_equals_enumeration(seed: int, batches: str) -> None:
     """Best designs, feasibility and account of every random case."""
     outcome = solved(seed) if batches == "as shipped" else case(seed).solve()[1]
@@ -115,9 +115,8 @@ def best_of_planted(name: str) -> dict[tuple[int, ...], Any]:
     return ranked(brute.enumerate_all(brute.Bench(case_.problem()), case_.objective))
 
 
-@pytest.mark.usefixtures("batches")
-@pytest.mark.parametrize("name", PLANTED)
-def test_planted_cases_equal_enumeration(name: str) -> None:
+@pytest.mark.parametrize(("batches", "name"), in_batches(PLANTED), indirect=["batches"])
+def test_planted_cases_equal_enumeration(batches: str, name: str) -> None:
     """Cases made to hit one rule of the closed form each; several were wrong once."""
     case_, best = PLANTED[name], best_of_planted(name)
     agree(case_, case_.solve()[1], best)
@@ -137,9 +136,9 @@ def test_evenness_asked_before_light_loses_nothing(monkeypatch: pytest.MonkeyPat
 
 @pytest.mark.parametrize("seed", CASES)
 def test_claims_hold_in_the_forward_model(seed: int) -> None:
-    """Each listed design is feasible and worth what the search says, by `evaluate_design` on fresh tables."""
+    """Listed designs are feasible and worth what the search says, by `evaluate_design` on fresh tables."""
     outcome, objective = solved(seed), case(seed).objective
-    for found in outcome.best:
+    for found in drawn(outcome.best[:1] + outcome.best[1:][-1:], outcome.best):
         problem, hardware = case(seed).problem(), hardware_of(found)
         model = DesignModel(problem, hardware)
         settings = [exact_settings(model, i, numbers) for i, numbers in enumerate(found.settings)]

@@ -29,7 +29,7 @@ from uwopt.solvers.recommend import seek
 # ---------------------------------------------------------------- bounds and the audit
 
 
-@pytest.mark.parametrize("seed", drawn(range(0, 40, 3), range(300)))
+@pytest.mark.parametrize("seed", drawn(range(0, 40, 6), range(300)))
 def test_bound_of_the_signal_is_a_bound(seed: int) -> None:
     """No image gets more light than its bound says: flat and dome, wide and long, narrow beams, turbid water."""
     rng = np.random.default_rng(seed)
@@ -94,7 +94,7 @@ def test_audit_of_an_honest_search_passes() -> None:
     assert audit(search, case_.objective, count=20, seed=0, best_value=outcome.best[0].minimised)["passed"]
 
 
-@pytest.mark.parametrize("seed", FEW)
+@pytest.mark.parametrize("seed", drawn(FEW[2:], FEW))
 def test_audit_passes_on_random_cases(seed: int) -> None:
     """What an honest search discards does not hold anything better, nor anything feasible if it found nothing."""
     search, outcome = case(seed).solve(top=1)

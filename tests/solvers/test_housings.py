@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import random_cases
 from agreement import agree, combinations
-from random_cases import RICH, Case, case, enumerated, ranked
+from random_cases import RICH, Case, case, enumerated, in_batches, ranked
 from thorough import drawn
 
 from uwopt.catalog.records import Housing, exact
@@ -44,9 +44,8 @@ def worth_having(case_: Case, hardware: list[Any]) -> dict[tuple[int, ...], Any]
     return {key: best for key, best in found.items() if not needless(case_, found, key)}
 
 
-@pytest.mark.usefixtures("batches")
-@pytest.mark.parametrize("seed", CASES)
-def test_search_among_housings_equals_enumeration(seed: int) -> None:
+@pytest.mark.parametrize(("batches", "seed"), in_batches(CASES), indirect=["batches"])
+def test_search_among_housings_equals_enumeration(batches: str, seed: int) -> None:
     """Best designs, feasibility and account, with three housings to each port."""
     housed, found = case(seed, housed=True), enumerated(seed, housed=True)
     agree(housed, housed.solve()[1], worth_having(housed, found))

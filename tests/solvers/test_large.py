@@ -156,7 +156,7 @@ def test_every_pair_that_fits_is_in_one_group_of_each_level(seed: int) -> None:
         assert (np.bincount(row, minlength=len(of[0])) == groups.count[of]).all()
 
 
-@pytest.mark.parametrize("seed", FEW)
+@pytest.mark.parametrize("seed", drawn(FEW[:2], FEW))
 def test_audit_passes(seed: int) -> None:
     """What the search of pairs discards holds nothing better."""
     search, outcome = case(seed).solve(top=1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from agreement import agree
-from random_cases import CASES, Case, case, enumerated, ranked
+from random_cases import CASES, Case, case, enumerated, in_batches, ranked
 from test_large import outlines_hold
 from thorough import drawn
 
@@ -13,9 +13,8 @@ from uwopt.solvers.exact.imagers import enumerate_imagers
 SOME = drawn((14, 35), CASES)
 
 
-@pytest.mark.usefixtures("batches")
-@pytest.mark.parametrize("seed", SOME)
-def test_search_of_stereo_pairs_equals_enumeration(seed: int) -> None:
+@pytest.mark.parametrize(("batches", "seed"), in_batches(SOME), indirect=["batches"])
+def test_search_of_stereo_pairs_equals_enumeration(batches: str, seed: int) -> None:
     made = case(seed, paired=True)
     agree(made, made.solve()[1], ranked(enumerated(seed, paired=True)))
 

@@ -34,7 +34,7 @@ from uwopt.solvers.settable.scene import few_pixels
 from uwopt.solvers.settable.steps import rates_hz, stops, time_steps
 
 # Lamps that burn, pulse, flash; by steps or freely; one scene or two; full, auto, paper; every kind of requirement.
-HOLDING = (4, 5, 12, 14, 23, 40, 46, 54, 62)
+HOLDING = (4, 5, 12, 23, 40, 46, 54, 62)
 FAILING = (41,)
 BURNING = rc.lamp("burning", kind="continuous", flux_lm=20_000.0, power_w=200.0)
 STEPPED = rc.lamp(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from agreement import agree
-from random_cases import case, enumerated, ranked
+from random_cases import case, enumerated, in_batches, ranked
 from thorough import drawn
 
 from uwopt.solvers.exact.imagers import enumerate_imagers
@@ -15,9 +15,8 @@ from uwopt.solvers.exact.port_groups import port_tree
 CASES = drawn((34, 52), tuple(range(100)))  # a best design of each stands on a ring
 
 
-@pytest.mark.usefixtures("batches")
-@pytest.mark.parametrize("seed", CASES)
-def test_search_among_rings_equals_enumeration(seed: int) -> None:
+@pytest.mark.parametrize(("batches", "seed"), in_batches(CASES), indirect=["batches"])
+def test_search_among_rings_equals_enumeration(batches: str, seed: int) -> None:
     agree(case(seed, spaced=True), case(seed, spaced=True).solve()[1], ranked(enumerated(seed, spaced=True)))
 
 

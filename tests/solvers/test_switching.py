@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from agreement import agree
 from energy_cases import enumerated_of, switched_case
-from random_cases import CHOSEN, lamp, planted, ranked, solved
+from random_cases import CHOSEN, in_batches, lamp, planted, ranked, solved
 from settings_attack import lit, sharp
 from thorough import THOROUGH
 
@@ -28,9 +28,8 @@ FEW = (17, 24, 33, 81)  # one scene and two, both physics, all kinds of lamps, q
 SEEDS = tuple(s for s in CHOSEN if solved(s).best) if THOROUGH else FEW
 
 
-@pytest.mark.usefixtures("batches")
-@pytest.mark.parametrize("seed", SEEDS)
-def test_search_with_lamps_off_between_images_equals_enumeration(seed: int) -> None:
+@pytest.mark.parametrize(("batches", "seed"), in_batches(SEEDS), indirect=["batches"])
+def test_search_with_lamps_off_between_images_equals_enumeration(batches: str, seed: int) -> None:
     found = ranked(enumerated_of(switched_case, seed))
     agree(switched_case(seed), switched_case(seed).solve()[1], found, gap_rel=2 * GAP)
 

@@ -86,10 +86,10 @@ def small_sizes(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize(
     ("key", "values"),
     [
-        ("speed_m_s", (0.3, 0.6, 1.05, 1.3, 2.5)), ("min_snr_db", (24, 28, 31, 40)), ("cost", (9000, 7600, 7210, 5000)),
-        ("max_blur_px", (1, 0.4, 0.2, 0.05)), ("overlap", (0.1, 0.6, 0.8, 0.97)),
-        ("depth_rating_m", (30, 99, 150, 400)), ("max_gsd_mm", (1.5, 1, 0.8, 0.5)), ("reserve__snr_db", (0, 1, 2, 9)),
-        ("power_w", (9, 3, 2.7, 2)), ("max_exposure_ms", (5, 0.5, 0.2, 0.05)),
+        ("speed_m_s", (0.3, 0.6, 1.05, 1.3, 2.5)), ("min_snr_db", (24, 31, 40)), ("cost", (9000, 7600, 7210, 5000)),
+        ("max_blur_px", (1, 0.2, 0.05)), ("overlap", (0.1, 0.8, 0.97)), ("depth_rating_m", (30, 150, 400)),
+        ("max_gsd_mm", (1.5, 0.8, 0.5)), ("reserve__snr_db", (0, 2, 9)), ("power_w", (9, 2.7, 2)),
+        ("max_exposure_ms", (5, 0.2, 0.05)),
     ],
 )  # fmt: skip
 def test_each_step_has_the_optimum_of_its_own_search(key, values):
@@ -124,10 +124,10 @@ def test_parts_to_be_made_are_taken_where_none_on_sale_fits_any_more():
     # single scattering: the lamps' light then ends between these speeds
     scenes = [scene | {"multiple_scattering": False} for scene in reef().to_dict()["scenes"]]
     warm, base, seen = Warm(), reef(catalog=parts, scenes=scenes), list[Any]()
-    for speed in (0.5, 0.7, 0.8, 0.95, 1.3):
+    for speed in (0.7, 0.8, 1.3):
         mission = varied(base, speed_m_s=speed, water="1C")
         seen.append(agree(warm, mission)[1:])
-    assert [generic for _, generic in seen] == [False, False, True, True, False]
+    assert [generic for _, generic in seen] == [False, True, False]
     assert seen[-1][0] is None
 
 
