@@ -81,6 +81,16 @@ def test_defects_name_tests_that_exist():
     assert missing == []
 
 
+def test_defects_name_cases_that_exist(request: pytest.FixtureRequest):
+    """Of files that are read in this run: where it takes only some of their tests, nothing is known of the others."""
+    if any("::" in word for word in request.config.args) or request.config.option.keyword:
+        pytest.skip("some tests alone are asked for")
+    known = {item.nodeid for item in request.session.items}
+    files = {node.partition("::")[0] for node in known}
+    named = [(defect.name, node) for defect in DEFECTS for node in defect.tests if node.endswith("]")]
+    assert [one for one in named if one[1].partition("::")[0] in files and one[1] not in known] == []
+
+
 def test_a_patch_that_leaves_no_python_is_told():
     broken = Defect("broken", "x.py", "a = 1", "a = (", "t")
     assert fault_in_patch(broken, "a = 1").startswith("broken: ")

@@ -57,7 +57,7 @@ DEFECTS = (
         file=SETTLED,
         old="    if account.evaluated or ",
         new="    if ",
-        test=f"{ONLY}[1-discarded3-settled3-open_yet3]",
+        test=f"{ONLY}[1-discarded5-settled5-open_yet5]",
     ),
     Defect(
         name="a search of another mission settles what does not help",

@@ -84,14 +84,14 @@ DEFECTS = (
         file="uwopt/api/certainty.py",
         old="if other.held >= least else None",
         new="if other.held >= 0.0 else None",
-        test=f"{TESTS}::test_what_is_known_and_can_be_set_stands_in_for_what_cannot[4000.0]",
+        test=f"{TESTS}::test_what_is_known_and_can_be_set_stands_in_for_what_cannot[4000.0-5]",
     ),
     Defect(
         name="nothing stands in for what cannot be set",
         file="uwopt/api/certainty.py",
         old="        if not made.is_settable:\n",
         new="        if made.feasible:\n",
-        test=f"{TESTS}::test_what_is_known_and_can_be_set_stands_in_for_what_cannot[500.0]",
+        test=f"{TESTS}::test_what_is_known_and_can_be_set_stands_in_for_what_cannot[500.0-5]",
     ),
     Defect(
         name="the upper side of a triangle is drawn as the lower",
