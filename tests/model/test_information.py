@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import integrate, special
 from sharpness_cases import GOOD, NOTHING, PLAIN, with_colour
-from thorough import THOROUGH
+from thorough import THOROUGH, drawn
 
 from uwopt.model import lateral
 from uwopt.model.information import (
@@ -191,7 +191,8 @@ def test_default_orders_are_good_wherever_the_transfer_ends(end: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("motion_px", "colour_px"), [(4.0, 0.0), (2.0, 0.6), (2.0, 0.8), (2.0, 1.9), (4.0, 3.9)]
+    ("motion_px", "colour_px"),
+    drawn([(4.0, 0.0), (2.0, 0.8), (4.0, 3.9)], [(4.0, 0.0), (2.0, 0.6), (2.0, 0.8), (2.0, 1.9), (4.0, 3.9)]),
 )
 def test_default_orders_with_much_motion_or_colour_are_good_to_5e_5(
     motion_px: float, colour_px: float

@@ -12,6 +12,7 @@ import pandas as pd
 import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
+from thorough import drawn
 
 from uwopt.model import beam as beams
 from uwopt.model.imaging import Lamps, PortShape, floor_point
@@ -192,13 +193,17 @@ RAY_CASES = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", RAY_CASES)
+#: What others show at more telling numbers: clear and very thick water, a flat port before a lamp that is nearer.
+IMPLIED = ("ordinary", "flat port", "cone, inwards", "thick water")
+
+
+@pytest.mark.parametrize("name", drawn([name for name in RAY_CASES if name not in IMPLIED], list(RAY_CASES)))
 def test_a_pixels_veil_agrees_with_adaptive_quadrature(name: str) -> None:
     beam, shape, range_m, optical, lamps = RAY_CASES[name]
     water = Water(optical / range_m)
     scene = dict(shape=shape, range_m=range_m, lamps=lamps)
     scatterers = water.scatterers((0.45, 0.45), **scene)
-    pixels = [(0.0, 0.0), (0.45, 0.45), (-0.2, -0.4), (0.1, 0.4)]
+    pixels = drawn([(0.0, 0.0), (0.45, 0.45), (-0.2, -0.4)], [(0.0, 0.0), (0.45, 0.45), (-0.2, -0.4), (0.1, 0.4)])
     u, v = np.array(pixels).T
     ours = log_backscatter_gain(u, v, **scene, beam=BEAMS[beam], scatterers=scatterers)  # type: ignore[arg-type]
     exact = [log_by_quadrature(*p, **scene, beam=BEAMS[beam], water=water) for p in pixels]  # type: ignore[arg-type]
