@@ -46,8 +46,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a report draws all pictures, whatever the time",
         file="uwopt/report/page/page.py",
-        old='"deadline": deadline,',
-        new='"deadline": NEVER,',
+        old="width_mm=width_mm, deadline=deadline)",
+        new="width_mm=width_mm, deadline=NEVER)",
         test="tests/report/test_page.py::test_a_page_without_time_for_pictures_says_so_and_keeps_the_rest",
     ),
     Defect(

@@ -14,13 +14,12 @@ import numpy as np
 import pytest
 
 import uwopt
-from uwopt.evaluation.recompute import replay, telling_figures
+from uwopt.evaluation.recompute import replayed, telling_figures
 from uwopt.report.pictures.curves import DepthOfField
 from uwopt.report.pictures.design_pictures import (
     MOST_BYTES,
     Picture,
     design_pictures,
-    picture_pair,
     png_bytes,
     png_uri,
     rounded,
@@ -37,10 +36,6 @@ NAMES = {
 FIELD = {"picture-corner", "illuminance", "snr"}  # physics `paper` knows no field
 
 
-def inputs(result: Any) -> dict[str, Any]:
-    return {"physics": result.physics, "mission_file": result.mission_file, "system": result.system}
-
-
 def evaluated(name: str, system: Any = None) -> Any:
     return uwopt.evaluate(PROBLEMS / f"{name}.yaml", system or PROBLEMS / f"{name}.system.yaml")
 
@@ -48,7 +43,7 @@ def evaluated(name: str, system: Any = None) -> Any:
 @pytest.fixture(scope="module", params=["nui-acfr", "paper-tool-window", "colour"])
 def made(request, colour_system):
     result = evaluated("nui-acfr", colour_system) if request.param == "colour" else evaluated(request.param)
-    return result, design_pictures(result.mission, result.best, **inputs(result))
+    return result, design_pictures(result, result.best)
 
 
 def test_every_picture_is_there(made):
@@ -105,7 +100,7 @@ def test_key_numbers_are_those_of_the_result(made):
 
 def test_pairs_are_the_details(made):
     result, pictures = made
-    chart, seen = picture_pair(result.mission, result.best, **inputs(result))
+    chart, seen = design_pictures(result, result.best, whole=False)
     by_id = {one.id: one for one in pictures}
     assert (chart.content, seen.content) == (by_id["chart-detail"].content, by_id["picture-detail"].content)
 
@@ -117,14 +112,14 @@ def test_other_scenes_have_other_ids():
         "scenes": [result.mission["scenes"][0], {**result.mission["scenes"][0], "name": "b"}],
     }
     both = uwopt.evaluate(two, result.system)
-    second = design_pictures(both.mission, both.best, **inputs(both), scene=1)
+    second = design_pictures(both, both.best, scene=1)
     assert all(isinstance(one, Picture) and one.id.endswith("-scene2") for one in second)
 
 
 def test_an_image_with_dark_parts_has_pictures_too():
     system = evaluated("paper-tank").system
     result = evaluated("paper-tank", {**system, "light": {**system["light"], "beam_half_angle_deg": 3}})
-    by_id = {one.id: one for one in design_pictures(result.mission, result.best, **inputs(result))}
+    by_id = {one.id: one for one in design_pictures(result, result.best)}
     assert set(by_id) == NAMES
     assert "no signal" in by_id["snr"].alt
     assert "no signal" in by_id["picture-corner"].caption
@@ -163,7 +158,7 @@ def test_numbers_are_short_and_finite():
 
 def test_figures_that_tell_of_changed_inputs_are_those_of_the_report(made: Any) -> None:
     result, _ = made
-    again = replay(result.mission, result.best, **inputs(result))
+    again = replayed(result, result.best)
     whole = again.plain_figures()
     for name, value in telling_figures(again, 0).items():
         assert value == pytest.approx(whole[name], rel=1e-12)  # the same numbers by a shorter way

@@ -340,7 +340,6 @@ def test_pictures_of_picks_stand_with_their_own_design_however_many_cores_draw(
         return [Picture("one", "drawing", costs, costs, costs, "svg", "<svg/>")]
 
     monkeypatch.setattr(design_pictures, "design_pictures", drawn)
-    monkeypatch.setattr(design_pictures, "picture_pair", drawn)
     late, pictures = Deadline(), Pictures()
     with cores(count):
         parts = list(design_parts(make_front(), pictures, late))

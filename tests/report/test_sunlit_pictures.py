@@ -41,7 +41,7 @@ def made(result: Result) -> Replay:
 
 def test_no_lamp_is_drawn_or_told_of_where_there_is_none(result: Result, made: Replay) -> None:
     assert result.best is not None
-    pictures = {one.id: one for one in design_pictures(result.mission, result.best.as_set, physics=result.physics)}
+    pictures = {one.id: one for one in design_pictures(result, result.best.as_set)}
     assert "illuminance" not in pictures
     assert "sun at 60°" in pictures["rig-behind"].content and "sun 60°" in pictures["rig-behind"].alt
     assert not rig_measures(made).lamps

@@ -32,6 +32,8 @@ from uwopt.model.fineness import Fineness
 from uwopt.model.port import lens_dioptre_per_m
 from uwopt.results.basis import UsedPhysics
 from uwopt.results.design import Design, LampPlace
+from uwopt.results.front import FrontResult
+from uwopt.results.result import Result
 from uwopt.tolerances import SATISFIED_REL
 
 KINDS: tuple[Kind, ...] = ("camera", "lens", "port", "light")
@@ -59,6 +61,12 @@ class Replay:
         every = [self.figures(index) for index in range(len(self.settings))]
         (sharp,) = resolved([Measured(self.model, [*self.settings], every)])
         return plain_figures(self.model, scene, self.settings[scene], every[scene], sharp[scene])
+
+
+def replayed(result: Result | FrontResult, design: Design) -> Replay:
+    """The model and settings of one design of a result; raises ReplayError as `replay` does."""
+    system = result.system if isinstance(result, Result) and result.command == "evaluate" else None
+    return replay(result.mission, design, physics=result.physics, mission_file=result.mission_file, system=system)
 
 
 def replay(

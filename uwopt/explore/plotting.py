@@ -149,16 +149,13 @@ def result_pictures(result: Result, name: str, scene: int) -> list[Picture]:
 
 def drawn_by(result: Result, scene: int, draw: Callable[[Replay, int], list[Picture]]) -> list[Picture]:
     """What draws a design, applied to that of a result."""
-    from uwopt.evaluation.recompute import replay
+    from uwopt.evaluation.recompute import replayed
 
     design = result.best
     assert design is not None  # `designed` has seen to it
     if not 0 <= scene < len(design.scenes):
         raise RangeError(f"there is no scene {scene}; the mission has {len(design.scenes)}, counted from 0")
-    made = replay(
-        result.mission, design, physics=result.physics, mission_file=result.mission_file, system=result.system
-    )
-    return draw(made, scene)
+    return draw(replayed(result, design), scene)
 
 
 def designed(

@@ -157,12 +157,9 @@ def figure(result: AnyResult, name: str, *, scene: int = 0, point: str | None = 
     design = design_of(result, point)
     if not 0 <= scene < len(design.scenes):
         raise RangeError(f"there is no scene {scene}; the mission has {len(design.scenes)}, counted from 0")
-    from uwopt.evaluation.recompute import replay
+    from uwopt.evaluation.recompute import replayed
 
-    system = None if isinstance(result, FrontResult) else result.system
-    made = replay(
-        result.mission, design, physics=result.physics, mission_file=result.mission_file, system=system
-    )
+    made = replayed(result, design)
     picture = next((one for one in plot_makers()[name](made, scene) if one.id == name), None)
     if picture is None:
         why = f"physics {result.physics.name} knows no field, or no lamp shines"

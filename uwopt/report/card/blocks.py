@@ -14,7 +14,7 @@ import numpy as np
 from uwopt.deadline import Deadline
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.evaluation.figures_by_name import on_scale_m
-from uwopt.evaluation.recompute import Replay, ReplayError, given_settings, replay
+from uwopt.evaluation.recompute import Replay, ReplayError, given_settings, replayed
 from uwopt.evaluation.setting_limits import BOTH_TIMES, LEVEL, SettingEnd, SettingLimit, setting_limits
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
 from uwopt.model.port import lens_dioptre_per_m
@@ -83,11 +83,8 @@ def card_blocks(result: Result, design: Design) -> Iterator[Block]:
 
 def recomputed(result: Result, design: Design) -> tuple[Replay | None, str]:
     """The design's model, or why there is none."""
-    system = result.system if result.command == "evaluate" else None
     try:
-        return replay(
-            result.mission, design, physics=result.physics, mission_file=result.mission_file, system=system
-        ), ""
+        return replayed(result, design), ""
     except ReplayError as fault:
         return None, f"Not told: {fault}"
 

@@ -13,7 +13,7 @@ from uwopt.catalog.columns import COLUMNS, REQUIRED, Column
 from uwopt.catalog.parts.part import KINDS, Kind
 from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import ResultError
-from uwopt.evaluation.recompute import replay
+from uwopt.evaluation.recompute import replayed
 from uwopt.objectives.goal import goal_of
 from uwopt.objectives.objective import Objective
 from uwopt.report.order.maker_words import NOT_THEIRS, words_for
@@ -103,8 +103,7 @@ def falls_short(result: Result) -> str:
 
 def tender_lines(result: Result, design: Design, deadline: Deadline = NEVER) -> list[TenderLine]:
     """A line a part that is to be bought, its limits found anew by the model."""
-    made = replay(result.mission, design, physics=result.physics, mission_file=result.mission_file,
-                  system=result.system if result.command == "evaluate" else None)  # fmt: skip
+    made = replayed(result, design)
     problem, hardware = made.model.problem, made.model.hardware
     goal = goal_of(problem.mission)
     lines = []

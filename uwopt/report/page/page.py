@@ -175,16 +175,11 @@ def drawn_by_model(
     width_mm: float | None = None,
 ) -> DrawnByModel:  # fmt: skip
     """Let the model draw a design: everything, or only the pair of chart and simulated picture."""
-    inputs: dict[str, Any] = {
-        "physics": result.physics, "mission_file": result.mission_file,
-        "system": result.system if isinstance(result, Result) else None, "width_mm": width_mm,
-        "deadline": deadline,
-    }  # fmt: skip
     known = len(deadline.left_out)
     try:
         from uwopt.report.pictures import design_pictures as studio
 
-        made = (studio.design_pictures if whole else studio.picture_pair)(result.mission, design.as_set, **inputs)
+        made = studio.design_pictures(result, design.as_set, whole=whole, width_mm=width_mm, deadline=deadline)
     except UwoptError as fault:
         return DrawnByModel([], f"{name}: {fault}")
     except Exception as fault:  # the result must not be lost for want of a picture

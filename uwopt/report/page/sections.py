@@ -150,7 +150,7 @@ def cards(design: Design) -> list[Card]:
     ]
     for name in FIGURES:
         values = [scene_value(scene.figures, scene.settings, name) for scene in design.scenes]
-        text = span_text(values, BY_NAME[name].unit, DIGITS)
+        text = formats.span(values, BY_NAME[name].unit, DIGITS)
         if name == "dof_m" and any(scene.figures.get("dof_far_is_infinite") for scene in design.scenes):
             text = "infinite" if all(value is None for value in values) else f"{text} and more"
         if text:
@@ -174,15 +174,6 @@ def scene_value(figures: Mapping[str, Any], settings: Mapping[str, Any], name: s
     """A figure of a scene, or a setting where no figure has that name."""
     value = figures.get(name, settings.get(name))
     return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else None
-
-
-def span_text(values: Sequence[float | None], unit: str, digits: int = 3) -> str:
-    """One number, or from the least to the most; "" where none is known."""
-    known = [value for value in values if value is not None]
-    if not known:
-        return ""
-    low, high = (formats.quantity(end, unit, digits) for end in (min(known), max(known)))
-    return low if low == high else f"{low} to {high}"
 
 
 def figure_rows(design: Design) -> list[tuple[str, list[str]]]:

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from uwopt.report.page.html_file import compact_json, packed, rendered, slim
+from uwopt.report.page.plots_page import plots_page
 from uwopt.report.pictures.whatif_plots import whatif_figures
 from uwopt.report.text import formats, words
-from uwopt.report.text.layout import Block
 from uwopt.report.text.looked_at import in_figure, in_page, wording_of
 from uwopt.report.text.whatif_tables import opening, whatif_blocks
 from uwopt.results.whatif import WhatIf
@@ -35,18 +32,9 @@ MARKS = {"complete": "good", "stopped": "warn", "interrupted": "warn"}
 def whatif_html(table: WhatIf) -> str:
     """The page."""
     said = wording_of(table)
-    figures = {f"whatif-{name}": slim(figure) for name, figure in whatif_figures(table).items()}
-    pictures: list[dict[str, Any]] = []
-    for name in figures:
-        title, caption = PICTURES[name.removeprefix("whatif-")]
-        alt = f"{title}: {caption}"
-        pictures.append({"id": name, "kind": "plotly", "title": title, "caption": caption, "alt": alt})
-    blocks = [one for one in whatif_blocks(table) if isinstance(one, Block)][1:]
-    page = rendered(
-        "whatif.html", ("page.js",), {"figures": in_figure(figures, said), "front": None}, title="What if",
-        name=formats.one_line(table.mission.get("name") or "Mission", 120), version=table.uwopt_version,
-        opening=opening(table), status=(table.status, MARKS.get(table.status, "bad")), pictures=pictures,
-        blocks=blocks, run_time=words.run_time_sentence(table.timing_s), raw=packed(compact_json(table.to_dict())),
-        raw_name="whatif.json", made_by="uwopt whatif",
+    page = plots_page(
+        table, "whatif", in_figure(whatif_figures(table), said), PICTURES, whatif_blocks(table), title="What if",
+        name=formats.one_line(table.mission.get("name") or "Mission", 120), opening=opening(table),
+        status=(table.status, MARKS.get(table.status, "bad")), run_time=words.run_time_sentence(table.timing_s),
     )  # fmt: skip
     return in_page(page, said)

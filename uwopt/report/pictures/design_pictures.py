@@ -1,14 +1,14 @@
 """Pictures of one design for a report, recomputed by the model from the inputs that a result file holds.
 
-One door for the page: `design_pictures` for a design in full, `picture_pair` for a chart and its simulated
-picture alone. A picture carries its title, a caption, a text for those who cannot see it, and the content.
+One door for the page: `design_pictures`. A picture carries its title, a caption, a text for those who cannot see it,
+and the content.
 """
 
 from __future__ import annotations
 
 import base64
 import io
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal
@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.deadline import NEVER, Deadline
-from uwopt.evaluation.recompute import Replay, replay
+from uwopt.evaluation.recompute import Replay, replayed
 from uwopt.report.pictures import drawing, oblique_drawing, plots
 from uwopt.report.pictures.curves import (
     DepthOfField,
@@ -31,8 +31,9 @@ from uwopt.report.pictures.curves import (
 )
 from uwopt.report.pictures.maps import FloorMap, ImageMap, floor_map, image_map
 from uwopt.report.pictures.photograph import View, detail_view, whole_view
-from uwopt.results.basis import UsedPhysics
 from uwopt.results.design import Design
+from uwopt.results.front import FrontResult
+from uwopt.results.result import Result
 from uwopt.units import format_number, format_quantity
 
 Group = Literal["light", "sharp", "operation", "image", "drawing", "picture"]
@@ -62,17 +63,10 @@ class Picture:
 
 
 def design_pictures(
-    mission: Mapping[str, Any],
-    design: Design,
-    *,
-    physics: UsedPhysics,
-    mission_file: Mapping[str, str] | None = None,
-    system: Mapping[str, Any] | None = None,
-    scene: int = 0,
-    width_mm: float | None = None,
+    result: Result | FrontResult, design: Design, *, whole: bool = True, scene: int = 0, width_mm: float | None = None,
     deadline: Deadline = NEVER,
-) -> list[Picture]:
-    """All pictures of a design in one scene; arguments as `uwopt.evaluation.recompute.replay` takes them from a result.
+) -> list[Picture]:  # fmt: skip
+    """All pictures of a design of a result in one scene, or not `whole`: the chart and its simulated picture alone.
 
     With the same `width_mm` of floor the details of several designs can be compared side by side.
     Those for which the deadline leaves no time are left out. Raises ReplayError where the design cannot be recomputed.
@@ -85,41 +79,20 @@ def design_pictures(
         "sharpness": lambda made: sharp_pictures(depth_of_field(made, scene)),
         "operation": lambda made: operation_pictures(operation_curves(made, scene)),
         "maps": lambda made: map_pictures(image_map(made, scene), floor_map(made, scene)),
-    }
+    } if whole else {
+        "the detail": lambda made: view_pictures(
+            detail_view(made, scene, width_mm=width_mm), "detail", "Detail, pixel by pixel"
+        )
+    }  # fmt: skip
     if deadline.passed():
         deadline.left_out.extend(steps)
         return []
-    made = replay(mission, design, physics=physics, mission_file=mission_file, system=system)
+    made = replayed(result, design)
     none: Sequence[Picture] = ()
     pictures = [one for what, make in steps.items() for one in deadline.within(what, partial(make, made), none)]
     if scene == 0:
         return pictures
     return [replace(one, id=f"{one.id}-scene{scene + 1}") for one in pictures]
-
-
-def picture_pair(
-    mission: Mapping[str, Any],
-    design: Design,
-    *,
-    physics: UsedPhysics,
-    mission_file: Mapping[str, str] | None = None,
-    system: Mapping[str, Any] | None = None,
-    scene: int = 0,
-    width_mm: float | None = None,
-    deadline: Deadline = NEVER,
-) -> Sequence[Picture]:
-    """The chart and its simulated picture, pixel by pixel from the middle of the image.
-
-    With the same `width_mm` of floor the pairs of several designs can be compared side by side; none past the deadline.
-    """
-    if deadline.passed():
-        deadline.left_out.append("the detail")
-        return []
-    made = replay(mission, design, physics=physics, mission_file=mission_file, system=system)
-    chart, seen = view_pictures(
-        detail_view(made, scene, width_mm=width_mm), "detail", "Detail, pixel by pixel"
-    )
-    return chart, seen
 
 
 def rounded(value: float) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Iterable
 from functools import partial
 
 from uwopt.report.text.vocabulary import SETTINGS
@@ -74,6 +75,15 @@ def tied(text: str, blank: str = NO_BREAK) -> str:
 def quantity(value: float | None, unit: str = "", digits: int = 3) -> str:
     """A number with its unit, or a dash; bits and lengths get the prefix that keeps the number short."""
     return in_step(prefixed(unit, value or 0.0), value, digits)
+
+
+def span(values: Iterable[float | None], unit: str, digits: int = 3) -> str:
+    """One number, or from the least to the most; "" where none is known."""
+    known = [value for value in values if value is not None]
+    if not known:
+        return ""
+    low, high = (quantity(end, unit, digits) for end in (min(known), max(known)))
+    return low if low == high else f"{low} to {high}"
 
 
 def in_step(step: tuple[float, str], value: float | None, digits: int) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from uwopt.report.text import formats, words
-from uwopt.report.text.layout import Block, Text, block, columns, sentence
+from uwopt.report.text.layout import Block, Text, block, columns, note_blocks, sentence
 from uwopt.report.text.nothing_fits import infeasible_block
 from uwopt.report.text.verdict import axis_name, verdict
 from uwopt.results.front import FrontMethod, FrontPoint, FrontResult
@@ -26,8 +26,7 @@ def front_blocks(front: FrontResult) -> Iterator[Block | Text]:
         yield methods_block(front)
     if front.infeasible:
         yield infeasible_block(front)
-    if front.warnings:
-        yield block("Notes", [sentence(words.as_sentence(item.message)) for item in front.warnings])
+    yield from note_blocks(front.warnings)
     if front.timing_s:
         yield sentence(f"Took {words.run_time_sentence(front.timing_s)}.", "dim")
 

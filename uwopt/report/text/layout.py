@@ -5,11 +5,12 @@ Terminal and page are made from the same blocks: Rich prints them, the page turn
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, TypeAlias, cast
 
-from uwopt.report.text import formats
+from uwopt.report.text import formats, words
+from uwopt.results.design import Note
 
 if TYPE_CHECKING:
     from rich import table, text
@@ -130,3 +131,9 @@ def columns(*heads: tuple[str, str], header: bool = True) -> Grid:
 def fact_lines(facts: Iterable[tuple[str, str]]) -> Facts:
     """Names and values below each other; what is empty is left out."""
     return Facts(tuple((name, formats.one_line(value, 2000)) for name, value in facts if value))
+
+
+def note_blocks(notes: Sequence[Note]) -> Iterator[Block]:
+    """Remarks as sentences, where there are any."""
+    if notes:
+        yield block("Notes", [sentence(words.as_sentence(note.message)) for note in notes])

@@ -245,12 +245,10 @@ def image_sentence(design: Design) -> str:
     """What the images are, from the least to the most where there are several scenes."""
     shown = []
     for name in FIGURES:
-        values = [scene.figures.get(name, scene.settings.get(name)) for scene in design.scenes]
-        known = [float(v) for v in values if isinstance(v, (int, float))]
-        if known:
-            low, high = (formats.quantity(end, BY_NAME[name].unit) for end in (min(known), max(known)))
+        values = (scene.figures.get(name, scene.settings.get(name)) for scene in design.scenes)
+        if text := formats.span((float(v) for v in values if isinstance(v, (int, float))), BY_NAME[name].unit):
             told = f"{'mean ' if name == 'snr_db' else ''}{BY_NAME[name].words}"  # others are of the whole image
-            shown.append(f"{told} {low}" + (f" to {high}" if low != high else ""))
+            shown.append(f"{told} {text}")
     return f"Images: {', '.join(shown)}." if shown else ""
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from uwopt.report.text import formats, words
-from uwopt.report.text.layout import Block, Text, block, columns, sentence
+from uwopt.report.text.layout import Block, Text, block, columns, note_blocks, sentence
 from uwopt.results.sweep import SweepKit, SweepSummary
 
 MOST_ROWS = 14  # of kits; the file holds all
@@ -29,8 +29,7 @@ def sweep_blocks(made: SweepSummary) -> Iterator[Block | Text]:
         yield portfolio_block(made)
     if made.failed:
         yield failed_block(made)
-    if made.warnings:
-        yield block("Notes", [sentence(words.as_sentence(note.message)) for note in made.warnings])
+    yield from note_blocks(made.warnings)
     yield sentence(pace_text(made), "dim")
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from uwopt.report.text import formats, words
-from uwopt.report.text.layout import Block, Text, block, columns, sentence
+from uwopt.report.text.layout import Block, Text, block, columns, note_blocks, sentence
 from uwopt.results.whatif import KeyValue, SpiderLine, Switch, WhatIf, WhatIfPoint, WinningSystem
 from uwopt.units import format_quantity
 
@@ -26,8 +26,7 @@ def whatif_blocks(table: WhatIf) -> Iterator[Block | Text]:
         yield points_block(table)
     if table.spider:
         yield spider_block(table)
-    if table.warnings:
-        yield block("Notes", [sentence(words.as_sentence(item.message)) for item in table.warnings])
+    yield from note_blocks(table.warnings)
     yield sentence(f"Took {words.run_time_sentence(table.timing_s)}.", "dim")
 
 
