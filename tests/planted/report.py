@@ -15,6 +15,21 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/report/test_certainty.py::test_what_is_not_certain_enough_is_said_first_on_the_page_and_in_full",
     ),
     Defect(
+        name="an order says that all is met, however seldom",
+        file="uwopt/report/order/bom_book.py",
+        old="words.as_sentence(how_far(result))",
+        new="words.as_sentence(words.status_sentence(result))",
+        test="tests/report/order/test_bom_book.py::test_an_order_that_is_not_certain_enough_says_so_above_its_lines",
+    ),
+    Defect(
+        name="nothing grows in a season",
+        file="uwopt/report/text/not_counted.py",
+        old="hours < GROWS_H or",
+        new="hours < 24.0 * GROWS_H or",
+        test="tests/report/order/test_bom_book.py::"
+        "test_weeks_in_water_that_light_reaches_ask_for_what_keeps_growth_off[2000.0-40.0-True]",
+    ),
+    Defect(
         name="a slow rate is an interval against a rate",
         file="uwopt/report/text/formats.py",
         old='if symbol(margin.unit) == "Hz":',

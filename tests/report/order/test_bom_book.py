@@ -134,6 +134,30 @@ def test_a_computer_in_the_camera_s_housing_has_its_place(make_result: Make) -> 
     assert "a place for computer and electronics" not in told
 
 
+def test_an_order_that_is_not_certain_enough_says_so_above_its_lines(make_result: Make) -> None:
+    # where it was counted how often it holds, that every requirement is met by central numbers is no verdict
+    counted = {
+        "asked": 0.9, "enough": False, "held": 0.49, "held_low": 0.46, "held_high": 0.52, "scenarios": 1024,
+        "held_in_choice": 0.5, "scenarios_in_choice": 256, "p50_in_choice": 61.0, "objective_p50": 62.0,
+        "objective_p90": 90.0, "f_number": 4.0, "lost_to": [], "drawn": [], "central_objective": 30.0,
+        "central_held": 0.4, "central_p50": None, "central_hardware": ["acme-cam"],
+    }  # fmt: skip
+    unsure = make_result(status="feasible", confidence=counted)
+    assert opened(unsure)["Order"]["A2"].value.startswith("Not certain enough: holds in 49 % of 1 024 scenarios")
+    assert opened(make_result())["Order"]["A2"].value.startswith("Best of the catalogue")
+
+
+@pytest.mark.parametrize(("hours", "depth_m", "told"), [(2000.0, 40.0, True), (300.0, 40.0, False),
+                                                      (2000.0, 900.0, False), (None, 40.0, False)])  # fmt: skip
+def test_weeks_in_water_that_light_reaches_ask_for_what_keeps_growth_off(
+    make_result: Make, hours: float | None, depth_m: float, told: bool
+) -> None:
+    made = make_result()
+    result = replace(made, mission={**made.mission, "vehicle": {"duration_h": hours}, "scenes": [{"depth_m": depth_m}]})
+    known = {one.what: one.known for one in not_counted(result, made.best)}.get("what keeps growth off", "")
+    assert known.startswith("83.3 days under water: what grows") == told == bool(known)
+
+
 def test_second_sources_are_close_enough_by_a_cell(make_result: Make) -> None:
     sheet = opened(make_result())["Second sources"]
     assert sheet["B2"].value == 0.1

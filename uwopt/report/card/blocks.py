@@ -21,6 +21,7 @@ from uwopt.model.port import lens_dioptre_per_m
 from uwopt.report.card.water import water_block
 from uwopt.report.text import formats, vocabulary, words
 from uwopt.report.text.layout import Block, Facts, Grid, Line, Text, block, columns, fact_lines, sentence
+from uwopt.report.text.short import how_far
 from uwopt.results.design import Design, SceneResult
 from uwopt.results.result import Result
 from uwopt.units import ratio_to_db
@@ -54,7 +55,7 @@ def settings_card(result: Result) -> SettingsCard | None:
         return None
     name = formats.one_line(result.mission.get("name") or "Mission", 100)
     parts = " + ".join(words.part_name(part) for part in design.hardware.named.values())
-    verdict = words.as_sentence(words.status_sentence(result))
+    verdict = words.as_sentence(how_far(result))
     return SettingsCard(name, parts, verdict, tuple(card_blocks(result, design)))
 
 

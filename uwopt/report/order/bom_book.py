@@ -9,6 +9,7 @@ from uwopt.report.order.book import MONEY, PERCENT, WHOLE, Page, book_bytes, new
 from uwopt.report.order.other_parts import OtherSystem, instead_of, other_systems, why_this
 from uwopt.report.text import formats, words
 from uwopt.report.text.not_counted import NotCounted, not_counted
+from uwopt.report.text.short import how_far
 from uwopt.report.text.tables import CENTRAL_LEGEND
 from uwopt.results.design import BillRow, Design
 from uwopt.results.result import Result
@@ -40,7 +41,7 @@ def order_page(book: Any, result: Result, best: Design | None) -> None:
     """Lines to order with live totals, and below what is not in the sum."""
     page = Page(book, ORDER, WIDTHS)
     page.line(formats.one_line(result.mission.get("name") or "Mission", 120), bold=True)
-    page.line(words.as_sentence(words.status_sentence(result)))
+    page.line(words.as_sentence(how_far(result)))
     page.text(1, "number of systems", bold=True)
     page.check(page.entry(3, 1, WHOLE), "whole", 1, MOST_SYSTEMS, f"a whole number from 1 to {MOST_SYSTEMS}")
     page.row += 1

@@ -11,6 +11,7 @@ from uwopt.report.text.helps import factor_of_depth
 from uwopt.report.text.stated import supply_volts
 from uwopt.results.design import BillRow, Design
 from uwopt.results.result import Result
+from uwopt.units import format_number
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,8 @@ def _not_counted(result: Result, best: Design) -> Iterator[NotCounted]:
         yield NotCounted(what, place_needed(inside, depth))
     if (lift_kg := -(totals.mass_water_kg or 0.0)) > FLOATS_KG:
         yield NotCounted("ballast", ballast_needed(lift_kg))
+    if growth := growth_kept_off(result):
+        yield NotCounted("what keeps growth off", growth)
     if fed := supply_voltages(best.bom):
         yield NotCounted("supply voltages", fed, bought=False)
     if "rest-spares" in ids:
@@ -74,6 +77,7 @@ UNHOUSED = ("host-computer", "rest-lamp-control", "rest-synchronisation", "rest-
 ELECTRONICS = "a place for electronics"
 LEAD_KG_L, WATER_KG_L = 11.34, 1.025  # lead at 20 C (CRC handbook), sea water
 FLOATS_KG = 0.1  # of lift that nobody need make up for
+GROWS_H, LIT_M = 336.0, 200.0  # from two weeks on, and down to the depth that sunlight reaches: both by convention
 FED = ("camera", "complete", "light")  # kinds of parts that take power; so does the computer
 
 
@@ -91,6 +95,18 @@ def ballast_needed(lift_kg: float) -> str:
     lead = formats.quantity(lift_kg / (1.0 - WATER_KG_L / LEAD_KG_L), "kg", 3)
     lift = formats.quantity(lift_kg, "kg", 3)
     return f"cameras in their housings float with {lift}; {lead} of lead hold them; lamps and cables are not counted"
+
+
+def growth_kept_off(result: Result) -> str:
+    """What keeps port and lamps clear where they stay for weeks in water that light reaches; empty elsewhere."""
+    hours = (result.mission.get("vehicle") or {}).get("duration_h")
+    depths = [scene["depth_m"] for scene in result.mission.get("scenes") or [] if scene.get("depth_m") is not None]
+    if hours is None or hours < GROWS_H or not depths or min(depths) > LIT_M:
+        return ""
+    return (
+        f"{format_number(hours / 24.0)} days under water: what grows on port and lamps takes light and is not "
+        "modelled; ask for a wiper, copper around the port, or a coating"
+    )
 
 
 def supply_voltages(rows: Sequence[BillRow]) -> str:
