@@ -381,6 +381,20 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{BOUNDS}test_the_floor_of_a_pair_is_its_cost_without_light_behind_the_cheaper_dome",
     ),
     Defect(
+        name="lamps that lean ahead light the floor behind as much",
+        file="uwopt/solvers/exact/floor_rectangles.py",
+        old=" and place_m == 0.0 and aim == 0.0",
+        new=" and place_m == 0.0",
+        test="tests/solvers/test_cells_seen.py::test_all_quadrants_count_wherever_lamps_stand_and_aim[place0-aim0]",
+    ),
+    Defect(
+        name="of quadrants that are alike one counts",
+        file="uwopt/solvers/exact/floor_rectangles.py",
+        old="return (ways[:1], 2) if",
+        new="return (ways[:1], 1) if",
+        test="tests/solvers/test_cells_seen.py::test_all_quadrants_count_wherever_lamps_stand_and_aim[place0-aim2]",
+    ),
+    Defect(
         name="tabled light halved",
         file="uwopt/solvers/exact/floor_rectangles.py",
         old="return self.crowding / (4.0 * self.area_m2)",

@@ -284,14 +284,17 @@ def half_power_angle_rad(beam: Beam) -> float:
     return float(angle[np.flatnonzero(intensity >= 0.5 * intensity.max())[-1]])
 
 
+ENVELOPE_RAD = np.linspace(0.0, np.pi / 2, 18001)  # of all falling envelopes
+
+
 @functools.lru_cache(maxsize=256)
 def falling_envelope(beam: Beam) -> tuple[FloatArray, FloatArray]:
-    """Angles from 0 to 90 deg, and the greatest intensity at that angle or any larger one [rad], [1/sr].
+    """`ENVELOPE_RAD`, and the greatest intensity at that angle or any larger one [rad], [1/sr].
 
     A bound for proofs: it never rises, and lies nowhere below the beam. Between its angles take the
     value at the smaller one. Of a widened beam the sum of its parts' envelopes.
     """
-    angle = np.linspace(0.0, np.pi / 2, 18001)
+    angle = ENVELOPE_RAD
     if beam.widening is not None:
         halo, share = beam.widening.envelope(angle), beam.widening.most_share
         return angle, share * falling_envelope(own(beam))[1] + halo if share else halo

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from itertools import product
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -141,25 +142,57 @@ def most_in_cells(
 
     `ways` along the motion: of both, or of the cells ahead (1) or behind (-1) with those across from them alone.
 
-    Seen from a lamp at height h, a cell of half diagonal q lies within the angle q / h of its middle, and
-    no nearer than its middle less q. Intensity is taken from the beam's falling envelope.
+    Intensity is taken from the beam's falling envelope.
     """
-    angle, envelope = beams.falling_envelope(beam)
-    x = 0.5 * (along[1:] + along[:-1])[:, None]
-    y = 0.5 * (across[1:] + across[:-1])[None, :]
-    reach = 0.5 * np.hypot(np.diff(along)[:, None], np.diff(across)[None, :])
+    _, envelope = beams.falling_envelope(beam)
     cells = np.zeros((len(along) - 1, len(across) - 1))
-    for sign_x, sign_y in product(ways, (1, -1)):
-        for index, share in enumerate(lamps.share):
-            height = range_m - lamps.z_m[index]
+    for one in cells_seen(lamps, along.tobytes(), across.tobytes(), range_m, ways):
+        cells += one.share * envelope[one.at] * one.spread_per_m2 * np.exp(-least_k_per_m * one.longer_m)
+    return cells
+
+
+class CellsSeen(NamedTuple):
+    """Cells as one lamp sees them, in one quadrant or in several that are alike to it."""
+
+    share: float  # of the light, times the quadrants
+    at: Array  # the next smaller of the angles of falling envelopes
+    spread_per_m2: Array  # light per area and intensity at the least distance; 0 behind the lamp
+    longer_m: Array  # that distance less the lamp's height
+
+
+@lru_cache(maxsize=64)  # the water and all beams at one place share it: 0.3 MB a quadrant
+def cells_seen(
+    lamps: Lamps, along: bytes, across: bytes, range_m: float, ways: tuple[int, ...]
+) -> tuple[CellsSeen, ...]:
+    """The cells between these edges [m] from each lamp in each quadrant; those that are mirror images once.
+
+    Seen from a lamp at height h, a cell of half diagonal q lies within the angle q / h of its middle, and
+    no nearer than its middle less q.
+    """
+    along_m, across_m = np.frombuffer(along), np.frombuffer(across)
+    x = 0.5 * (along_m[1:] + along_m[:-1])[:, None]
+    y = 0.5 * (across_m[1:] + across_m[:-1])[None, :]
+    reach = 0.5 * np.hypot(np.diff(along_m)[:, None], np.diff(across_m)[None, :])
+    made, step = list[CellsSeen](), beams.ENVELOPE_RAD[1]
+    for index, share in enumerate(lamps.share):
+        height = range_m - lamps.z_m[index]
+        ways_x, times_x = distinct_ways(ways, lamps.x_m[index], lamps.aim[index][0])
+        ways_y, times_y = distinct_ways((1, -1), lamps.y_m[index], lamps.aim[index][1])
+        for sign_x, sign_y in product(ways_x, ways_y):
             cos_middle = cos_beam_of(sign_x * x, sign_y * y, lamps, index, height)
             nearest_angle = np.maximum(np.arccos(np.clip(cos_middle, -1.0, 1.0)) - reach / height, 0.0)
-            at = np.minimum((nearest_angle / angle[1]).astype(int), len(angle) - 1)
-            intensity = np.where(nearest_angle <= np.pi / 2, envelope[at], 0.0)
+            at = np.minimum(nearest_angle / step, len(beams.ENVELOPE_RAD) - 1).astype(np.int16)
             aside = np.hypot(sign_x * x - lamps.x_m[index], sign_y * y - lamps.y_m[index])
             distance = np.sqrt(height**2 + np.square(np.maximum(aside - reach, 0.0)))
-            cells += share * intensity * height / distance**3 * np.exp(-least_k_per_m * (distance - height))
-    return cells
+            spread = np.where(nearest_angle <= np.pi / 2, height / distance**3, 0.0)
+            made.append(CellsSeen(share * times_x * times_y, at, spread, distance - height))
+    return tuple(made)
+
+
+def distinct_ways(ways: tuple[int, ...], place_m: float, aim: float) -> tuple[tuple[int, ...], int]:
+    """Those ways from the axis that a lamp sees apart, and how many each stands for: it may stand and aim along it."""
+    is_alike = len(ways) == 2 and place_m == 0.0 and aim == 0.0
+    return (ways[:1], 2) if is_alike else (ways, 1)
 
 
 def cos_beam_of(x_m: Array, y_m: Array, lamps: Lamps, index: int, height_m: float) -> Array:
