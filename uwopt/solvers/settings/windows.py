@@ -54,6 +54,17 @@ class Sun:
         return replace(made, worst_signal_e=worst, worst_total_e=worst + over)
 
 
+    def at_altitude(self, altitude: int, of: Light) -> tuple[Array, Array]:
+        """Signal and all light at one altitude, (n, n_pixels): see `light_of_each`."""
+        picked = self.signal_e, self.total_e
+        if of == "worst" and self.worst_signal_e is not None and self.worst_total_e is not None:
+            picked = self.worst_signal_e, self.worst_total_e
+        elif of == "red" and self.colour_e is not None and self.red_total_e is not None:
+            picked = self.colour_e[:, :, 0], self.red_total_e
+        one, every = (p[:, altitude] if p.ndim == 3 else p[:, altitude, None] for p in picked)
+        return one, every
+
+
 @dataclass(frozen=True)
 class Beside:
     """Electrons that are there beside the lamps' light, from least to most; at given settings both are the same."""
@@ -186,6 +197,21 @@ def light_for_snr(
     return needed_by_most(np.where(np.isfinite(each), each, never), may_miss)
 
 
+def of_lamps(rows: SceneRows, altitude: int, of: Light) -> tuple[Array, Array | float]:
+    """Signal and veil per X at one altitude, (n, n_pixels): see `light_of_each`."""
+    signal, veil = rows.signal_e[:, altitude], None if rows.veil_e is None else rows.veil_e[:, altitude]
+    if of == "worst" and rows.worst_e is not None:
+        signal = rows.worst_e[:, altitude]
+        veil = None if rows.worst_veil_e is None else rows.worst_veil_e[:, altitude]
+    elif of == "red":
+        assert rows.colour_e is not None
+        signal = rows.colour_e[:, altitude, 0]
+        veil = None if rows.red_veil_e is None else rows.red_veil_e[:, altitude]
+    if signal.ndim == 1:
+        signal, veil = signal[:, None], None if veil is None else veil[:, None]
+    return signal, 0.0 if veil is None else veil
+
+
 def light_of_each(
     rows: SceneRows, altitude: int, snr: Array | float, *, of: Light, sun: Sun | None = None
 ) -> Array:
@@ -196,21 +222,8 @@ def light_of_each(
     follows the level. SNR grows with X throughout, so the larger of the two answers that apply holds. `of`: the
     image's mean, the pixels that the SNR is asked of, or the red channel.
     """
-    at_worst = of == "worst" and rows.worst_e is not None
-    if at_worst and rows.worst_e is not None:
-        signal = rows.worst_e[:, altitude]
-        veil: Any = 0.0 if rows.worst_veil_e is None else rows.worst_veil_e[:, altitude]
-    elif of == "red":
-        assert rows.colour_e is not None
-        signal = rows.colour_e[:, altitude, 0]
-        veil = 0.0 if rows.red_veil_e is None else rows.red_veil_e[:, altitude]
-    else:
-        signal = rows.signal_e[:, altitude]
-        veil = 0.0 if rows.veil_e is None else rows.veil_e[:, altitude]
-    if signal.ndim == 1:
-        signal = signal[:, None]
-        veil = veil if np.ndim(veil) == 0 else np.asarray(veil)[:, None]
-    dark = dark_e(rows)[:, None]
+    signal, veil = of_lamps(rows, altitude, of)
+    dark, other = dark_e(rows)[:, None], np.zeros((len(signal), 1))
     common: dict[str, Any] = dict(
         read_noise_e=rows.read_noise_e[:, None],
         dark_e=dark,
@@ -218,14 +231,8 @@ def light_of_each(
         signal_per_light_e=signal,
         total_per_light_e=signal + veil,
     )
-    other = np.zeros((len(signal), 1))
     if sun is not None:
-        picked = (sun.signal_e, sun.total_e)
-        if at_worst and sun.worst_signal_e is not None and sun.worst_total_e is not None:
-            picked = (sun.worst_signal_e, sun.worst_total_e)
-        elif of == "red" and sun.colour_e is not None and sun.red_total_e is not None:
-            picked = (sun.colour_e[:, :, 0], sun.red_total_e)
-        one, every = (p[:, altitude] if p.ndim == 3 else p[:, altitude, None] for p in picked)
+        one, every = sun.at_altitude(altitude, of)
         common.update(other_signal_e=one, other_light_e=every)
         other = sun.total_e
     wanted = np.reshape(np.asarray(snr, float), (-1, 1))
