@@ -18,6 +18,27 @@ BESIDE = "tests/solvers/test_beside.py"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="an image is no sharper than at the wrong ends of an interval",
+        file="uwopt/forward/sharpness.py",
+        old="bars, f_number=high, working_f_number=low * working_factor,",
+        new="bars, f_number=low, working_f_number=high * working_factor,",
+        test="tests/solvers/test_never_sharp.py::test_only_what_no_f_number_shows_is_never_sharp",
+    ),
+    Defect(
+        name="no f-number is too blurred for what is asked",
+        file="uwopt/solvers/exact/never_sharp.py",
+        old="                if getattr(needs, rule):",
+        new="                if False:",
+        test=f"{RULES}test_a_unit_falls_when_its_light_is_outside[min_mtf_half_nyquist]",
+    ),
+    Defect(
+        name="a contrast that lenses do not reach is known not to help",
+        file="uwopt/solvers/infeasible/settled.py",
+        old="(name for name in OF_BOUNDS if are_idle(name))",
+        new="OF_BOUNDS",
+        test="tests/solvers/test_any_lighting.py::test_only_what_discarded_nothing_is_settled",
+    ),
+    Defect(
         name="one design takes the cells of all",
         file="uwopt/solvers/settings/cells.py",
         old="own < self.most_cells)",

@@ -15,6 +15,7 @@ import brute_force as brute
 import numpy as np
 import pytest
 from one_of_each import (
+    CLOSER,
     COVERED_M,
     DISTANCE_M,
     N_WATER,
@@ -24,6 +25,8 @@ from one_of_each import (
     with_parts,
 )
 from random_cases import Case
+from scipy.optimize import brentq
+from scipy.special import j1
 
 from uwopt.catalog.parts.quantity import Curve
 from uwopt.catalog.records import Housing, exact
@@ -263,6 +266,7 @@ def unit_limit(rule: str, *, fits: bool) -> Case:
     """The one lamp on either side of a rule of nodes; outside of light and power by what bounds leave out."""
     flux_lm, power_w = needed("paper")
     share = 1.0001 if fits else LOOSE
+    sharp = 1.001 if fits else LOOSE  # the middle of green light in that water is 550.04 nm
     exactly = 1.0 + (NEAR if fits else -NEAR)
     given: dict[str, Any] = {
         "light": {"light": {"flux_lm": flux_lm * share, "power_w": flux_lm * share / 100.0}},
@@ -271,8 +275,40 @@ def unit_limit(rule: str, *, fits: bool) -> Case:
         "power_w": {"limits": {"power_w": power_w * share}},
         "energy_wh": {"limits": {"energy_wh": power_w * 2.0 * share}, **TWO_HOURS},
         "max_white_balance": {"camera": COLOURED, "wanted": {**FAST, "max_white_balance": 4.0 * share}},
+        "min_mtf_half_nyquist": SHARP_AT_16 | {"wanted": {**FAST, "min_mtf_half_nyquist": contrast(0.25) / sharp}},
+        "resolve_mm": SHARP_AT_16 | {"wanted": {**FAST, "resolve_mm": narrowest_mm() * sharp}},
     }[rule]
-    return one(physics="paper", **{"wanted": FAST, **given})
+    return one(**{"physics": "paper", "wanted": FAST, **given})
+
+
+#: Green light alone through a lens of one opening that blurs nothing: the pixel, diffraction and defocus are left.
+SHARP_AT_16 = {
+    "physics": "full", "camera": {"qe_curves": {"mono": Curve((540.0, 550.0, 560.0), (0.0, 0.5, 0.0))}},
+    "lens": {"f_number_min": 16.0, "f_number_max": 16.0, "rated_pixel_pitch_um": 0.01},
+    "light": {"flux_lm": 1e8, "power_w": 1e6},
+}  # fmt: skip
+
+
+def contrast(cycles_per_px: float, disc_px: float = 0.0) -> float:
+    """What a pixel, a pupil (Goodman, section 6.3) and a disc leave of bars: N_w = 16 / (1 - f D), 4 um."""
+    at = cycles_per_px * 0.55 * 16.0 / CLOSER / 4.0
+    pupil = 2.0 / np.pi * (np.arccos(at) - at * np.sqrt(1.0 - at**2))
+    out = np.pi * disc_px * cycles_per_px
+    return float(np.sinc(cycles_per_px) * pupil * (2.0 * j1(out) / out if out else 1.0))
+
+
+def narrowest_mm() -> float:
+    """Bars of which a tenth of the contrast arrives in the corner, on pixels of 1.04 mm: half a cycle each.
+
+    The lens stands for the middle, 1 / V. At 80 % of the way to the corner, a tangent of 0.5, the floor is farther and
+    the dome shows it at (1 / V - (1 / r - 1 / r') / n) / cos; the disc is f^2 / (1 - f D) / (p N) times the difference.
+    """
+    aside = np.hypot(1.0, 0.5)
+    middle = 1.0 / virtual_image_m(N_WATER)
+    corner = (middle - (1.0 - 1.0 / aside) / DISTANCE_M / N_WATER) * aside
+    disc_px = 8e-3**2 * (corner - middle) / CLOSER / (4e-6 * 16.0)
+    cycles = brentq(lambda nu: contrast(nu, disc_px) - 0.1, 0.1, 0.42)
+    return 1.04 / (2.0 * cycles)
 
 
 #: Red has a quarter of green's electrons, whatever the light and the water.

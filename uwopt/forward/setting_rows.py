@@ -27,7 +27,6 @@ from uwopt.mission.sections.requirements import Requirements
 from uwopt.model import sensor
 from uwopt.model.image_mean import reached_by_most
 from uwopt.model.light import duty_frac
-from uwopt.model.sharpness import HALF_NYQUIST_CYC_PER_PX, RESOLVED_CONTRAST
 
 if TYPE_CHECKING:
     from uwopt.forward.sharpness import SharpRows
@@ -154,16 +153,9 @@ class SceneRows(Columns):
     @property
     def bars(self) -> list[Bars]:
         """The bars whose contrast is asked for, each with the least of it."""
-        found: list[Bars] = []
         if self.sharp is None:
-            return found
-        if self.min_mtf > 0.0:
-            at = np.full_like(self.sharp.gsd_m, HALF_NYQUIST_CYC_PER_PX)
-            found.append(Bars(at, "place", self.min_mtf))
-        if self.resolve_m > 0.0:
-            at = self.sharp.gsd_m / (2.0 * self.resolve_m)
-            found.append(self.sharp.bars(at, least=RESOLVED_CONTRAST))
-        return found
+            return []
+        return self.sharp.asked(min_mtf=self.min_mtf, resolve_m=self.resolve_m)
 
     @property
     def three(self) -> Array:

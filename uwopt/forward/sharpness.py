@@ -32,7 +32,14 @@ from uwopt.model import aberration, information, lateral, operation, sharpness
 from uwopt.model.defocus import defocus_px
 from uwopt.model.lateral import SpreadRows, SpreadTable, spread_mtf
 from uwopt.model.lens import airy_diameter_m
-from uwopt.model.sharpness import HALF_NYQUIST_CYC_PER_PX, NYQUIST_CYC_PER_PX, Gain, GainOfSome, Sharpness
+from uwopt.model.sharpness import (
+    HALF_NYQUIST_CYC_PER_PX,
+    NYQUIST_CYC_PER_PX,
+    RESOLVED_CONTRAST,
+    Gain,
+    GainOfSome,
+    Sharpness,
+)
 from uwopt.model.spectrum import trapezoid_weights_nm
 
 if TYPE_CHECKING:
@@ -40,11 +47,12 @@ if TYPE_CHECKING:
 
 Array = NDArray[Any]
 Field = Literal["place", "corner", "rms"]
+MAY_SHOW = 1.0 - 1e-8  # of a contrast that is asked for, below what any judge takes for met
 NYQUIST_ROUND = 1e-9  # of a frequency: bars as wide as a pixel are just allowed
 
 
 @dataclass(frozen=True)
-class Bars:
+class Bars(Columns):
     """Bars of which a share of the contrast must be left, at near, nominal and far altitude: one mechanism for all."""
 
     frequency_cyc_per_px: Array  # (n, 3), along and across alike
@@ -128,6 +136,15 @@ class SharpRows(Columns):
     def colour(self, field: Field) -> tuple[Array, Array]:
         """Lateral colour along and across at a field point, k per cycle per px, (n,) each."""
         return getattr(self, f"{field}_k_along"), getattr(self, f"{field}_k_across")
+
+    def asked(self, *, min_mtf: float, resolve_m: float) -> list[Bars]:
+        """The bars whose contrast is asked for: at half the Nyquist frequency, and of a width on the floor; 0: none."""
+        found: list[Bars] = []
+        if min_mtf > 0.0:
+            found.append(Bars(np.full_like(self.gsd_m, HALF_NYQUIST_CYC_PER_PX), "place", min_mtf))
+        if resolve_m > 0.0:
+            found.append(self.bars(self.gsd_m / (2.0 * resolve_m), least=RESOLVED_CONTRAST))
+        return found
 
     def bars(self, frequency_cyc_per_px: Array, *, least: float) -> Bars:
         """Bars of which a share must be left in all light that arrives in the corner; frequencies (n, 3)."""
@@ -235,6 +252,17 @@ class SharpRows(Columns):
             ],
             axis=1,
         )
+
+    def may_show(self, bars: Bars, *, working_factor: Array, low: Array, high: Array) -> Array:
+        """Whether some f-number between two may leave bars their contrast, (n,), while nothing moves, veil apart.
+
+        Diffraction grows with the f-number, defocus and the lens's own blur fall with it: each is taken at the end
+        where it is least.
+        """
+        left = self.transfer(
+            bars, f_number=high, working_f_number=low * working_factor, blur_s=np.zeros_like(working_factor)
+        )  # fmt: skip
+        return np.asarray(left.min(axis=1) >= bars.least * MAY_SHOW)
 
     def smallest_bars_m(
         self, contrast: Array, *, f_number: Array, working_f_number: Array, blur_s: Array

@@ -168,6 +168,8 @@ RULES: Mapping[str, str] = {
     "light": "no light gives the wanted signal",
     "settings": "no setting meets the rest",
     "max_white_balance": "colours too far apart",
+    "min_mtf_half_nyquist": "not sharp enough at any f-number",
+    "resolve_mm": "details too fine at every f-number",
     "cost": "too expensive",
     "mass_kg": "too heavy",
     "mass_water_kg": "too heavy in water",

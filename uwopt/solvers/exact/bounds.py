@@ -28,6 +28,7 @@ from uwopt.solvers.exact.lamp_choices import LampChoices, LampsOfKind, quickest
 from uwopt.solvers.exact.least_veil import LeastVeil
 from uwopt.solvers.exact.light_tables import FieldTables
 from uwopt.solvers.exact.lightings import Lighting
+from uwopt.solvers.exact.never_sharp import NeverSharp
 from uwopt.solvers.exact.node_bounds import (
     NODE_RULES,
     Needs,
@@ -67,6 +68,7 @@ class Bounds:
         )
         self._needs_of: tuple[Array, dict[int, Needs]] | None = None
         self._any_lighting = AnyLighting(self)
+        self._never_sharp = NeverSharp(self.problem, imagers)
 
     @property
     def sizes(self) -> Array:
@@ -74,7 +76,17 @@ class Bounds:
         return np.array([len(table.light) for table in self.light_tables], int)
 
     def of_nodes(self, k: int, rows: Array, pixel_e: Mapping[int, Array] | None = None) -> NodeBounds:
-        """Bounds of these imagers under one lighting, worst scene.
+        """Bounds of these imagers under one lighting, worst scene; see `by_light`."""
+        bounds = self.by_light(k, rows, pixel_e)
+        left = np.flatnonzero(bounds.rule < 0)
+        for rule, never in self._never_sharp.under(self.tables.lightings[k].optics, rows[left]):
+            lost = np.zeros(len(rows), bool)
+            lost[left] = never
+            bounds = bounds.but_for(rule, lost)
+        return bounds
+
+    def by_light(self, k: int, rows: Array, pixel_e: Mapping[int, Array] | None = None) -> NodeBounds:
+        """The same by light, colours and prices alone, which are known of groups of imagers too.
 
         `pixel_e`: by scene the most electrons per lm s of the pixel that must reach the SNR, where that is known.
         """
@@ -84,9 +96,7 @@ class Bounds:
             return bounds
         for lamps in self.of_kinds[k]:
             bounds = bounds.better_of(self._of_kind(self.tables.lightings[k], lamps, rows, pixel_e or {}))
-        off = (bounds.rule < 0) & off_balance.by_water(self.tables, self.imagers, k, rows)
-        rule = np.where(off, NODE_RULES.index("max_white_balance"), bounds.rule)
-        return replace(bounds, rule=rule, value=np.where(off, np.inf, bounds.value))
+        return bounds.but_for("max_white_balance", off_balance.by_water(self.tables, self.imagers, k, rows))
 
     def asks_of_images(self) -> bool:
         """Whether `of_pixels` may know more than `of_nodes`: pixels or colours count that lamps alone light."""

@@ -271,7 +271,7 @@ class PairTree:
         best, rules = np.full((len(index), self.n_ideals), np.inf), []
         open_ = np.zeros(len(index), bool)
         for k in range(len(tables.lightings)):
-            node = bounds.of_nodes(k, index)
+            node = bounds.by_light(k, index)
             able = np.flatnonzero((node.rule < 0) & np.isfinite(node.value))
             ideals = self.goal.ideals(node.terms(able, imagers.gsd_mm[index[able]]))
             matters = ~self.goal.beaten(ideals)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -20,7 +20,10 @@ from uwopt.units import db_to_ratio
 
 Array = NDArray[Any]
 LATTICE_MARGIN = 0.95  # of a share of the image that is counted at places: discs are met to 0.01 of the image
-NODE_RULES = ("light", "cost", "mass_kg", "power_w", "energy_wh", "max_white_balance", "bound")
+NODE_RULES = (
+    "light", "cost", "mass_kg", "power_w", "energy_wh", "max_white_balance", "min_mtf_half_nyquist", "resolve_mm",
+    "bound",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -65,6 +68,13 @@ class NodeBounds(Columns):
         return NodeBounds(
             least, least, least, least, least, most, np.full(n, NODE_RULES.index(rule)), most, none, none
         )  # fmt: skip
+
+    def but_for(self, rule: str, lost: Array) -> NodeBounds:
+        """The same where some that no rule before has discarded fall by one more."""
+        fall = (self.rule < 0) & lost
+        return replace(
+            self, rule=np.where(fall, NODE_RULES.index(rule), self.rule), value=np.where(fall, np.inf, self.value)
+        )
 
     def better_of(self, other: NodeBounds) -> NodeBounds:
         """The lower bound of two groups of lights; a node fails only if both fail, by the later rule."""

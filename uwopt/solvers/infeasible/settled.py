@@ -15,7 +15,9 @@ from uwopt.solvers.infeasible.freed_rules import MAY_PASS, OF_IMAGERS
 BUDGETS = ("cost", "mass_kg", "power_w", "energy_wh")  # rules in the order of bounds, and the limits of which they are
 FEEDING = ("battery_wh", "camera_between_images", "lamps_between_images")  # keys that a limit of power or energy knows
 #: Requirements that only a design with its settings is asked about.
-OF_SETTINGS = ("max_skew_px", "max_airy_px", "min_uniformity", "min_mtf_half_nyquist", "peak_power_w")
+OF_SETTINGS = ("max_skew_px", "max_airy_px", "min_uniformity", "peak_power_w")
+#: And those that bounds ask of a design's light and lens, each under its own rule.
+OF_BOUNDS = ("max_white_balance", "min_mtf_half_nyquist")
 
 
 def untouched(account: Account) -> Iterator[str]:
@@ -31,8 +33,7 @@ def untouched(account: Account) -> Iterator[str]:
         return not any(account.discarded.get(rule, 0) for rule in rules)
 
     yield from OF_SETTINGS
-    if are_idle("max_white_balance"):
-        yield "max_white_balance"
+    yield from (name for name in OF_BOUNDS if are_idle(name))
     yield from (name for name in sorted(OF_IMAGERS) if are_idle(*MAY_PASS[name]))
     # what an earlier budget discarded it did whatever the later ones are; what two do together the later one counts
     yield from (name for place, name in enumerate(BUDGETS) if are_idle(*BUDGETS[place:]))

@@ -13,6 +13,7 @@ from uwopt.mission.weakened import RELAXABLE, without
 from uwopt.results.basis import Excluded, Moved, NoHelp, Relaxed, WhyNothing
 from uwopt.results.design import Design
 from uwopt.results.result import Certificate
+from uwopt.solvers.exact.node_bounds import NODE_RULES
 from uwopt.solvers.infeasible.contradiction import Contradiction, contradiction
 from uwopt.solvers.infeasible.freed_rules import MAY_PASS
 from uwopt.solvers.infeasible.joint_changes import CommonFit, CommonShare, Giving, least_set
@@ -25,7 +26,6 @@ from uwopt.solvers.infeasible.relaxer import ANY
 from uwopt.solvers.infeasible.singles import Singles
 from uwopt.solvers.infeasible.trials import Trials
 
-BOUNDED = ("light", "max_white_balance", "bound", "power_w", "energy_wh", "cost", "mass_kg")
 HARDWARE_SHARE = 0.5  # of the time left, for what the hardware that came nearest does with other changes
 DRAWN_SHARE = 0.4  # of the time left, for that, kept from what is asked once more
 HARDWARE_S = 1.0  # of the processor, for how near to what is asked the hardware of a change reaches
@@ -79,7 +79,7 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
         nearest = design_of(trials, every)
     clash = clash_of(trials, relaxations, singles.unmet)
     return WhyNothing(
-        [Excluded(item.rule, item.count, item.rule in BOUNDED) for item in certificate.discarded if item.count],
+        [Excluded(item.rule, item.count, item.rule in NODE_RULES) for item in certificate.discarded if item.count],
         [Relaxed(r.name, r.limit, r.needed, r.miss_rel, r.fits_at_central_prices, r.is_least) for r in relaxations],
         nearest,
         together,
