@@ -54,8 +54,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="colours that the water takes apart are left to the integrals",
         file="uwopt/solvers/exact/bounds.py",
-        old="off = (bounds.rule < 0) & off_balance.by_water(self.tables, self.imagers, k, rows)",
-        new="off = (bounds.rule < -1) & off_balance.by_water(self.tables, self.imagers, k, rows)",
+        old="off_balance.by_water(self.tables, self.imagers, k, rows))",
+        new="np.zeros(n, bool))",
         test=f"{UNITS}[max_white_balance]",
     ),
     Defect(
