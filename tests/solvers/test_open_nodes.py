@@ -46,7 +46,7 @@ def test_where_one_that_fits_is_enough_the_lighting_of_the_first_comes_first(eno
     under = SimpleNamespace(index=np.array([7, 2, 5, 1, 7, 2, 4, 3]))
     tables = [SimpleNamespace(light=[0])] * 8
     one = SimpleNamespace(
-        bounds=SimpleNamespace(light_tables=tables), enough=enough,
+        bounds=SimpleNamespace(light_tables=tables, sizes=np.ones(8, int)), enough=enough,
         problem=SimpleNamespace(are_unlit=lambda light: False),
     )  # fmt: skip
     assert [some.tolist() for some in Evaluation.together(one, under)] == groups
