@@ -18,6 +18,13 @@ BESIDE = "tests/solvers/test_beside.py"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="the whole catalogue is searched as if it were large",
+        file="uwopt/solvers/exact/search.py",
+        old="MOST_IMAGERS = 700_000",
+        new="MOST_IMAGERS = 600_000",
+        test="tests/solvers/test_any_lighting.py::test_the_whole_catalogue_is_searched_imager_by_imager",
+    ),
+    Defect(
         name="an image is no sharper than at the wrong ends of an interval",
         file="uwopt/forward/sharpness.py",
         old="bars, f_number=high, working_f_number=low * working_factor,",

@@ -1,10 +1,14 @@
-"""The sizes of batches that searches are tried with."""
+"""The sizes of batches that searches are tried with, and a few parts of which a little too much is asked."""
 
 from __future__ import annotations
+
+from pathlib import Path
 
 import pytest
 from random_cases import BATCHES
 
+from uwopt.catalog.catalogue import Catalog
+from uwopt.forward.assembly import load_catalog
 from uwopt.solvers.exact import large, port_groups
 from uwopt.solvers.exact import search as exact_search
 
@@ -28,3 +32,19 @@ def batches(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> 
         ):
             monkeypatch.setattr(exact_search, name, value)
     return str(request.param)
+
+
+@pytest.fixture(scope="module")
+def parts(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with them."""
+    from test_least_change import written
+
+    return written(tmp_path_factory.mktemp("parts"))
+
+
+@pytest.fixture(scope="module")
+def catalog(parts: Path) -> Catalog:
+    """The catalogue with these parts, read once."""
+    from test_least_change import mission
+
+    return load_catalog(mission(parts))

@@ -58,6 +58,19 @@ def test_only_what_is_dark_under_each_lighting_is_left_dark(pitch_deg):
     assert 0.9 * every <= known < 40
 
 
+def test_the_whole_catalogue_is_searched_imager_by_imager():
+    """In both orientations, with parts to be made: the tree above imagers is for larger ones, and dear for this."""
+    wanted = load_mission({
+        "scene": {"visibility_m": 6.0, "depth_m": 25.0, "seafloor": 0.2},
+        "vehicle": {"altitude_m": 1.5, "speed_m_s": 0.4},
+        "requirements": {"min_snr_db": 18.0},
+    })  # fmt: skip
+    problem = build_problem(wanted, selected(wanted, load_catalog(wanted), generic="allow"))
+    pairs = searching.fitting_pairs(problem)
+    assert len(pairs.camera) * len(problem.port_groups) > 300_000
+    assert not searching.are_too_many(problem, pairs)
+
+
 @pytest.mark.parametrize("most_imagers", [searching.MOST_IMAGERS, 0], ids=["one by one", "by pairs"])
 @pytest.mark.parametrize("asked_db", [36.0, DARK_DB])
 def test_every_combination_is_counted_as_it_is_one_lighting_after_another(most_imagers, asked_db, monkeypatch):

@@ -8,11 +8,10 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
-from test_least_change import POWER, mission, written
+from test_least_change import POWER, mission
 
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import Deadline
-from uwopt.forward.assembly import load_catalog
 from uwopt.solvers.exact.certificate import certificate
 from uwopt.solvers.infeasible import least_change, why_nothing
 from uwopt.solvers.infeasible.least_change import Change, with_its_hardware
@@ -22,16 +21,6 @@ from uwopt.solvers.infeasible.relaxer import Relaxer
 from uwopt.solvers.infeasible.singles import Singles
 from uwopt.solvers.infeasible.trials import Trials
 from uwopt.solvers.recommend import seek
-
-
-@pytest.fixture(scope="module")
-def parts(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return written(tmp_path_factory.mktemp("parts"))
-
-
-@pytest.fixture(scope="module")
-def catalog(parts: Path) -> Catalog:
-    return load_catalog(mission(parts))
 
 
 @pytest.mark.parametrize(("needs", "reached", "asked"), [(43.0, 43.0, [42.4]), (36.87, 36.9, None)])

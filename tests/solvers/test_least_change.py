@@ -14,7 +14,6 @@ import pytest
 from uwopt.api.solving import solve
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import NEVER, Deadline
-from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.mission.weakened import is_filled_in
 from uwopt.objectives.objective import Objective
@@ -59,17 +58,6 @@ def written(folder: Path) -> Path:
     for name, text in FILES.items():
         (folder / f"{name}.csv").write_text(text, encoding="utf-8")
     return folder
-
-
-@pytest.fixture(scope="module")
-def parts(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return written(tmp_path_factory.mktemp("parts"))
-
-
-@pytest.fixture(scope="module")
-def catalog(parts: Path) -> Catalog:
-    """The catalogue with these parts, read once."""
-    return load_catalog(mission(parts))
 
 
 def mission(

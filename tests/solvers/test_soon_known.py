@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 import yaml
-from test_least_change import mission, written
+from test_least_change import mission
 
 from uwopt.api.common import prepared
 from uwopt.catalog.catalogue import Catalog
@@ -31,16 +31,6 @@ from uwopt.solvers.recommend import Sought, seek
 
 POWER = Objective.of("power")
 JOBS = Path(__file__).resolve().parents[2] / "problems" / "jobs"
-
-
-@pytest.fixture(scope="module")
-def parts(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return written(tmp_path_factory.mktemp("parts"))
-
-
-@pytest.fixture(scope="module")
-def catalog(parts: Path) -> Catalog:
-    return load_catalog(mission(parts))
 
 
 def test_a_few_imagers_that_were_all_looked_at_in_vain_are_not_looked_at_again(parts, catalog, monkeypatch):

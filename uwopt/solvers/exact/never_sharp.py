@@ -29,7 +29,7 @@ class NeverSharp:
         self._known: dict[tuple[str, int, int], Array] = {}
 
     def under(self, optics: int, rows: Array) -> Iterator[tuple[str, Array]]:
-        """Each requirement of fine detail, and which of these imagers keep it in no scene's light of a lamp; (n,)."""
+        """Each requirement of fine detail by scene, and which of these imagers no f-number lets keep it, (n,)."""
         for index, scene in enumerate(self.problem.scenes):
             needs = scene.view.requirements
             if self.problem.paper or not needs.asks_sharpness:

@@ -49,7 +49,7 @@ FIRST_DEAR = 4  # of a first batch where information counts: dear to bound while
 # found that others must beat
 FIRST_CHUNK = 400_000  # imagers times lightings that are bounded first: cheaper than to evaluate the wrong ones
 LARGEST_CHUNK = 65536  # imagers that are bounded together
-MOST_IMAGERS = 700_000  # beyond which pairs are bounded before their ports: the catalogue has 0.62 million at most
+MOST_IMAGERS = 700_000  # beyond which pairs are bounded before their ports: more than the whole catalogue has
 MOST_UNITS = 6_000_000  # imagers times lightings: what memory allows
 SAMPLES = 64  # of nodes that a rule discards, about
 TOO_FEW_TO_BOUND = 8  # nodes: evaluating them is cheaper
