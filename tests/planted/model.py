@@ -29,6 +29,13 @@ DEFECTS = (
         test="tests/model/test_falling_root.py::test_what_stays_above_its_level_ends_where_its_range_does",
     ),
     Defect(
+        name="the chirp of wide spreads of colour runs the wrong way round its circle",
+        file="uwopt/model/lateral.py",
+        old="place[n_k:] -= length",
+        new="place[n_k // 2 :] -= length",
+        test="tests/model/test_lateral.py::test_look_up_is_the_sum_over_wavelengths[20.0]",
+    ),
+    Defect(
         name="all rows spread colours as the first spectrum does",
         file="uwopt/model/lateral.py",
         old="size * index, size,",

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
@@ -27,7 +28,7 @@ Array = NDArray[Any]
 _STEP = 1.0 / 500.0  # of the table, in k times the rms of n: linear look-up errs by step^2 / 8 = 5e-7
 _TABLE_END = 24.0  # in the same unit; 24 is a spread of 7.6 px rms at 0.5 cycles per px
 _MOST_PHASE = 1.0  # largest k times the change of n in a segment, for four nodes
-_GRID_PHASE = 0.1  # largest k times the spacing of the grid in n that the transform is taken on
+_TURN = 2.0 * np.pi / 2**20  # k times the spacing d of the grid in n that the transform is taken on, a step of k
 _LARGEST_SINE = 1.0 - 1e-12  # a wavelength that would be totally reflected is held at grazing
 
 
@@ -290,11 +291,11 @@ def _shares(electrons: Array) -> Array:
 
 
 def _transform_magnitude(n_k: int, step: float, wavelength: Array, density: Array, index: Array) -> Array:
-    """|integral of density exp(i k n)| / integral of density at k = 0, step, 2 step ..., by one Fourier transform.
+    """|integral of density exp(i k n)| / integral of density at k = 0, step, 2 step ..., of n_k values.
 
     Density and index are linear in each segment: four Gauss nodes there, wide ones cut in pieces. Each
     node's electrons are shared by the two neighbours of an even grid in n, a triangle whose transform
-    sinc^2(k d/2) is divided out again; what aliases is under (k d / 2 pi)^2 / 6, with k d at most _GRID_PHASE.
+    sinc^2(k d/2) is divided out again; what aliases is under (k d / 2 pi)^2 / 6, with k d at most 0.072.
     """
     pieces = max(1, int(np.ceil(n_k * step * np.abs(np.diff(index)).max() / _MOST_PHASE)))
     if pieces > 1:
@@ -304,14 +305,37 @@ def _transform_magnitude(n_k: int, step: float, wavelength: Array, density: Arra
         )
     nodes, weights = np.polynomial.legendre.leggauss(4)
     share = 0.5 * (nodes + 1.0)[:, np.newaxis]
-    electrons = (density[:-1] + share * np.diff(density)) * np.diff(wavelength) * 0.5 * weights[:, np.newaxis]
-    place = index[:-1] + share * np.diff(index)
-    count = 1 << int(np.ceil(np.log2(2.0 * np.pi * n_k / _GRID_PHASE)))
-    spacing = 2.0 * np.pi / (count * step)
-    cell, rest = np.divmod((place - place.min()).ravel() / spacing, 1.0)
-    below = cell.astype(np.int64) % count
-    grid = np.bincount(below, (electrons.ravel() * (1.0 - rest)), minlength=count)
-    grid += np.bincount((below + 1) % count, electrons.ravel() * rest, minlength=count)
-    half_phase = 0.5 * step * spacing * np.arange(n_k)
-    triangle = np.square(np.sinc(half_phase / np.pi))
-    return np.asarray(np.abs(np.fft.rfft(grid)[:n_k]) / (triangle * electrons.sum()), dtype=float)
+    electrons = ((density[:-1] + share * np.diff(density)) * np.diff(wavelength) * 0.5 * weights[:, np.newaxis]).ravel()
+    place = (index[:-1] + share * np.diff(index)).ravel()
+    cell, rest = np.divmod((place - place.min()) * (step / _TURN), 1.0)
+    below = cell.astype(np.int64)
+    grid = np.bincount(below, electrons * (1.0 - rest), minlength=below.max() + 2)
+    grid += np.bincount(below + 1, electrons * rest, minlength=grid.size)
+    return _chirp_magnitude(grid, n_k, _TURN) / (_triangle(n_k, _TURN) * electrons.sum())
+
+
+@cache
+def _triangle(n_k: int, turn: float) -> Array:
+    """sinc^2 of half the phases 0, turn, 2 turn ..., (n_k,)."""
+    return np.square(np.sinc(np.arange(n_k) * (0.5 * turn / np.pi)))
+
+
+def _chirp_magnitude(values: Array, n_k: int, turn: float) -> Array:
+    """|sum over m of values[m] exp(i j m turn)| at j = 0 ... n_k - 1, values (n,), turn [rad] -> (n_k,).
+
+    By Bluestein's chirp, j m = (j^2 + m^2 - (j - m)^2) / 2: a convolution, and so three Fourier transforms as long as
+    values and results together. Errs by 1e-12 of the sum of |values| at j m turn to 1e6. Bluestein, IEEE Trans. Audio
+    Electroacoust. 18, 451 (1970).
+    """
+    length = 1 << (n_k + values.size - 1).bit_length()
+    phase = 0.5 * turn * np.square(np.arange(values.size, dtype=float))
+    spread = np.fft.fft(values * np.exp(1j * phase), length)
+    return np.abs(np.fft.ifft(spread * _chirp_transform(length, n_k, turn))[:n_k])
+
+
+@lru_cache(maxsize=4)
+def _chirp_transform(length: int, n_k: int, turn: float) -> Array:
+    """Transform of exp(-i turn m^2 / 2), m from n_k - length to n_k - 1 around a circle, (length,)."""
+    place = np.arange(length, dtype=float)
+    place[n_k:] -= length
+    return np.asarray(np.fft.fft(np.exp(-0.5j * turn * np.square(place))))
