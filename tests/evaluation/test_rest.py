@@ -9,7 +9,7 @@ import pytest
 from priced_system import PRICED
 
 import uwopt
-from uwopt.catalog.rest import RestNeeds, rest_items
+from uwopt.catalog.rest import DISK_GB, RestNeeds, rest_items, whole_disks_gb
 from uwopt.errors import MissionError
 from uwopt.forward.assembly import system_problem
 from uwopt.mission.mission import load_mission
@@ -106,14 +106,14 @@ def test_a_battery_of_the_system_costs_weighs_and_limits() -> None:
 
 
 def test_the_search_counts_the_disks_that_the_bill_has() -> None:
-    # 1370 GB as above, at 0.15 USD; against a budget at 0.4 USD
+    # 1370 GB as below, in six disks of 250 GB at 0.15 USD a gigabyte; against a budget at 0.4 USD
     problem = system_problem(load_mission(LONG), load_system(PRICED))[0]
     disks_gb = problem.disks_gb(problem.cameras, [np.array([0.01])])
     with_disks, without = (
         totals(problem, problem.cameras, problem.lenses, np.zeros(1), 0, gigabytes) for gigabytes in (disks_gb, 0.0)
     )
     assert [float((a - b)[0]) for a, b in zip(with_disks, without, strict=True)] == pytest.approx(
-        [1370 * 0.15, 1370 * 0.4, 0.0]
+        [1500 * 0.15, 1500 * 0.4, 0.0]
     )
 
 
@@ -130,20 +130,21 @@ def test_a_battery_of_the_system_must_say_what_it_holds() -> None:
 
 
 def test_disks_beyond_those_of_the_computer_are_bought() -> None:
-    # 2000 x 1000 px of 12 bit every 100 s for 15 000 h: 1.62 TB, 1370 GB more than the computer has, at 0.15 USD or
-    # 0.12 EUR; what the mission would allow does not matter
+    # 2000 x 1000 px of 12 bit every 100 s for 15 000 h: 1.62 TB, 1370 GB more than the computer has, for which six
+    # disks of 250 GB are bought at 0.15 USD or 0.12 EUR a gigabyte; what the mission would allow does not matter
     found, bare = (design(rest, vehicle={"duration_h": 15_000.0}, limits={"storage_gb": 2000.0, "cost": 4000.0})
                    for rest in ("estimate", "none"))  # fmt: skip
     rows = {row.id: row for row in found.bom}
-    assert rows["rest-storage"].unit_price == pytest.approx(1370 * 0.12)
-    assert rows["rest-storage"].model == "disks for 1 370 GB beyond the 250 GB of the computer"
-    assert found.scenes[0].figures["cost"] - bare.scenes[0].figures["cost"] == pytest.approx(1400.0 + 1370 * 0.12)
+    assert rows["rest-storage"].unit_price == pytest.approx(1500 * 0.12)
+    assert rows["rest-storage"].model == "disks of 1 500 GB beyond the 250 GB of the computer"
+    assert found.scenes[0].figures["cost"] - bare.scenes[0].figures["cost"] == pytest.approx(1400.0 + 1500 * 0.12)
     brief = design(vehicle={"duration_h": 2000.0}, limits={"storage_gb": 2000.0})
     assert "rest-storage" not in {row.id for row in brief.bom}  # 216 GB
 
 
 def test_disks_hold_the_images_of_the_rate_that_is_set() -> None:
-    # twice as many images as every 100 s: 3.24 TB, 2990 GB more than the computer has; half as many fill what is asked
+    # twice as many images as every 100 s: 3.24 TB, 2990 GB more than the computer has, on twelve disks of 250 GB in
+    # the place of six; half as many fill what is asked
     vehicle, limits = {"duration_h": 15_000.0}, {"storage_gb": 4000.0, "cost": 4000.0}
     mission = {**LONG, "vehicle": LONG["vehicle"] | vehicle, "limits": LONG["limits"] | limits}
     found = {}
@@ -152,28 +153,44 @@ def test_disks_hold_the_images_of_the_rate_that_is_set() -> None:
         found[rate_hz] = uwopt.evaluate(mission, system).design
     costs = [found[rate].scenes[0].figures["cost"] for rate in (0.005, 0.01, 0.02)]
     assert costs[0] == costs[1]
-    assert costs[2] - costs[1] == pytest.approx((2990 - 1370) * 0.15)
+    assert costs[2] - costs[1] == pytest.approx((3000 - 1500) * 0.15)
     row = next(row for row in found[0.02].bom if row.id == "rest-storage")
-    assert row.model == "disks for 2 990 GB beyond the 250 GB of the computer"
+    assert row.model == "disks of 3 000 GB beyond the 250 GB of the computer"
 
 
 @pytest.mark.parametrize(
-    ("interface", "computers", "beyond_gb", "words"),
-    [  # two cameras fill 3240 GB together
-        ("GigE", 1, 2990.0, "disks for 2 990 GB beyond the 250 GB of the computer"),
-        ("CSI-2", 2, 2740.0, "disks for 1 370 GB beyond the 250 GB of each computer"),
+    ("interface", "computers", "bought_gb", "words"),
+    [  # two cameras fill 3240 GB together, 2990 GB beyond one disk or twice 1370 GB beyond two
+        ("GigE", 1, 3000.0, "disks of 3 000 GB beyond the 250 GB of the computer"),
+        ("CSI-2", 2, 3000.0, "disks of 1 500 GB beyond the 250 GB of each computer"),
     ],
 )
-def test_each_computer_brings_its_own_disk(interface: str, computers: int, beyond_gb: float, words: str) -> None:
+def test_each_computer_brings_its_own_disk(interface: str, computers: int, bought_gb: float, words: str) -> None:
     vehicle = {"duration_h": 15_000.0, "camera_count": 2}
     mission = {**LONG, "vehicle": LONG["vehicle"] | vehicle}
     system = {**PRICED, "camera": PRICED["camera"] | {"interface": interface}, "camera_count": 2}
     made = uwopt.evaluate(mission, system).design
     brief = uwopt.evaluate({**mission, "vehicle": mission["vehicle"] | {"duration_h": 1.0}}, system).design
     (row,) = (row for row in made.bom if row.id == "rest-storage")
-    assert (row.count, row.model, row.count * row.unit_price) == (computers, words, pytest.approx(beyond_gb * 0.15))
+    assert (row.count, row.model, row.count * row.unit_price) == (computers, words, pytest.approx(bought_gb * 0.15))
     for cost in (lambda design: design.totals.cost.value, lambda design: design.scenes[0].figures["cost"]):
-        assert cost(made) - cost(brief) == pytest.approx(beyond_gb * 0.15)  # of the bill, and of the search's columns
+        assert cost(made) - cost(brief) == pytest.approx(bought_gb * 0.15)  # of the bill, and of the search's columns
+
+
+@pytest.mark.parametrize(("hours", "bought_gb"), [(2314.0, 0.0), (2316.0, 250.0), (4629.0, 250.0), (4631.0, 500.0)])
+def test_a_disk_is_bought_whole(hours: float, bought_gb: float) -> None:
+    # 3 MB every 100 s are 0.108 GB in an hour: 250 GB after 2314.8 h, 500 GB after 4629.6 h; nobody sells 0.1 GB
+    rows = {row.id: row for row in design(vehicle={"duration_h": hours}, limits={"storage_gb": 2000.0}).bom}
+    bought = rows["rest-storage"].unit_price / 0.12 if "rest-storage" in rows else 0.0
+    assert bought == pytest.approx(bought_gb)
+
+
+def test_disks_of_more_computers_are_no_dearer_than_of_one() -> None:
+    # what bounds lean on: a group of cameras of which some share one computer counts as if each had its own
+    filled_gb = np.arange(1.0, 20_000.0)[:, None]
+    computers = np.arange(1.0, 9.0)
+    bought = computers * whole_disks_gb(np.maximum(filled_gb - computers * DISK_GB, 0.0) / computers)
+    assert (bought <= bought[:, :1]).all()
 
 
 def test_without_lamps_nothing_is_wired_to_them() -> None:

@@ -180,6 +180,13 @@ DEFECTS = (
         test=f"{REST}::test_of_battery_and_limit_the_smaller_holds[900.0-500.0]",
     ),
     Defect(
+        name="disks are sold by the gigabyte",
+        file="uwopt/catalog/rest.py",
+        old="np.ceil(np.asarray(room_gb) / DISK_GB - DISK_FULL)",
+        new="np.asarray(room_gb) / DISK_GB",
+        test=f"{REST}::test_a_disk_is_bought_whole[2316.0-250.0]",
+    ),
+    Defect(
         name="the computer's disk is bought again",
         file="uwopt/forward/problem.py",
         old="np.maximum(filled - cameras.disk_gb, 0.0)",

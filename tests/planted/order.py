@@ -49,6 +49,13 @@ DEFECTS = (
         test=f"{BOOK}::test_voltages_are_those_of_the_maker_s_sheet_and_all_others_are_to_be_asked",
     ),
     Defect(
+        name="batteries are bought for what the vehicle feeds",
+        file="uwopt/report/text/not_counted.py",
+        old="if own := brings_batteries(result, best):",
+        new="if own := brings_batteries(result, best) or 'own':",
+        test=f"{BOOK}::test_no_batteries_are_bought_where_the_vehicle_feeds_the_system",
+    ),
+    Defect(
         name="what floats needs no ballast",
         file="uwopt/report/text/not_counted.py",
         old="> FLOATS_KG",

@@ -8,7 +8,9 @@ that it is its own, disks for what the design's images fill, spares and the pres
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
+
+import numpy as np
 
 from uwopt.catalog.estimates import ClassEstimate, required_class
 from uwopt.catalog.interfaces import LINK, does_reach
@@ -18,7 +20,8 @@ from uwopt.units import format_number
 Per = Literal["system", "camera", "lamp", "lighting"]  # lighting: once, where lamps burn
 DEPTH_CLASSES = ((150.0, "to-150m"), (1000.0, "to-1000m"))
 DEEPEST = "to-6000m"
-DISK_GB = 250.0  # that the price of a computer holds
+DISK_GB = 250.0  # that the price of a computer holds, and that disks are bought by
+DISK_FULL = 1e-6  # of a disk: what fills one but for rounding needs no other
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,11 +51,16 @@ def depth_class(depth_m: float | None) -> str:
     return next((name for limit_m, name in DEPTH_CLASSES if depth_m is not None and depth_m <= limit_m), DEEPEST)
 
 
-def disk_item(beyond_gb: float, computers: int) -> RestItem:
+def whole_disks_gb(room_gb: Any) -> Any:
+    """The disks that are bought for so much room, in whole ones of `DISK_GB`: nobody sells less [GB], elementwise."""
+    return DISK_GB * np.maximum(np.ceil(np.asarray(room_gb) / DISK_GB - DISK_FULL), 0.0)
+
+
+def disk_item(disks_gb: float, computers: int) -> RestItem:
     """Disks of one computer, of so many, for what a design's images fill there beyond its own disk."""
     of = "the computer" if computers == 1 else "each computer"
-    name = f"disks for {format_number(beyond_gb)} GB beyond the {DISK_GB:g} GB of {of}"
-    return RestItem("rest-storage", name, "system", disk_price_per_gb().quantity(beyond_gb))
+    name = f"disks of {format_number(disks_gb)} GB beyond the {DISK_GB:g} GB of {of}"
+    return RestItem("rest-storage", name, "system", disk_price_per_gb().quantity(disks_gb))
 
 
 def disk_price_per_gb() -> ClassEstimate:
@@ -88,6 +96,6 @@ def rest_items(needs: RestNeeds) -> tuple[RestItem, ...]:
         made.append(RestItem("rest-battery", name, "system", price, mass_g))
     return (
         *made,
-        item("spares", "spare O-rings, connectors and fuses", "system", "spares"),
+        item("spares", "spare O-rings, connectors and fuses, desiccant", "system", "spares"),
         item("pressure-test", "pressure test of the assembly", "system", f"pressure-test-{depth}"),
     )

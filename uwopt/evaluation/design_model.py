@@ -385,7 +385,7 @@ class DesignModel(DesignLight):
 
     @property
     def disks_gb(self) -> float:
-        """Room for images that is bought beyond the computer's disk, at the rates that are set or asked for."""
+        """Disks that are bought beyond the computer's own, at the rates that are set or asked for."""
 
         def gigabytes() -> float:
             asked = [self.asked_rate_hz(i, self.searched_dioptre_per_m(i)) for i in range(len(self.views))]

@@ -20,7 +20,15 @@ from uwopt.catalog import money
 from uwopt.catalog.interfaces import shares_computer
 from uwopt.catalog.parts.light import NO_LAMP
 from uwopt.catalog.records import Camera, Part
-from uwopt.catalog.rest import Per, RestItem, RestNeeds, disk_price_per_gb, rest_items
+from uwopt.catalog.rest import (
+    DISK_GB,
+    Per,
+    RestItem,
+    RestNeeds,
+    disk_price_per_gb,
+    rest_items,
+    whole_disks_gb,
+)
 from uwopt.catalog.spacers import spacer_mass_g, spacer_price
 from uwopt.forward import switching
 from uwopt.forward.fixed_settings import at_exposure, at_level
@@ -305,7 +313,7 @@ class Problem:
             self.lights = replace(self.lights, **{name: getattr(self.lights, name) + lamp})
 
     def disks_gb(self, cameras: Cameras, rates_hz: Sequence[Array]) -> Array:
-        """Room for images that is bought for a system, (n,) [GB]: what they fill beyond the disks of its computers.
+        """Whole disks that a system buys for what its images fill beyond those of its computers, (n,) [GB].
 
         rates_hz : of the images, by scene; a camera that keeps them on a card of its own buys none
         """
@@ -313,7 +321,9 @@ class Problem:
         filled = duration.storage_of(duration.mean([count * cameras.frame_mb * rate for rate in rates_hz]))
         if filled is None or self.mission.catalog.rest == "none":
             return np.zeros(len(cameras.price))
-        return np.maximum(filled - cameras.disk_gb, 0.0)
+        beyond_gb = np.maximum(filled - cameras.disk_gb, 0.0)
+        computers = np.where(np.isfinite(cameras.disk_gb), cameras.disk_gb, DISK_GB) / DISK_GB
+        return np.asarray(computers * whole_disks_gb(beyond_gb / computers))
 
     @cached_property
     def disk_prices(self) -> dict[str, float]:

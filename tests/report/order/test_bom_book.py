@@ -199,6 +199,17 @@ def test_a_computer_needs_a_place_that_nobody_counted(make_result: Make) -> None
     assert told[1][place].startswith("computer that takes the images: neither size nor mass is counted")
 
 
+def test_no_batteries_are_bought_where_the_vehicle_feeds_the_system(make_result: Make) -> None:
+    result = make_result()
+    fed = {one.what: one for one in not_counted(result, result.best)}
+    assert "batteries" not in fed
+    assert not fed["power from the vehicle"].bought
+    torches = replace(result, mission={**result.mission, "vehicle": {"lamp_supply": "battery"}})
+    lit = {one.what: one for one in not_counted(torches, result.best)}
+    assert lit["batteries"].bought
+    assert "power from the vehicle" not in lit
+
+
 def test_housings_that_float_need_ballast(make_result: Make) -> None:
     """10.315 l of lead in water weigh 10.315 (11.34 - 1.025) = 106.4 kg, 117 kg in air."""
     result = make_result()

@@ -53,7 +53,10 @@ def _not_counted(result: Result, best: Design) -> Iterator[NotCounted]:
         energy = "" if totals.energy_wh is None else f"; {formats.quantity(totals.energy_wh, 'wh')} over the mission"
         burning = words.burning_text(best)
         drawn = f"{formats.quantity(totals.power_w, 'w')} on average{burning and ', '}{burning}{energy}"
-        yield NotCounted("batteries", f"{drawn}; none where the vehicle feeds the system")
+        if own := brings_batteries(result, best):
+            yield NotCounted("batteries", f"{drawn}; {own}")
+        else:
+            yield NotCounted("power from the vehicle", f"{drawn}; vehicle.supply: battery brings one", bought=False)
     in_camera = hardware.housing is not None and any(row.note.startswith(IN_HOUSING) for row in best.bom)
     apart = [name for name in UNHOUSED if name != "host-computer" or not in_camera]
     if inside := [row.model for row in best.bom if row.id in apart]:
@@ -79,6 +82,14 @@ LEAD_KG_L, WATER_KG_L = 11.34, 1.025  # lead at 20 C (CRC handbook), sea water
 FLOATS_KG = 0.1  # of lift that nobody need make up for
 GROWS_H, LIT_M = 336.0, 200.0  # from two weeks on, and down to the depth that sunlight reaches: both by convention
 FED = ("camera", "complete", "light")  # kinds of parts that take power; so does the computer
+
+
+def brings_batteries(result: Result, best: Design) -> str:
+    """What of a system feeds itself, though no battery is a line of its bill; empty where the vehicle feeds it all."""
+    if best.hardware.complete is not None and best.totals.run_time_h is not None:
+        return "the cameras have their own: spare ones"
+    own_lamps = (result.mission.get("vehicle") or {}).get("lamp_supply") == "battery" and best.hardware.light_count > 0
+    return "the lamps have their own, the vehicle feeds the rest" if own_lamps else ""
 
 
 def place_needed(names: Sequence[str], depth: str) -> str:
