@@ -708,4 +708,12 @@ DEFECTS = (
         test="tests/solvers/test_soon_known.py"
         "::test_all_imagers_are_asked_first_only_where_bounds_settle_what_is_asked",
     ),
+    Defect(
+        name="that only the reserve of depth is in the way takes a search through all ratings",
+        file="uwopt/solvers/infeasible/singles.py",
+        old="if trials.mission.depth_factor > 1.0:",
+        new="if False:",
+        test="tests/solvers/test_least_change.py"
+        "::test_where_the_reserve_of_depth_alone_is_in_the_way_that_is_known_first",
+    ),
 )

@@ -21,7 +21,7 @@ from uwopt.report.text.helps import depth_lines
 from uwopt.results.basis import WhyNothing
 from uwopt.results.result import Result
 from uwopt.solvers.exact.certificate import certificate
-from uwopt.solvers.infeasible import least_change, singles
+from uwopt.solvers.infeasible import least_change, least_limit, singles
 from uwopt.solvers.infeasible import why_nothing as infeasible
 from uwopt.solvers.infeasible.joint_changes import CommonShare, few_that_give, least_set
 from uwopt.solvers.infeasible.least_change import Change, Narrowing, in_rounds, rounded_away
@@ -221,6 +221,13 @@ def test_limit_said_to_be_possible_with_a_reserve_is_enough(parts, catalog, name
 
 def test_depth_that_is_possible_is_the_rating_less_its_reserve(parts, catalog):
     deep = mission(parts, depth_m=800.0).with_changes(reserve=KEPT)
+    assert told(deep, catalog)["depth_rating_m"] == pytest.approx(500.0 / 1.25)
+
+
+def test_where_the_reserve_of_depth_alone_is_in_the_way_that_is_known_first(parts, catalog, monkeypatch):
+    # 450 m are asked for, 500 m are sold: at 1.25 times nothing fits. No time is left to look any deeper.
+    monkeypatch.setattr(least_limit, "deepest", lambda found, *_, **__: found)
+    deep = mission(parts, depth_m=450.0).with_changes(reserve=KEPT)
     assert told(deep, catalog)["depth_rating_m"] == pytest.approx(500.0 / 1.25)
 
 

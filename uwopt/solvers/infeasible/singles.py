@@ -340,7 +340,7 @@ class Singles:
             few_first=False,
         )  # fmt: skip
         if by_depth:
-            deep = trials.relaxer.any_design(trials.mission, turn, depth_m=0.0)
+            deep = self._of_any_depth(turn)
             if deep is None:
                 return False
             found = deep
@@ -355,6 +355,15 @@ class Singles:
         if found.outcome.interrupted:
             raise KeyboardInterrupt
         return found.outcome.complete or bool(found.outcome.best)
+
+    def _of_any_depth(self, turn: Deadline) -> Sought | None:
+        """A search for a design of parts rated for the depth alone, without its reserve; else for any depth."""
+        trials = self.trials
+        if trials.mission.depth_factor > 1.0:
+            deep = trials.relaxer.any_design(trials.mission, turn, depth_m=trials.mission.asked_depth_m)
+            if deep is not None and deep.outcome.best:
+                return deep
+        return trials.relaxer.any_design(trials.mission, turn, depth_m=0.0)
 
     def _is_known_at_central_prices(self, name: str, limit: float) -> bool:
         """Whether a limit of cost is known to do with estimated prices at their middle; asked once."""
