@@ -41,7 +41,7 @@ DEFECTS = (
     Defect(
         name="rows of pairs that no lighting lights are not counted",
         file="uwopt/solvers/exact/large.py",
-        old='            account.charge("light", int(size[index[dark]].sum()) * self._sizes)\n',
+        old='            account.charge("light", int(size[index[dark]].sum()) * self.designs)\n',
         new="",
         test=f"{TESTS}::test_every_combination_is_counted_as_it_is_one_lighting_after_another[45.0-by pairs]",
     ),

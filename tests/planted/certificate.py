@@ -110,9 +110,9 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a large search cut short claims the best it found",
-        file="uwopt/solvers/exact/large.py",
-        old="return self.open.ideals()",
-        new="return self.open.ideals()[:0]",
+        file="uwopt/solvers/exact/tree.py",
+        old="(self.left, self.open.ideals())",
+        new="(self.left, self.open.ideals()[:0])",
         test=f"{CERTIFICATE}test_a_search_cut_short_has_a_bound_below_what_it_found[large-0]",
     ),
     Defect(
@@ -250,9 +250,9 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="what is searched also counts as bounded",
-        file="uwopt/solvers/exact/search.py",
-        old='self.account.charge("bound", every * (len(rows) - len(useful)))',
-        new='self.account.charge("bound", every * len(rows))',
+        file="uwopt/solvers/exact/tree.py",
+        old="lost = np.flatnonzero(beaten)",
+        new="lost = np.arange(len(beaten))",
         test=f"{RULES}test_a_search_counts_what_cannot_win[small]",
     ),
     Defect(

@@ -157,9 +157,9 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a row of a large search counts as one port",
-        file="uwopt/solvers/exact/large.py",
-        old="int(level.imagers_in(block.rows.take(lost)).sum()) * self._sizes",
-        new="len(lost) * self._sizes",
+        file="uwopt/solvers/exact/tree.py",
+        old="int(self.imagers_in(depth, block.rows.take(lost)).sum()) * self.designs",
+        new="len(lost) * self.designs",
         test="tests/solvers/test_housings.py::test_ports_that_are_left_when_a_search_ends_are_counted_one_by_one",
     ),
     Defect(

@@ -116,15 +116,15 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="imagers whose nodes there was no time to bound are not counted",
         file="uwopt/solvers/exact/search.py",
-        old="before there were bounds\n                    self.account.charge(NOT_REACHED, every",
-        new="before there were bounds\n                    self.account.charge(NOT_REACHED, 0",
+        old="        if not complete:\n            self.account.leave_the_rest()",
+        new="        if interrupted:\n            self.account.leave_the_rest()",
         test=f"{SEARCH_DEADLINE}::test_wherever_time_ends_bound_and_account_hold",
     ),
     Defect(
         name="a catalogue that there was no time to list counts as searched",
         file="uwopt/solvers/exact/search.py",
-        old="return False, float(self._camera_floor()",
-        new="return True, float(self._camera_floor()",
+        old="        except OutOfTimeError:  # before they were listed\n",
+        new="        except OutOfTimeError:  # before they were listed\n            complete = True\n",
         test=f"{SEARCH_DEADLINE}::test_wherever_time_ends_bound_and_account_hold",
     ),
     Defect(

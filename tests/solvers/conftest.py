@@ -9,7 +9,7 @@ from random_cases import BATCHES
 
 from uwopt.catalog.catalogue import Catalog
 from uwopt.forward.assembly import load_catalog
-from uwopt.solvers.exact import large, port_groups
+from uwopt.solvers.exact import large, port_groups, tree
 from uwopt.solvers.exact import search as exact_search
 
 
@@ -21,16 +21,19 @@ def batches(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> 
     """
     if request.param == "as if large":
         monkeypatch.setattr(exact_search, "MOST_IMAGERS", 0)
-        for name, value in (("FIRST_ROWS", 1), ("FIRST_LEAVES", 1), ("LARGEST_ROWS", 4), ("BRANCHES", 2)):
-            monkeypatch.setattr(port_groups if name == "BRANCHES" else large, name, value)
+        for module, name, value in (
+            (tree, "FIRST_ROWS", 1), (tree, "LARGEST_ROWS", 4), (large, "FIRST_LEAVES", 1),
+            (port_groups, "BRANCHES", 2),
+        ):  # fmt: skip
+            monkeypatch.setattr(module, name, value)
     if request.param != "as shipped":
         for name, value in (
             ("FIRST_BATCH", 1),
             ("LARGEST_BATCH", 2),
             ("TOO_FEW_TO_BOUND", 0),
-            ("FIRST_CHUNK", 2),
         ):
             monkeypatch.setattr(exact_search, name, value)
+        monkeypatch.setattr(tree, "FIRST_NODES", 2)
     return str(request.param)
 
 

@@ -20,7 +20,7 @@ from one_of_each import one, with_parts
 from random_cases import Case
 from thorough import drawn
 
-from uwopt.solvers.exact import large
+from uwopt.solvers.exact import large, tree
 from uwopt.solvers.exact.account import Account
 from uwopt.solvers.exact.attack import attack
 from uwopt.solvers.exact.bounds import Bounds
@@ -417,8 +417,8 @@ def test_large_and_small_search_agree_on_the_best_of_the_enumeration(monkeypatch
     """Both find it, with every bound at work."""
     from uwopt.solvers.exact import search as exact_search
 
-    for place, names in ((exact_search, ("FIRST_CHUNK", "FIRST_BATCH", "LARGEST_BATCH", "LARGEST_CHUNK")),
-                         (large, ("FIRST_ROWS", "FIRST_LEAVES"))):  # fmt: skip
+    for place, names in ((exact_search, ("FIRST_BATCH", "LARGEST_BATCH")), (large, ("FIRST_LEAVES",)),
+                         (tree, ("FIRST_ROWS", "FIRST_NODES", "LARGEST_LISTED"))):  # fmt: skip
         for name in names:
             monkeypatch.setattr(place, name, 1)
     monkeypatch.setattr(exact_search, "TOO_FEW_TO_BOUND", 0)

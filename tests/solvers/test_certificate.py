@@ -14,7 +14,7 @@ from one_of_each import one, with_parts
 from uwopt.deadline import Deadline
 from uwopt.objectives.objective import Objective
 from uwopt.results.result import Certificate
-from uwopt.solvers.exact import large
+from uwopt.solvers.exact import large, tree
 from uwopt.solvers.exact import search as exact_search
 from uwopt.solvers.exact.account import Account, Outcome
 from uwopt.solvers.exact.certificate import accounted, certificate
@@ -104,10 +104,11 @@ def cut(monkeypatch: pytest.MonkeyPatch, calls: int, *, way: str = "small") -> t
         one(wanted=FAST),
         cameras=[{"read_noise_e": 40.0, "power_w": 3.1}, {"read_noise_e": 80.0, "power_w": 3.2}],
     )
-    for name in ("FIRST_CHUNK", "FIRST_BATCH", "LARGEST_BATCH"):
+    for name in ("FIRST_BATCH", "LARGEST_BATCH"):
         monkeypatch.setattr(exact_search, name, 1)
-    for name in ("FIRST_ROWS", "FIRST_LEAVES"):
-        monkeypatch.setattr(large, name, 1)
+    for name in ("FIRST_ROWS", "FIRST_NODES"):
+        monkeypatch.setattr(tree, name, 1)
+    monkeypatch.setattr(large, "FIRST_LEAVES", 1)
     monkeypatch.setattr(exact_search, "TOO_FEW_TO_BOUND", 0)
     monkeypatch.setattr(exact_search, "MOST_IMAGERS", 10**9 if way == "small" else 0)
     case_ = replace(case_, parts=replace(case_.parts, cameras=case_.parts.cameras[::-1]))
@@ -152,7 +153,7 @@ def test_a_search_out_of_time_has_the_bound_of_the_next_unit() -> None:
     """Above the electronics' 3 W, as the unit's light is bounded too, and no more than the best of all."""
     case_ = one(wanted=FAST)
     ticks = iter(range(10_000))
-    late = Deadline(2.0, clock=lambda: float(next(ticks)))  # once imagers are listed and nodes bounded
+    late = Deadline(3.0, clock=lambda: float(next(ticks)))  # once imagers are listed and nodes bounded
     grown = with_parts(case_, lenses=[{"focal_length_mm": f} for f in np.linspace(7.0, 9.0, 9)])
     outcome, full = grown.solve(deadline=late)[1], grown.solve()[1]
     assert not outcome.complete and outcome.account.adds_up()

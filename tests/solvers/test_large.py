@@ -19,7 +19,7 @@ from uwopt.deadline import Deadline
 from uwopt.forward.problem import Problem
 from uwopt.objectives.dominance import hypervolume
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.exact import lamp_choices, large, port_groups
+from uwopt.solvers.exact import lamp_choices, large, port_groups, tree
 from uwopt.solvers.exact import search as exact_search
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.audit import audit
@@ -44,8 +44,10 @@ def as_if_large(monkeypatch: pytest.MonkeyPatch) -> None:
     """Few pairs, ports and imagers at a time."""
     monkeypatch.setattr(exact_search, "MOST_IMAGERS", 0)
     monkeypatch.setattr(port_groups, "BRANCHES", 2)
-    for name, value in (("FIRST_ROWS", 1), ("LARGEST_ROWS", 4), ("FIRST_LEAVES", 1), ("LARGEST_LEAVES", 2)):
-        monkeypatch.setattr(large, name, value)
+    for module, name, value in (
+        (tree, "FIRST_ROWS", 1), (tree, "LARGEST_ROWS", 4), (large, "FIRST_LEAVES", 1), (large, "LARGEST_LEAVES", 2),
+    ):  # fmt: skip
+        monkeypatch.setattr(module, name, value)
 
 
 @cache
@@ -305,15 +307,15 @@ def test_interrupted_while_only_what_cannot_win_waits(monkeypatch: pytest.Monkey
     )  # fmt: skip
     case_ = replace(made, parts=replace(made.parts, cameras=cameras))
     full, search = case_.solve(top=1)[1], case_.searcher(top=1)
-    honest, searched = large.PairTree.candidates, []
+    honest, searched = large.PairTree.handed_over, []
 
-    def stopping(self: large.PairTree, rows: OutlineRows) -> Candidates:
+    def stopping(self: large.PairTree, rows: OutlineRows) -> tuple[Candidates, Array]:
         searched.append(1)
         if len(searched) == 2:
             raise KeyboardInterrupt
         return honest(self, rows)
 
-    monkeypatch.setattr(large.PairTree, "candidates", stopping)
+    monkeypatch.setattr(large.PairTree, "handed_over", stopping)
     outcome = search.run()
     assert outcome.interrupted and not outcome.complete and outcome.account.adds_up()
     assert outcome.account.discarded["not_reached"] > 0, "what is beaten is closed when its turn comes"

@@ -10,7 +10,7 @@ from test_large import outlines_hold
 from thorough import drawn
 
 from uwopt.model.imaging import FARTHEST, PortShape, floor_point, ray_spread
-from uwopt.solvers.exact import large, port_groups
+from uwopt.solvers.exact import large, port_groups, tree
 from uwopt.solvers.exact import search as exact_search
 from uwopt.solvers.exact.imagers import enumerate_imagers
 from uwopt.solvers.exact.light_tables import FieldTables
@@ -34,8 +34,10 @@ def test_search_of_a_large_catalogue_of_oblique_views_equals_that_of_a_small_one
     small = made.solve()[1]
     monkeypatch.setattr(exact_search, "MOST_IMAGERS", 0)
     monkeypatch.setattr(port_groups, "BRANCHES", 2)
-    for name, value in (("FIRST_ROWS", 1), ("LARGEST_ROWS", 4), ("FIRST_LEAVES", 1), ("LARGEST_LEAVES", 2)):
-        monkeypatch.setattr(large, name, value)
+    for module, name, value in (
+        (tree, "FIRST_ROWS", 1), (tree, "LARGEST_ROWS", 4), (large, "FIRST_LEAVES", 1), (large, "LARGEST_LEAVES", 2),
+    ):  # fmt: skip
+        monkeypatch.setattr(module, name, value)
     found = made.solve()[1]
     assert found.account.adds_up() and found.complete
     assert [one.minimised for one in found.best] == pytest.approx([one.minimised for one in small.best], rel=1e-9)

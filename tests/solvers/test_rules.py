@@ -30,7 +30,7 @@ from scipy.special import j1
 
 from uwopt.catalog.parts.quantity import Curve
 from uwopt.catalog.records import Housing, exact
-from uwopt.solvers.exact import large
+from uwopt.solvers.exact import large, tree
 from uwopt.solvers.exact import search as exact_search
 from uwopt.solvers.exact.account import RULES
 from uwopt.solvers.exact.bounds import Bounds
@@ -426,8 +426,9 @@ def test_a_search_counts_what_cannot_win(way: str, monkeypatch: pytest.MonkeyPat
     if way == "large":
         as_if_large(monkeypatch)
     for module, names in (
-        (exact_search, ("FIRST_CHUNK", "FIRST_BATCH")),
-        (large, ("FIRST_ROWS", "FIRST_LEAVES")),
+        (exact_search, ("FIRST_BATCH",)),
+        (tree, ("FIRST_ROWS", "FIRST_NODES")),
+        (large, ("FIRST_LEAVES",)),
     ):
         for name in names:
             monkeypatch.setattr(module, name, 1)

@@ -189,7 +189,7 @@ class ParetoCall:
                     progress=lambda share, what: self.progress(0.5 * share, what),
                 )  # fmt: skip
                 front = made.run()
-            search, self.alone = made.search, bool(made.kept)
+            search, self.alone = made.search, made.search.every_imager is None
         if search is None:
             search = Search(problem, self.builtin, top=1)
             with self.watch.timed("tables"):

@@ -23,7 +23,7 @@ from uwopt.forward.setting_rows import SceneRows
 from uwopt.mission.mission import Mission
 from uwopt.objectives.goal import goal_of
 from uwopt.objectives.objective import MAXIMISED, Objective, Terms
-from uwopt.solvers.exact.account import Outcome, snr_ceiling
+from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.imager_rules import limit
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.population.coding import CodedHardware, Coding, cost_of, mass_kg_of
@@ -276,9 +276,9 @@ class LoopGround(Ground):
     def floor(self, built: CodedHardware) -> Array:
         """The objective of hardware that needs no light at all."""
         imagers = self.imagers
-        terms = Terms(
+        terms = Terms.at_best(
             imagers.camera_power_w[built.imager], cost_of(self.search, built), mass_kg_of(self.search, built),
-            np.full(len(built.imager), snr_ceiling(self.objective)), imagers.gsd_mm[built.imager],
+            imagers.gsd_mm[built.imager],
         )  # fmt: skip
         return np.asarray(self.objective.cost_to_minimise(terms))
 

@@ -453,6 +453,11 @@ class Problem:
         return np.array([part.id != NO_LAMP.id for part in self.parts.lights], float)
 
     @property
+    def illuminators(self) -> int:
+        """Lights, each in all its numbers and mounts."""
+        return len(self.parts.lights) * self.lamp_variants
+
+    @property
     def lamp_variants(self) -> int:
         """In how many numbers and mounts each lamp comes."""
         low, high = self.count_range

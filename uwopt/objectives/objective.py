@@ -19,6 +19,7 @@ UNITS = {term: one.unit for term, one in TERMS.items()}
 MAXIMISED = tuple(term for term, one in TERMS.items() if one.better == "more")
 BEST_IMAGE = "best_image"
 LEAST = 1e-300  # of a figure whose logarithm counts
+MOST_SNR_DB = 200.0  # that no design exceeds: that of 10^20 electrons a pixel
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,13 @@ class Terms:
     gsd_mm: Array
     contrast: Array | float = 0.0  # these two only where an objective asks for them
     information: Array | float = 0.0
+
+    @staticmethod
+    def at_best(
+        power: Array, cost: Array, mass: Array, gsd_mm: Array, information: Array | float = np.inf
+    ) -> Terms:  # fmt: skip
+        """Those that no light betters, nor any setting; `information`: that nothing in reach exceeds."""
+        return Terms(power, cost, mass, np.full(np.shape(power), MOST_SNR_DB), gsd_mm, 1.0, information)
 
 
 @dataclass(frozen=True)

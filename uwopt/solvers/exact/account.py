@@ -4,11 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from uwopt.objectives.objective import Objective
-from uwopt.solvers.exact.imagers import (
-    IMAGER_RULES,
-    Imagers,
-)
+from uwopt.solvers.exact.imagers import IMAGER_RULES, Imagers
 from uwopt.solvers.exact.light_tables import FieldTables
 from uwopt.solvers.exact.node_bounds import NODE_RULES
 from uwopt.solvers.exact.ranking import Found
@@ -40,7 +36,12 @@ class Account:
     def leave_the_rest(self) -> None:
         """Count all that is not accounted for as not reached."""
         self.discarded.pop(NOT_REACHED, None)
-        self.charge(NOT_REACHED, self.total - self.evaluated - sum(self.discarded.values()))
+        self.charge(NOT_REACHED, self.waiting)
+
+    @property
+    def waiting(self) -> int:
+        """How many are not accounted for yet."""
+        return self.total - self.evaluated - sum(self.discarded.values())
 
     def adds_up(self) -> bool:
         """Whether every combination is accounted for once."""
@@ -59,8 +60,3 @@ class Outcome:
     tables: FieldTables
     timing_s: dict[str, float]
     interrupted: bool = False
-
-
-def snr_ceiling(objective: Objective) -> float:
-    """An SNR in dB that no design exceeds, where SNR counts at all: that of 10^20 electrons a pixel."""
-    return 200.0 if objective.weight("snr_db") else 0.0

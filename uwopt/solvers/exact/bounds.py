@@ -19,7 +19,7 @@ from uwopt.forward.part_columns import FLASH, PULSED
 from uwopt.forward.views import CORNER_FIELD, RMS_FIELD
 from uwopt.model import sensor
 from uwopt.model.aberration import field_blur
-from uwopt.objectives.objective import Objective
+from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.exact import off_balance
 from uwopt.solvers.exact.any_lighting import AnyLighting
 from uwopt.solvers.exact.imager_rules import limit
@@ -396,6 +396,12 @@ class Bounds:
     def is_sunlit(self, scene_index: int) -> bool:
         """Whether light counts that no lamp gives."""
         return bool(self.problem.scenes[scene_index].sunlit and self.problem.effects.sunlight)
+
+    def without_light(self, rows: Array) -> Terms:
+        """What these imagers are at best, whatever lights them."""
+        of = self.imagers
+        power, cost, mass, gsd_mm = (each[rows] for each in (of.camera_power_w, of.cost, of.mass_kg, of.gsd_mm))
+        return Terms.at_best(power, cost, mass, gsd_mm, self.information_ceiling(rows))
 
     def information_ceiling(self, rows: Array) -> Array:
         """Information [bit/m2] that no light lets these imagers exceed: at the most electrons the sensor takes."""

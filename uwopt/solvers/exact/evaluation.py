@@ -18,7 +18,7 @@ from uwopt.forward.lamp_light import ImageLight, Veils
 from uwopt.forward.problem import Problem
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective, Terms
-from uwopt.solvers.exact.account import NOT_REACHED, Account, snr_ceiling
+from uwopt.solvers.exact.account import NOT_REACHED, Account
 from uwopt.solvers.exact.bounds import Bounds
 from uwopt.solvers.exact.candidates import Candidates
 from uwopt.solvers.exact.design_rows import NodeRows
@@ -154,9 +154,9 @@ class Evaluation:
         imagers, pairs = self.imagers, NodeDesigns.every(self.imagers, imager, under, self.bounds.light_tables)
         row = pairs.row
         floor = self.objective.cost_to_minimise(
-            Terms(
-                imagers.camera_power_w[row], pairs.cost, pairs.mass_kg, np.full(len(row), snr_ceiling(self.objective)),
-                imagers.gsd_mm[row], 1.0, self.bounds.information_ceiling(imager)[pairs.node],
+            Terms.at_best(
+                imagers.camera_power_w[row], pairs.cost, pairs.mass_kg, imagers.gsd_mm[row],
+                self.bounds.information_ceiling(imager)[pairs.node],
             )
         )  # fmt: skip
         beaten = self.ranking.shut_out(floor, imagers.camera_power_w[row], pairs.cost, pairs.mass_kg)

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.solvers.exact.outline import OutlineRows
+from uwopt.forward.columns import Columns
 
 Array = NDArray[Any]
 MOST_OPEN = 4_000_000  # rows that wait; beyond it the smallest groups go first, whatever their bounds
@@ -26,11 +26,11 @@ class Order(Protocol):
 class WaitingRows:
     """Rows with their ideals, best first."""
 
-    rows: OutlineRows
+    rows: Columns
     ideals: Array
 
     @staticmethod
-    def of(rows: OutlineRows, ideals: Array, by: Order) -> WaitingRows:
+    def of(rows: Columns, ideals: Array, by: Order) -> WaitingRows:
         """In their order."""
         order = by.order(ideals)
         return WaitingRows(rows.take(order), ideals[order])
@@ -38,7 +38,7 @@ class WaitingRows:
     def parted(self, count: int) -> tuple[WaitingRows, list[WaitingRows]]:
         """The first so many, and the others if there are any."""
         rest = WaitingRows(self.rows.take(slice(count, None)), self.ideals[count:])
-        return WaitingRows(self.rows.take(slice(count)), self.ideals[:count]), [rest] if len(rest.rows) else []
+        return WaitingRows(self.rows.take(slice(count)), self.ideals[:count]), [rest] if len(rest.ideals) else []
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class OpenRows:
         return OpenRows(((),) * levels, by)
 
     def __len__(self) -> int:
-        return sum(len(block.rows) for block in self.blocks())
+        return sum(len(block.ideals) for block in self.blocks())
 
     def blocks(self) -> Iterator[WaitingRows]:
         """All of them, the smallest groups first."""
@@ -65,13 +65,13 @@ class OpenRows:
         """What waits could be at best, (n, n_objectives)."""
         return np.concatenate([block.ideals for block in self.blocks()] or [np.empty((0, 1))])
 
-    def put(self, depth: int, rows: OutlineRows, ideals: Array) -> OpenRows:
+    def put(self, depth: int, rows: Columns, ideals: Array) -> OpenRows:
         """With more rows at a level."""
-        if len(rows) == 0:
+        if len(ideals) == 0:
             return self
         own = self.levels[depth]
         if depth == len(self.levels) - 1 and own:
-            rows, ideals, own = OutlineRows.joined([own[0].rows, rows]), np.concatenate([own[0].ideals, ideals]), ()
+            rows, ideals, own = type(rows).joined([own[0].rows, rows]), np.concatenate([own[0].ideals, ideals]), ()
         return self._with(depth, (*own, WaitingRows.of(rows, ideals, self.by)))
 
     def _with(self, depth: int, blocks: tuple[WaitingRows, ...]) -> OpenRows:

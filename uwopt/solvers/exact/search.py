@@ -11,16 +11,16 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.deadline import NEVER, Deadline, OutOfTimeError
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError, Progress, unheard
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective, Terms
-from uwopt.solvers.exact.account import NOT_REACHED, Outcome, snr_ceiling
+from uwopt.solvers.exact.account import NOT_REACHED, Outcome
 from uwopt.solvers.exact.candidates import Candidates
 from uwopt.solvers.exact.evaluation import Evaluation
 from uwopt.solvers.exact.imager_rules import Sample, Tally
@@ -35,6 +35,7 @@ from uwopt.solvers.exact.imagers import (
 from uwopt.solvers.exact.large import PairTree
 from uwopt.solvers.exact.node_bounds import NodeBounds
 from uwopt.solvers.exact.open_nodes import OpenNodes
+from uwopt.solvers.exact.tree import Goal, Tree
 
 Array = NDArray[Any]
 
@@ -47,10 +48,7 @@ REFINED_AHEAD = 8  # batches of nodes whose bounds are made better before the fi
 FIRST_ENOUGH = 1  # of a first batch where one is enough: often the first does, and the light of each is dear
 FIRST_DEAR = 4  # of a first batch where information counts: dear to bound while nothing is
 # found that others must beat
-FIRST_CHUNK = 400_000  # imagers times lightings that are bounded first: cheaper than to evaluate the wrong ones
-LARGEST_CHUNK = 65536  # imagers that are bounded together
 MOST_IMAGERS = 700_000  # beyond which pairs are bounded before their ports: more than the whole catalogue has
-MOST_UNITS = 6_000_000  # imagers times lightings: what memory allows
 SAMPLES = 64  # of nodes that a rule discards, about
 TOO_FEW_TO_BOUND = 8  # nodes: evaluating them is cheaper
 TAKEN = 1.0 + 1e-12  # of a threshold: outlines are summed in another order
@@ -63,10 +61,10 @@ def are_too_many(problem: Problem, pairs: FittingPairs) -> bool:
 
 @dataclass(frozen=True)
 class Cheapest:
-    """The least of one objective, as the goal of a search of a large catalogue."""
+    """The least of one objective, as the goal of a search."""
 
     objective: Objective
-    search: Callable[[Candidates], bool]
+    search: Callable[[Candidates, Array], Array]
     threshold: Callable[[], float]
 
     def ideals(self, terms: Terms) -> Array:
@@ -88,7 +86,7 @@ class Search(Evaluation):
 
     def __init__(
         self, problem: Problem, objective: Objective, *, top: int, deadline: Deadline = NEVER,
-        progress: Callable[[float, str], None] | None = None, ceiling: float = np.inf,
+        progress: Progress | None = None, ceiling: float = np.inf,
         only: Mapping[str, Array] | None = None, imagers: Imagers | None = None, enough: bool = False,
         most_in_vain: float = np.inf, widest_m: Sequence[float] | None = None,
     ):  # fmt: skip
@@ -103,22 +101,32 @@ class Search(Evaluation):
         )  # fmt: skip
         self.given, self.widest_m = imagers, widest_m
         self.every_imager: Imagers | None = None  # of all parts, once they are listed
-        self.progress = progress or (lambda share, what: None)
+        self.progress = progress or unheard
         self.bounds_s = 0.0
-        self.interrupted = False
         self.tally = Tally()  # some of the nodes that are discarded; of imagers, theirs has it
 
     # ------------------------------------------------------------ run
 
     def run(self) -> Outcome:
         """Enumerate, bound, evaluate best first."""
-        start = time.perf_counter()
+        start, complete, interrupted = time.perf_counter(), False, False
         self.progress(0.0, "imagers")
-        pairs = None if self.given is not None else fitting_pairs(self.problem, cameras=self._cameras_below_ceiling())
-        if pairs is not None and are_too_many(self.problem, pairs):
-            complete, lowest, imagers_s = self._by_pairs(pairs)
+        try:
+            tree = self.tree(Cheapest(self.objective, self.among, lambda: self.ranking.threshold()))
+        except OutOfTimeError:  # before they were listed
+            none = imagers_in(self.problem, [])
+            self.take_up(Candidates.of(self.problem, self.objective, none, lights=self.only.get("light")))
+            imagers_s, lowest = time.perf_counter() - start, float(self._camera_floor().min(initial=np.inf))
         else:
-            complete, lowest, imagers_s = self._by_imagers()
+            imagers_s = time.perf_counter() - start
+            complete = tree.search(self.deadline, self.progress)
+            imagers_s, lowest = imagers_s + tree.groups_s, float(tree.open_ideals().min(initial=np.inf))
+            interrupted = tree.interrupted
+            candidates, winners = tree.keeping(self.ranking.best)
+            self.take_up(candidates)
+            self.ranking.best = winners
+        if not complete:
+            self.account.leave_the_rest()
         self.progress(1.0, "done")
         timing = {
             "imagers": imagers_s, "bounds": self.bounds_s,
@@ -127,7 +135,7 @@ class Search(Evaluation):
         best = self.ranking.best[0].minimised if self.ranking.best else self.ceiling if complete else np.inf
         lower = min(lowest, best, self.open_gap_bound)
         return Outcome(
-            self.ranking.best, self.account, lower, complete, self.imagers, self.tables, timing, self.interrupted
+            self.ranking.best, self.account, lower, complete, self.imagers, self.tables, timing, interrupted
         )
 
     def whole(self) -> Outcome:
@@ -136,6 +144,20 @@ class Search(Evaluation):
         if outcome.interrupted:
             raise KeyboardInterrupt
         return outcome
+
+    def tree(self, goal: Goal) -> Tree:
+        """All that there is to search, pairs of camera and lens first where imagers are too many to list.
+
+        Every combination is accounted for or waits in it. Raises OutOfTimeError, with the account's total known.
+        """
+        self.account.total = self._every_imager * self.problem.illuminators
+        pairs = None if self.given is not None else fitting_pairs(self.problem, cameras=self._cameras_below_ceiling())
+        if pairs is None or not are_too_many(self.problem, pairs):
+            self.prepare(self.deadline)
+            return Tree(self.candidates, goal, self.account, self.tally)
+        tree = PairTree(self.problem, self.objective, pairs, goal, self.account, lights=self.only.get("light"))
+        self.take_up(tree.candidates)
+        return tree
 
     def prepare(self, deadline: Deadline = NEVER) -> Imagers:
         """Enumerate imagers and tabulate lights: all that evaluation needs. Raises OutOfTimeError."""
@@ -150,21 +172,6 @@ class Search(Evaluation):
         ))  # fmt: skip
         return imagers
 
-    def _by_imagers(self) -> tuple[bool, float, float]:
-        """Take the imagers of a small catalogue: as `_by_floor`, and the seconds that it took to list them."""
-        start = time.perf_counter()
-        try:
-            imagers = self.prepare(self.deadline)
-        except OutOfTimeError:
-            none = imagers_in(self.problem, [])
-            self.take_up(Candidates.of(self.problem, self.objective, none, lights=self.only.get("light")))
-            self.account.total = self._every_combination()
-            self.account.leave_the_rest()
-            return False, float(self._camera_floor().min(initial=np.inf)), time.perf_counter() - start
-        self.start_account(imagers)
-        imagers_s = time.perf_counter() - start
-        return (*self._by_floor(), imagers_s)
-
     def _cameras_below_ceiling(self) -> Array:
         """Cameras that are not beyond the ceiling by themselves."""
         return np.asarray(self._camera_floor() <= self.ceiling) & self.only.get("camera", True)
@@ -174,108 +181,30 @@ class Search(Evaluation):
         rows, count = self.problem.cameras, self.problem.mission.vehicle.camera_count
         extra_cost, extra_mass, _ = self.problem.extras
         return np.asarray(self.objective.cost_to_minimise(
-            Terms(
+            Terms.at_best(
                 self.problem.least_camera_power_w(rows), count * rows.price + extra_cost,
-                count * rows.mass_kg + extra_mass,
-                np.full(len(rows.price), snr_ceiling(self.objective)), np.zeros(len(rows.price)), 1.0, np.inf,
+                count * rows.mass_kg + extra_mass, np.zeros(len(rows.price)),
             )
         ))  # fmt: skip
 
-    def start_account(self, imagers: Imagers) -> None:
-        """Every combination of the parts in the search, and what the imagers' rules discard."""
-        discarded = imagers.tally.discarded
-        for rule, count in discarded.items():
-            self.account.charge(rule, count * self._illuminators)
-        self.account.total = (len(imagers) + sum(discarded.values())) * self._illuminators
-
     @property
-    def _illuminators(self) -> int:
-        """Lights with their numbers and mounts."""
-        return len(self.problem.parts.lights) * self.problem.lamp_variants
-
-    def _every_combination(self) -> int:
-        """All of the parts in the search, or of the imagers that were given."""
+    def _every_imager(self) -> int:
+        """How many there are of the parts in the search, or were given, those that no rule passes with them."""
+        if self.given is not None:
+            return len(self.given) + sum(self.given.tally.discarded.values())
         parts = self.problem.parts
-        pairs = len(parts.cameras) * len(parts.lenses) * len(parts.ports)
-        imagers = pairs * len(landscapes(self.problem)) if self.given is None else len(self.given)
-        return imagers * self._illuminators
+        return len(parts.cameras) * len(parts.lenses) * len(parts.ports) * len(landscapes(self.problem))
 
     # ------------------------------------------------------------ best first
 
-    def _by_pairs(self, pairs: FittingPairs) -> tuple[bool, float, float]:
-        """Take imagers of a large catalogue as the tree of pairs leaves them: as `_by_floor`, and seconds."""
-        goal = Cheapest(self.objective, self.among, lambda: self.ranking.threshold())
-        tree = PairTree(self.problem, self.objective, pairs, goal, self.account, lights=self.only.get("light"))
-        tree.open_account()
-        self.take_up(tree.none)
-        try:
-            complete = tree.search(self.deadline)
-        except KeyboardInterrupt:
-            self.interrupted, complete = True, False
-        if not complete:
-            self.account.leave_the_rest()
-        lowest = np.inf if complete else float(tree.open_ideals().min(initial=np.inf))
-        self._keep_winners(tree)
-        return complete, lowest, tree.outline_s
+    def among(self, candidates: Candidates, imagers: Array) -> Array:
+        """Search all nodes of some imagers; the least bound of what is left, (1, 1), (0, 1) where nothing is.
 
-    def _keep_winners(self, tree: PairTree) -> None:
-        """Leave the search with the imagers of the best designs alone."""
-        found = imagers_in(self.problem, [one.behind for one in self.ranking.best])
-        best = [replace(one, imager=place) for place, one in enumerate(self.ranking.best)]
-        self.take_up(tree.none.others(replace(found, tally=tree.tally)))
-        self.ranking.best = best
-
-    def among(self, candidates: Candidates) -> bool:
-        """Search all nodes of these; False when time ran out."""
-        self.take_up(candidates)
-        try:
-            return self._best_first(np.arange(len(candidates.imagers))) is None
-        except OutOfTimeError:  # before there were bounds
-            return False
-
-    def _by_floor(self) -> tuple[bool, float]:
-        """Take imagers in order of what they cost without any light, until none can beat the best.
-
-        Whether that was reached in time, and the least bound of what was not looked at.
+        Raises OutOfTimeError before there are bounds.
         """
-        imagers = self.imagers
-        ceiling = np.full(len(imagers), snr_ceiling(self.objective))
-        floor = self.objective.cost_to_minimise(
-            Terms(
-                imagers.camera_power_w, imagers.cost, imagers.mass_kg, ceiling, imagers.gsd_mm, 1.0,
-                self.bounds.information_ceiling(np.arange(len(imagers))),
-            )
-        )  # fmt: skip
-        order = np.argsort(floor, kind="stable")
-        every = int(self.bounds.sizes.sum())
-        lightings = max(1, len(self.tables.lightings))
-        most = max(64, MOST_UNITS // lightings)
-        position, chunk = 0, min(max(1, FIRST_CHUNK // lightings), LARGEST_CHUNK, most)
-        while position < len(order):
-            rows = order[position : position + chunk]
-            useful = rows[floor[rows] <= self.ranking.threshold()]
-            self.account.charge("bound", every * (len(rows) - len(useful)))
-            self._sample("bound", rows[floor[rows] > self.ranking.threshold()])
-            if len(useful):
-                before = self.account.snapshot()
-                try:
-                    finished = self._best_first(useful)
-                except OutOfTimeError:  # before there were bounds
-                    self.account.charge(NOT_REACHED, every * len(useful))
-                    finished = float(floor[useful].min())
-                except KeyboardInterrupt:  # keep what was found; these imagers count as not reached
-                    self.interrupted, self._waiting = True, []
-                    self.account.restore(before)
-                    self.account.charge(NOT_REACHED, every * len(useful))
-                    finished = float(floor[useful].min())
-                if finished is not None:
-                    rest = order[position + len(rows) :]
-                    self.account.charge(NOT_REACHED, every * len(rest))
-                    return False, min(finished, float(floor[rest].min(initial=np.inf)))
-            position += len(rows)
-            chunk = min(2 * chunk, LARGEST_CHUNK, most)
-            self.progress(0.1 + 0.9 * position / len(order), "search")
-        return True, np.inf
+        self.take_up(candidates)
+        lowest = self._best_first(imagers)
+        return np.empty((0, 1)) if lowest is None else np.array([[lowest]])
 
     def _best_first(self, rows: Array) -> float | None:
         """Take the nodes of these imagers in order of their bound until none can beat the best.

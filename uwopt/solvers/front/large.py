@@ -24,11 +24,11 @@ WITHOUT_BOUND = 1e300  # in place of infinity, which has no differences
 
 @dataclass(frozen=True)
 class Undominated:
-    """Designs that no point found beats, as the goal of a search of a large catalogue."""
+    """Designs that no point found beats, as the goal of a search."""
 
     axes: Axes
     archive: BestPoints
-    search: Callable[[Candidates], bool]
+    search: Callable[[Candidates, Array], Array]
 
     def ideals(self, terms: Terms) -> Array:
         """The best of each objective, (n, n_axes)."""

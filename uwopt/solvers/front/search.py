@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.deadline import NEVER, Deadline, OutOfTimeError
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError, unheard
 from uwopt.forward.lamp_light import ImageLight, Veils
 from uwopt.forward.problem import Problem
 from uwopt.objectives.axes import Axes, Frame
@@ -25,12 +25,11 @@ from uwopt.objectives.dominance import clearly, hypervolume
 from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.account import RULES, Account
 from uwopt.solvers.exact.candidates import Candidates
-from uwopt.solvers.exact.imagers import FittingPairs, Imagers, fitting_pairs
-from uwopt.solvers.exact.large import PairTree
+from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.lightings import Under
 from uwopt.solvers.exact.node_bounds import by_rule, first_missed
 from uwopt.solvers.exact.node_designs import NodeDesigns
-from uwopt.solvers.exact.search import Search, are_too_many
+from uwopt.solvers.exact.search import Search
 from uwopt.solvers.front.curves import Curves
 from uwopt.solvers.front.hopeful import Hopeful
 from uwopt.solvers.front.large import WITHOUT_BOUND, Undominated, in_layers
@@ -92,7 +91,8 @@ class FrontSearch:
         self.stop_trying = False
         self.solved: dict[bytes, list[Array]] = {}  # by what decides a curve: axes that no setting changes
         self.curves: list[Curves] = []
-        self.kept: list[Imagers] = []  # of a large catalogue, those that the curves are about
+        self.kept: list[Imagers] = []  # of a large catalogue, those that the first `n_kept` curves are about
+        self.n_kept, self.interrupted = 0, False
         self.account = self.search.account  # what its rule `bound` discards is dominated
         self.history: list[tuple[float, Array]] = []
 
@@ -100,69 +100,52 @@ class FrontSearch:
 
     def run(self) -> Front:
         """Bound all nodes, take them layer by layer, refine the curves."""
-        pairs = fitting_pairs(self.problem)
-        if are_too_many(self.problem, pairs):
-            return self._run_large(pairs)
-        imagers = self.search.prepare()
-        self.search.start_account(imagers)
-        complete, interrupted = True, False
-        open_ideals = np.empty((0, len(self.axes)))
-        if len(imagers):
-            ideal, lighting, imager = self._units()
-            left = np.ones(len(ideal), bool)
-            try:
-                complete = self._layers(ideal, lighting, imager, left)
-                if complete:
-                    complete = self._refine()
-            except KeyboardInterrupt:
-                complete, interrupted = False, True
-            if left.any():
-                self.account.leave_the_rest()
-            open_ideals = ideal[left]
-        return self._front(complete, interrupted, open_ideals)
-
-    def _run_large(self, pairs: FittingPairs) -> Front:
-        """The same of the imagers that the tree of pairs leaves, some at a time."""
-        goal = Undominated(self.axes, self.points.archive, self.among)
-        tree = PairTree(self.problem, self.axes.objective, pairs, goal, self.account)
-        tree.open_account()
-        interrupted = False
-        try:
-            complete = tree.search(self.deadline) and self._refine()
-        except KeyboardInterrupt:
-            complete, interrupted = False, True
-        open_ideals = tree.open_ideals()
-        if len(open_ideals):
+        tree = self.search.tree(Undominated(self.axes, self.points.archive, self.among))
+        complete, left = tree.search(self.deadline, unheard), tree.open_ideals()
+        self.interrupted |= tree.interrupted
+        if len(left):
             self.account.leave_the_rest()
-        self.search.take_up(tree.none.others(Imagers.joined(self.kept or [tree.none.imagers])))
-        return self._front(complete, interrupted, open_ideals)
-
-    def among(self, candidates: Candidates) -> bool:
-        """Nodes of these layer by layer; False when time ran out: then they count as not reached, and points stay."""
-        self.search.take_up(candidates)
-        before, first, complete = self.account.snapshot(), len(self.curves), False
+        if self.search.every_imager is None:
+            self._keep()
+            self.search.take_up(tree.candidates.others(Imagers.joined(self.kept or [tree.candidates.imagers])))
         try:
-            ideal, lighting, imager = self._units()
-            complete = self._layers(ideal, lighting, imager, np.ones(len(ideal), bool))
-        finally:
-            if not complete:
-                self.account.restore(before)
-            self._keep(first)
-        return complete
+            complete = complete and self._refine()
+        except KeyboardInterrupt:
+            complete, self.interrupted = False, True
+        return self._front(complete, left)
 
-    def _keep(self, first: int) -> None:
-        """Keep the imagers that the curves from a place on are about, as others are taken up."""
-        used = np.unique(np.concatenate([np.empty(0, int), *(c.some.imager for c in self.curves[first:])]))
+    def among(self, candidates: Candidates, imagers: Array) -> Array:
+        """Nodes of some imagers layer by layer; the ideals of those that are left when time ran out, or a person wants
+        no more."""
+        if candidates is not self.search.candidates:
+            self._keep()
+            self.search.take_up(candidates)
+        ideal, lighting, imager = self._units(imagers)
+        left = np.ones(len(ideal), bool)
+        try:
+            self._layers(ideal, lighting, imager, left)
+        except KeyboardInterrupt:
+            if not left.any():
+                raise
+            self.interrupted = True
+        return ideal[left]
+
+    def _keep(self) -> None:
+        """Keep the imagers that the last curves are about, as others are taken up."""
+        last = self.curves[self.n_kept :]
+        if not last:
+            return
+        used = np.unique(np.concatenate([c.some.imager for c in last]))
         begin = sum(len(part) for part in self.kept)
         self.kept.append(self.search.imagers.take(used))
-        for place, curves in enumerate(self.curves[first:], first):
+        for place, curves in enumerate(last, self.n_kept):
             at = begin + np.searchsorted(used, curves.some.imager)
             self.curves[place] = replace(curves, some=replace(curves.some, imager=at))
+        self.n_kept = len(self.curves)
 
-    def _units(self) -> tuple[Array, Array, Array]:
-        """Ideals of all nodes that may be feasible, with their lighting and imager."""
+    def _units(self, every: Array) -> tuple[Array, Array, Array]:
+        """Ideals of all nodes of some imagers that may be feasible, with their lighting and imager."""
         bounds, imagers = self.search.bounds, self.search.imagers
-        every = np.arange(len(imagers))
         ideals, lightings, rows = [np.empty((0, len(self.axes)))], [np.empty(0, int)], [np.empty(0, int)]  # no lamps
         for k in range(len(self.search.tables.lightings)):
             seen = bounds.of_nodes(k, every)
@@ -170,13 +153,13 @@ class FrontSearch:
             for name, lost in by_rule(seen.rule):
                 self.account.charge(name, len(lost) * size)
             alive = np.nonzero((seen.rule < 0) & np.isfinite(seen.value))[0]
-            ideals.append(self.axes.minimised(seen.terms(alive, imagers.gsd_mm[alive])))
+            ideals.append(self.axes.minimised(seen.terms(alive, imagers.gsd_mm[every[alive]])))
             lightings.append(np.full(len(alive), k))
-            rows.append(alive)
+            rows.append(every[alive])
         return np.concatenate(ideals), np.concatenate(lightings), np.concatenate(rows)
 
-    def _layers(self, ideal: Array, lighting: Array, imager: Array, left: Array) -> bool:
-        """Evaluate nodes until each is evaluated or beaten by a point; whether that was reached."""
+    def _layers(self, ideal: Array, lighting: Array, imager: Array, left: Array) -> None:
+        """Evaluate nodes until each is evaluated or beaten by a point, or time is over; `left` marks the others."""
         sizes, total = self.search.bounds.sizes, max(len(ideal), 1)
         batch = FIRST_NODES
         while left.any():
@@ -185,18 +168,15 @@ class FrontSearch:
             self.account.charge("bound", int(sizes[lighting[rows[beaten]]].sum()))
             left[rows[beaten]] = False
             rows = rows[~beaten]
-            if len(rows) == 0:
+            if len(rows) == 0 or self._late():
                 break
-            if self._late():
-                return False
             wave = rows[in_layers(ideal[rows])[:batch]]  # none dominates those, then those next to them
             if not self._take(lighting[wave], imager[wave]):
-                return False
+                break
             left[wave] = False
             batch = min(GROWTH * batch, LARGEST_NODES)
             self.history.append((time.perf_counter() - self.start, self.points.archive.values))
             self.progress(0.9 * (1.0 - left.sum() / total), f"front: {len(self.points.archive.values)} points")
-        return True
 
     def _take(self, lighting: Array, imager: Array) -> bool:
         """Evaluate these nodes; cut short, they count as not reached, and points stay."""
@@ -441,7 +421,7 @@ class FrontSearch:
 
     # ------------------------------------------------------------ result
 
-    def _front(self, complete: bool, interrupted: bool, open_ideals: Array) -> Front:
+    def _front(self, complete: bool, open_ideals: Array) -> Front:
         """The points that stayed, each with its design."""
         values, designs = [], []
         for curves in self.curves:
@@ -460,7 +440,7 @@ class FrontSearch:
                 still = np.concatenate([every[kept], self.points.open_corners(self.curves), open_ideals])
                 upper = max(upper, hypervolume(still, frame))
         return Front(
-            self.axes, every[kept], [designs[i] for i in kept], frame, lower, upper, complete, interrupted,
+            self.axes, every[kept], [designs[i] for i in kept], frame, lower, upper, complete, self.interrupted,
             by_front_rule(self.account), time.perf_counter() - self.start, self.history,
         )  # fmt: skip
 
