@@ -314,7 +314,7 @@ DEFECTS = (
     ),
     Defect(
         name="bounds of cells see an even veil",
-        file="uwopt/solvers/settings/cell_bounds.py",
+        file="uwopt/forward/bars.py",
         old="still = bars.still(sinc_mtf(nu), nu) * bars.detail",
         new="still = bars.still(sinc_mtf(nu), nu)",
         test="tests/solvers/test_cell_bounds.py"

@@ -26,9 +26,9 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="an image is no sharper than at the wrong ends of an interval",
-        file="uwopt/forward/sharpness.py",
-        old="bars, f_number=high, working_f_number=low * working_factor,",
-        new="bars, f_number=low, working_f_number=high * working_factor,",
+        file="uwopt/forward/bars.py",
+        old="working_f_number=(low * working_factor)[:, None]",
+        new="working_f_number=(high * working_factor)[:, None]",
         test="tests/solvers/test_never_sharp.py::test_only_what_no_f_number_shows_is_never_sharp",
     ),
     Defect(
@@ -154,9 +154,9 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="the best transfer of a cell has its aberrations wide open",
-        file="uwopt/solvers/settings/cell_bounds.py",
-        old="pitch = sharp.lens_pitch_px(field, f_number=n_high, rows=d)",
-        new="pitch = sharp.lens_pitch_px(field, f_number=n_low, rows=d)",
+        file="uwopt/forward/bars.py",
+        old="lens_pitch_px=sharp.lens_pitch_px(field, f_number=high, rows=rows)",
+        new="lens_pitch_px=sharp.lens_pitch_px(field, f_number=low, rows=rows)",
         test="tests/solvers/test_cell_bounds.py"
         "::test_no_point_is_better_than_the_bound_of_a_cell_that_holds_it[signal of a sharp image, soft wide open]",
     ),

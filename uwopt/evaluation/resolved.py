@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.evaluation.design_model import DesignModel
+from uwopt.forward.bars import Field
 from uwopt.forward.figures import Figures, SettingRows, bars_contrast_at
-from uwopt.forward.sharpness import Field, SharpRows
+from uwopt.forward.sharpness import SharpRows
 from uwopt.model import sharpness
 from uwopt.model.sharpness import NUMBERS, Sharpness
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward import switching
+from uwopt.forward.bars import Bars
 from uwopt.forward.columns import Columns
 from uwopt.forward.flash_times import WHOLE_FLASH, FlashTimes
 from uwopt.forward.focus import Focused
@@ -22,7 +23,7 @@ from uwopt.forward.part_columns import (
 )
 from uwopt.forward.pixels import fewest_pixels
 from uwopt.forward.problem import Problem
-from uwopt.forward.sharpness import Bars, SharpRows, airy_f_number
+from uwopt.forward.sharpness import SharpRows, airy_f_number
 from uwopt.mission.sections.requirements import Requirements
 from uwopt.model import sensor
 from uwopt.model.image_mean import reached_by_most

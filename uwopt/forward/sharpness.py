@@ -10,11 +10,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward.bars import Bars, Field
 from uwopt.forward.columns import Columns, placed, rows_alike
 from uwopt.forward.detail import DetailRows, detail_rows, shows_detail
 from uwopt.forward.lamps import relative_spectrum
@@ -34,7 +35,6 @@ from uwopt.model.lateral import SpreadRows, SpreadTable, spread_mtf
 from uwopt.model.lens import airy_diameter_m
 from uwopt.model.sharpness import (
     HALF_NYQUIST_CYC_PER_PX,
-    NYQUIST_CYC_PER_PX,
     RESOLVED_CONTRAST,
     Gain,
     GainOfSome,
@@ -42,33 +42,7 @@ from uwopt.model.sharpness import (
 )
 from uwopt.model.spectrum import trapezoid_weights_nm
 
-if TYPE_CHECKING:
-    from uwopt.forward.spectra import Contraction
-
 Array = NDArray[Any]
-Field = Literal["place", "corner", "rms"]
-MAY_SHOW = 1.0 - 1e-8  # of a contrast that is asked for, below what any judge takes for met
-NYQUIST_ROUND = 1e-9  # of a frequency: bars as wide as a pixel are just allowed
-
-
-@dataclass(frozen=True)
-class Bars(Columns):
-    """Bars of which a share of the contrast must be left, at near, nominal and far altitude: one mechanism for all."""
-
-    frequency_cyc_per_px: Array  # (n, 3), along and across alike
-    field: Field
-    least: float
-    veiled: bool = False  # of all light; else of the light that forms the image. Coarser bars must be left then, too
-    detail: Array | float = 1.0  # (n, 3) what light scattered nearly forward adds to it, as a factor
-
-    def still(self, transfer: Any, frequency: Array) -> Array:
-        """A transfer by frequency, where the pixels can show such bars: two a cycle are needed of veiled ones."""
-        aliased = self.veiled & (frequency > NYQUIST_CYC_PER_PX * (1.0 + NYQUIST_ROUND))
-        return np.where(aliased, 0.0, transfer)
-
-    def detail_at(self, rows: Array, altitude: int | slice = slice(None)) -> Array | float:
-        """The factor at some rows."""
-        return self.detail[rows, altitude] if isinstance(self.detail, np.ndarray) else self.detail
 
 
 @dataclass(frozen=True)
@@ -252,17 +226,6 @@ class SharpRows(Columns):
             ],
             axis=1,
         )
-
-    def may_show(self, bars: Bars, *, working_factor: Array, low: Array, high: Array) -> Array:
-        """Whether some f-number between two may leave bars their contrast, (n,), while nothing moves, veil apart.
-
-        Diffraction grows with the f-number, defocus and the lens's own blur fall with it: each is taken at the end
-        where it is least.
-        """
-        left = self.transfer(
-            bars, f_number=high, working_f_number=low * working_factor, blur_s=np.zeros_like(working_factor)
-        )  # fmt: skip
-        return np.asarray(left.min(axis=1) >= bars.least * MAY_SHOW)
 
     def smallest_bars_m(
         self, contrast: Array, *, f_number: Array, working_f_number: Array, blur_s: Array

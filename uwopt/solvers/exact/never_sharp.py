@@ -12,11 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward.bars import Bars, StillBars
 from uwopt.forward.problem import Problem
-from uwopt.forward.sharpness import Bars, SharpRows, sharpness_of
+from uwopt.forward.sharpness import SharpRows, sharpness_of
 from uwopt.solvers.exact.imagers import Imagers
 
 Array = NDArray[Any]
+MAY_SHOW = 1.0 - 1e-8  # of a contrast that is asked for, below what any judge takes for met
 INTERVALS = 12  # of f-numbers between the widest and the smallest opening
 RULES = ("min_mtf_half_nyquist", "resolve_mm")
 
@@ -61,11 +63,11 @@ class NeverSharp:
 
 def blurred(sharp: SharpRows, bars: Bars, working_factor: Array, low: Array, high: Array) -> Array:
     """Whether no f-number between two leaves bars their contrast, (n,): the middle one mostly does."""
+    asked = StillBars.of(bars, sharp)
 
     def ask(rows: Array, first: Array, last: Array) -> Array:
-        return sharp.take(rows).may_show(
-            bars.take(rows), working_factor=working_factor[rows], low=first[rows], high=last[rows]
-        )  # fmt: skip
+        left = asked.best_between(rows, first[rows], last[rows], working_factor=working_factor[rows])
+        return np.asarray(np.minimum(*left).min(axis=1) >= bars.least * MAY_SHOW)
 
     every, high = np.arange(len(low)), np.maximum(high, low)
     middle = np.sqrt(low * high)

@@ -15,18 +15,12 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward.bars import StillBars
 from uwopt.forward.columns import Columns
 from uwopt.forward.flash_times import WHOLE_FLASH
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.forward.setting_rows import SceneRows
-from uwopt.forward.sharpness import Bars, SharpRows
-from uwopt.model.lateral import spread_mtf
-from uwopt.model.sharpness import (
-    defocus_mtf,
-    diffraction_mtf,
-    lens_mtf,
-    sinc_mtf,
-)
+from uwopt.model.sharpness import sinc_mtf
 from uwopt.solvers.settings import closed_form
 from uwopt.solvers.settings.cell_sun import Brightest, Mixture, longest_open_s
 from uwopt.solvers.settings.cell_windows import MEETS, balance_window, bars_contrast, figures_at, window_over
@@ -82,27 +76,6 @@ class Points(Columns):
     snr: Array
     contrast: Array
     blur_s: Array
-
-
-@dataclass(frozen=True)
-class StillBars:
-    """Bars with those factors of their transfer that no setting changes, (n, 3) each."""
-
-    bars: Bars
-    along: Array
-    across: Array
-
-    @staticmethod
-    def of(bars: Bars, sharp: SharpRows) -> StillBars:
-        """Pixel and lateral colour of bars, and what light scattered nearly forward adds."""
-        nu = bars.frequency_cyc_per_px
-        still = bars.still(sinc_mtf(nu), nu) * bars.detail
-        found = [np.array(still), np.array(still)]
-        for mine, spread in sharp.groups(bars.field):
-            if spread is not None:
-                for one, k in zip(found, sharp.colour(bars.field), strict=True):
-                    one[mine] *= spread_mtf(k[mine, None] * nu[mine], table=spread, falling=bars.veiled)
-        return StillBars(bars, *found)
 
 
 def in_blocks(work: Callable[..., Rows], columns: Sequence[Any], rows_at_once: int) -> Rows:
@@ -204,28 +177,14 @@ class SceneCells:
 
     # ------------------------------------------------------------ MTF
 
-    def mtf_parts(self, still: StillBars, d: Array, n_low: Array, n_high: Array) -> tuple[Array, Array]:
-        """MTF along (without motion) and across of bars, (m, 3): best over a range of f-numbers."""
-        assert self.sharp is not None
-        sharp, nu, field = self.sharp, still.bars.frequency_cyc_per_px[d], still.bars.field
-        cycle = n_low * self.rows.working_factor[d] * sharp.wavelength_nm[d] * 1e-9 / sharp.pixel_pitch_m[d]
-        pitch = sharp.lens_pitch_px(field, f_number=n_high, rows=d)
-        round_ = (
-            diffraction_mtf(nu, cycle_px=cycle[:, None])
-            * lens_mtf(nu, lens_pitch_px=pitch[:, None])
-            * defocus_mtf(nu, disc_px=sharp.disc_px(field)[d] / n_high[:, None])
-        )
-        return still.along[d] * round_, still.across[d] * round_
-
     def sharp_enough(
         self, d: Array, n_low: Array, n_high: Array, blur_s: Array, contrast: Array, slack: float
     ) -> Array:
         """Whether all bars arrive at the best of a range of f-numbers, (m,); `contrast` (m, 3)."""
-        enough = np.ones(len(d), bool)
+        enough, factor = np.ones(len(d), bool), self.rows.working_factor[d]
         for still in self.bars:
-            assert self.sharp is not None
-            along, across = self.mtf_parts(still, d, n_low, n_high)
-            moved = self.sharp.blur_px_per_s[d] * blur_s[:, None]
+            along, across = still.best_between(d, n_low, n_high, working_factor=factor)
+            moved = still.sharp.blur_px_per_s[d] * blur_s[:, None]
             along = along * sinc_mtf(still.bars.frequency_cyc_per_px[d], width_px=moved)
             left = np.minimum(along, across) * (contrast if still.bars.veiled else 1.0)
             enough &= left.min(axis=1) >= still.bars.least * (1 - slack)
@@ -236,21 +195,20 @@ class SceneCells:
 
         The contrast is the best that lamps and sun can leave, or the least where it must be safe.
         """
-        longest = np.full(len(d), np.inf)
+        longest, factor = np.full(len(d), np.inf), self.rows.working_factor[d]
         for still in self.bars:
-            assert self.sharp is not None
             wanted: Any = still.bars.least
             if still.bars.veiled:
                 seen = (self.least_contrast if safe else self.most_contrast)[d]
                 wanted = still.bars.least / np.maximum(seen, 1e-300)
-            along, across = self.mtf_parts(still, d, n_low, n_high)
+            along, across = still.best_between(d, n_low, n_high, working_factor=factor)
             fits = (across >= wanted * (1 - 1e-12)).all(axis=1) & (along >= wanted * (1 - 1e-12)).all(axis=1)
             need = np.clip(wanted / np.maximum(along, 1e-300), 0.0, 1.0)
             sign = -1.0 if safe else 1.0
             ratio = np.interp(-need, -_BOX, _RATIO) * (1.0 + sign * _TABLE_ERROR) + max(sign, 0.0) * 1e-9
             with np.errstate(divide="ignore"):
                 nu = still.bars.frequency_cyc_per_px[d]
-                time = (ratio / nu / self.sharp.blur_px_per_s[d]).min(axis=1)
+                time = (ratio / nu / still.sharp.blur_px_per_s[d]).min(axis=1)
             longest = np.minimum(longest, np.where(fits, time, -1.0))
         return longest
 
