@@ -32,6 +32,16 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/solvers/test_middle_settings.py::test_no_other_exposure_has_more_in_hand",
     ),
     Defect(
+        name="what the darkest of the frame have in hand is not noted", file=SCENE,
+        old="        rooms[at] = left\n", new="        if isinstance(at, slice):\n            rooms[at] = left\n",
+        test="tests/solvers/test_middle_settings.py::test_what_the_darkest_of_the_frame_have_in_hand_counts",
+    ),
+    Defect(
+        name="what lamps leave in hand that lean the other way is forgotten", file=SCENE,
+        old="np.minimum(left[:, column], share)", new="share",
+        test="tests/solvers/test_middle_settings.py::test_of_several_models_the_one_that_leaves_least_counts",
+    ),
+    Defect(
         name="figures shown are the exact optimum's", file="uwopt/results/design.py",
         old="figures=one.figures_as_set or one.figures,", new="figures=one.figures,",
         test=f"{SHOWN}test_as_set_is_what_evaluate_says_of_the_settings_typed_in",

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+import numpy as np
 import pytest
+import yaml
 
 import uwopt
+from uwopt.objectives.requirements import MarginRows
 from uwopt.report.write import system_yaml
 from uwopt.results.design import Margin
 from uwopt.results.result import Result
+from uwopt.solvers.settable.scene import ROOMY, note_room
 
-MISSION = {
+MISSION: dict[str, Any] = {
     "practice": "bare", "name": "cheapest", "objective": "cost", "confidence": "central",
     "scene": {"water": "II", "seafloor": "coral", "depth_m": 30},
     "vehicle": {"altitude_m": 2.0, "altitude_tolerance_m": 0.25, "speed_m_s": 0.5, "light_baseline_m": 0.8,
@@ -34,20 +40,35 @@ def least_share(margins: list[Margin]) -> float:
     return min(blur.margin / blur.limit, 10.0 ** (snr.margin / 20.0) - 1.0)
 
 
-def test_no_other_exposure_has_more_in_hand(solved: Result) -> None:
-    import yaml
-
+def assert_no_other_exposure_has_more(mission: dict[str, Any], solved: Result) -> float:
+    """What is in hand of blur and signal to noise: no other exposure, with the gain that keeps the level, has more."""
     assert solved.best is not None
-    shown = solved.best.as_set
-    ours = least_share(shown.scenes[0].margins)
-    assert ours > 0.1
+    ours = least_share(solved.best.as_set.scenes[0].margins)
     system = yaml.safe_load(system_yaml(solved))
     settings = system["scenes"]["scene 1"]
-    for factor in (0.9, 0.97, 0.99, 1.01, 1.03, 1.1):  # exposure and gain together, which keep the level as it is
+    for factor in (0.9, 0.97, 0.99, 1.01, 1.03, 1.1):
         other = {**settings, "exposure_ms": factor * settings["exposure_ms"], "gain": settings["gain"] / factor}
-        tried = uwopt.evaluate(MISSION, system | {"scenes": {"scene 1": other}})
+        tried = uwopt.evaluate(mission, system | {"scenes": {"scene 1": other}})
         assert tried.best is not None
         assert least_share(tried.best.scenes[0].margins) < ours + 1e-3  # a microsecond of a few thousand
+    return ours
+
+
+def test_no_other_exposure_has_more_in_hand(solved: Result) -> None:
+    assert assert_no_other_exposure_has_more(MISSION, solved) > 0.1
+
+
+def test_what_the_darkest_of_the_frame_have_in_hand_counts() -> None:
+    mission = {**MISSION, "requirements": {**MISSION["requirements"], "snr_at": "worst", "min_snr_db": 20}}
+    assert assert_no_other_exposure_has_more(mission, uwopt.solve(mission, quick=True)) > 0.03
+
+
+def test_of_several_models_the_one_that_leaves_least_counts() -> None:
+    # 1 px are asked: lamps as they should be leave 0.4 px, leaning in 0.1 px, leaning out 0.3 px
+    left = np.full((1, len(ROOMY)), 0.5)
+    for blur_px in (0.6, 0.9, 0.7):
+        note_room(left, MarginRows("max_blur_px", np.array([blur_px]), np.ones(1), "<=", "px"))
+    assert left[0, ROOMY.index("max_blur_px")] == pytest.approx(0.1)
 
 
 def test_certified_value_is_what_it_was(solved: Result) -> None:

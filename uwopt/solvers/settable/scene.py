@@ -33,7 +33,6 @@ from uwopt.units import db_to_ratio, ratio_to_db
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
-Rooms = dict[str, Array]  # what is left of requirements, as a share of each limit, by row
 
 TIMES = 12  # looked at a row, before the search goes on between two of them
 LEVELS = 9
@@ -262,7 +261,7 @@ class SettableScene:
         scene, asks_sharpness = self.model.problem.scenes[self.index], self.needs.asks_sharpness
         figures = [figures_of(scene, rows, settings) for rows in self.means]
         of_pixels = self.rows.light.worst_e is not None
-        rooms: Rooms = {}
+        rooms = np.full((len(settings.f_number), len(ROOMY)), ENOUGH)
         shortfall = self._shortfall(settings, figures, rooms=rooms, without=PIXELS_ASKED if of_pixels else "")
         if of_pixels:
             self._add_pixels(settings, shortfall, rooms)
@@ -271,10 +270,10 @@ class SettableScene:
             sharp = [model.figures(self.index, few) for model in self.models]
             shortfall[rest] = SHARP_LAST * self._shortfall(few, sharp, rooms=rooms, at=rest)
         terms = self._terms(settings, figures[0], shortfall == 0.0)
-        made = replace(terms, in_hand=least_first(rooms, len(shortfall)))
+        made = replace(terms, in_hand=least_first(rooms))
         return replace(made, shortfall=shortfall, value=np.where(shortfall == 0.0, self._value(made), np.inf))
 
-    def _add_pixels(self, settings: SettingRows, shortfall: Array, rooms: Rooms) -> None:
+    def _add_pixels(self, settings: SettingRows, shortfall: Array, rooms: Array) -> None:
         """Fill in how far pixels miss their SNR where nothing else is missed, some thousand rows at a time."""
         scene, worst = self.model.problem.scenes[self.index], self.rows.light.worst_e
         assert worst is not None
@@ -286,23 +285,25 @@ class SettableScene:
             shortfall[some] = self._shortfall(few, seen, rooms=rooms, at=some)
 
     def _shortfall(
-        self, settings: SettingRows, by_model: Sequence[Figures], *, rooms: Rooms, without: str = "",
+        self, settings: SettingRows, by_model: Sequence[Figures], *, rooms: Array, without: str = "",
         at: Index | slice = EVERY,
     ) -> Array:  # fmt: skip
         """How far the requirement that is missed most is missed, in any of the models; one may be left out.
 
-        What is left of each is noted in `rooms`, of rows `at` these places.
+        What is left of each of `ROOMY`, in the model that leaves least, is noted in `rooms`, of rows `at` these places.
         """
         worst = np.zeros(len(settings.f_number))
+        left = np.full((len(worst), len(ROOMY)), ENOUGH)
         for model, figures in zip(self.models, by_model, strict=True):
             for margin in model.margins(
                 self.index, settings, figures, level_tolerance_rel=LEVEL_TOLERANCE_REL
             ):
                 if margin.requirement == without:
                     continue
-                note_room(rooms, margin, at)
+                note_room(left, margin)
                 if not margin.is_clear:
                     worst = np.maximum(worst, margin.shortfall)
+        rooms[at] = left
         return worst
 
     def _figures(self, settings: SettingRows) -> Tried:
@@ -322,7 +323,7 @@ class SettableScene:
             information[feasible_so_far] = some.information_bit_per_m2
         power = np.broadcast_to(self.model.totals(figures)["power_w"], (count,))
         snr_db = np.asarray(ratio_to_db(np.maximum(figures.snr[:, nominal], 1e-300)))
-        none, away, unknown = np.zeros(count), self._away(settings), least_first({}, count)
+        none, away, unknown = np.zeros(count), self._away(settings), np.full((count, len(ROOMY)), ENOUGH)
         contrast = figures.contrast[:, nominal]
         return Tried(settings, none, none, unknown, away, power, snr_db, contrast, information)
 
@@ -341,28 +342,24 @@ class SettableScene:
         return np.asarray(away_db / _db(np.e) + np.nan_to_num(folds, nan=0.0))
 
 
-def note_room(rooms: Rooms, margin: MarginRows, at: Index | slice) -> None:
-    """Note what is left of a requirement of images or power as a share of its limit; of decibels as a ratio."""
-    if margin.requirement.partition(" (")[0] not in ROOMY or margin.sense not in ("<=", ">="):
+def note_room(left: Array, margin: MarginRows) -> None:
+    """Note what is left of one of `ROOMY` as a share of its limit, (n, len(ROOMY)); of decibels as a ratio."""
+    name = margin.requirement.partition(" (")[0]
+    if name not in ROOMY or margin.sense not in ("<=", ">="):
         return
-    left = np.asarray(db_to_ratio(margin.margin) - 1.0) if margin.unit == "dB" else margin.margin
+    room = np.asarray(db_to_ratio(margin.margin) - 1.0) if margin.unit == "dB" else margin.margin
     size = np.ones(1) if margin.unit == "dB" else np.maximum(np.abs(margin.limit), 1e-300)
-    share = np.where(np.isfinite(left) & np.isfinite(size), left / size, np.where(left < 0.0, 0.0, ENOUGH))
-    if margin.requirement in rooms:
-        rooms[margin.requirement][at] = share
-    elif isinstance(at, slice):
-        rooms[margin.requirement] = np.array(np.broadcast_to(share, margin.margin.shape))
+    share = np.where(np.isfinite(room) & np.isfinite(size), room / size, np.where(room < 0.0, 0.0, ENOUGH))
+    column = ROOMY.index(name)
+    left[:, column] = np.minimum(left[:, column], share)
 
 
-def least_first(rooms: Rooms, count: int) -> Array:
-    """What is in hand of each row's requirements, the least first, (count, len(ROOMY)); more than enough is enough.
+def least_first(rooms: Array) -> Array:
+    """What is in hand of each row's requirements, the least first, (n, len(ROOMY)); more than enough is enough.
 
     Compared one after the other the least is made greatest, and where settings do not change that the next.
     """
-    made = np.full((count, len(ROOMY)), ENOUGH)
-    for number, room in enumerate(rooms.values()):
-        made[:, number] = np.clip(room, 0.0, ENOUGH)
-    return np.sort(made.round(ROOM_DIGITS), axis=1)
+    return np.sort(np.clip(rooms, 0.0, ENOUGH).round(ROOM_DIGITS), axis=1)
 
 
 def few_pixels(model: DesignModel, index: int) -> DesignModel:
