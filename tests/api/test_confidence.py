@@ -33,9 +33,7 @@ from uwopt.results.result import Result
 from uwopt.solvers import beside
 from uwopt.solvers.beside import cores
 from uwopt.solvers.confidence import search
-from uwopt.solvers.confidence.counted import Counted, names
-from uwopt.solvers.confidence.scenarios import Scenarios
-from uwopt.solvers.confidence.search import Looked
+from uwopt.solvers.confidence.counted import Counted, Looked, names
 from uwopt.solvers.recommend import Sought, seek
 
 ROOT = Path(__file__).parents[2]
@@ -265,6 +263,13 @@ def test_parts_to_be_made_are_taken_where_they_alone_are_sure_enough() -> None:
     assert held["never"] < 0.5 < 0.85 < held["fallback"]
 
 
+def holding_in(*shares: float) -> Looked:
+    """Hardware that was counted and holds in shares of the scenarios, of which nine in ten are asked for."""
+    nothing: Any = None
+    tried = [cast(Counted, SimpleNamespace(held=held)) for held in shares]
+    return Looked(nothing, nothing, 0.9, nothing, tried)
+
+
 def test_parts_to_be_made_are_asked_only_where_they_may_be_surer() -> None:
     """Not where what is sold is sure enough, nor where the mission wants none, nor where it is of all parts already."""
     wanted = load_mission(STROBED | {"catalog": ONE_OF_EACH})
@@ -273,7 +278,7 @@ def test_parts_to_be_made_are_asked_only_where_they_may_be_surer() -> None:
     def asked(generic: str, policy: str, held: float) -> bool:
         mission = wanted.with_changes(catalog=wanted.to_dict()["catalog"] | {"generic": policy})
         sought = seek(mission, catalog, goal, generic=generic, top=1)  # type: ignore[arg-type]
-        sold = Looked(0.9, cast(Scenarios, None), [cast(Counted, SimpleNamespace(held=held))], True)
+        sold = holding_in(held)
         tried: list[float] = []
 
         def of_all_parts(*_: Any) -> Any:
@@ -298,7 +303,7 @@ def test_parts_to_be_made_are_asked_only_where_they_may_be_surer() -> None:
 def test_more_parts_to_be_made_must_be_surer_by_enough(generic: Any, held: float, least: float) -> None:
     """Halfway to 90 % where all is sold; by a twentieth where some kinds have to be made anyway."""
     sought = cast(Sought, SimpleNamespace(selection=SimpleNamespace(generic=generic)))
-    seen = Looked(0.9, cast(Scenarios, None), [cast(Counted, SimpleNamespace(held=held))], True)
+    seen = holding_in(held)
     assert counting.worth_making(sought, seen) == pytest.approx(least)
 
 
@@ -307,11 +312,10 @@ def test_what_is_near_the_best_of_what_is_sold_is_counted_before_parts_are_made(
     monkeypatch: pytest.MonkeyPatch, near: float, made: list[str]
 ) -> None:
     """An under-ice camera drew three parts to be made, where sold ones that a look misses hold in 95 %."""
-    holding = [cast(Counted, SimpleNamespace(held=held)) for held in (0.78, near)]
-    seen, asked = Looked(0.9, cast(Scenarios, None), holding[:1], True), list[str]()
+    seen, asked = holding_in(0.78), list[str]()
     monkeypatch.setattr(counting, "look", lambda *_, **__: seen)
     monkeypatch.setattr(counting, "leaves_out_generic", lambda _: True)
-    monkeypatch.setattr(counting, "count_near", lambda *_: seen.tried.append(holding[1]))
+    monkeypatch.setattr(counting, "count_near", lambda *_: seen.tried.extend(holding_in(near).tried))
     monkeypatch.setattr(counting, "surer_or_surest", lambda *_: asked.append("made") or (None, seen))
     problem = SimpleNamespace(mission=SimpleNamespace(confidence=0.9))
     sought = cast(Sought, SimpleNamespace(problem=problem, goal=None))

@@ -29,7 +29,7 @@ DEFECTS = (
     Defect(
         name="parts are made before what is sold is looked at closely",
         file="uwopt/api/counting.py",
-        old="        count_near(sought.problem, sought.goal, seen, watch.deadline, NEAR_SHARE)",
+        old="        count_near(seen, watch.deadline, NEAR_SHARE)",
         new="        pass",
         test="tests/api/test_confidence.py::test_what_is_near_the_best_of_what_is_sold_is_counted_before_parts_are_made",
     ),
@@ -602,8 +602,8 @@ DEFECTS = (
     Defect(
         name="hardware that is surer and fits is not looked for where the surest does not fit",
         file=f"{ROOM}/search.py",
-        old="best.held < share and not serves(best):",
-        new="best.held < share and serves(best):",
+        old="best.held < seen.share and not serves(best):",
+        new="best.held < seen.share and serves(best):",
         test=f"{TESTS}::test_what_fits_by_central_numbers_is_looked_for_where_the_surest_does_not",
     ),
     Defect(

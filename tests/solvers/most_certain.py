@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from uwopt.deadline import NEVER, Deadline, Progress, unheard
-from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence import search
 from uwopt.solvers.confidence.search import Certain
 from uwopt.solvers.recommend import Sought
 
 
 def most_certain(
-    sought: Sought, objective: Objective, asked: float | str, deadline: Deadline = NEVER, report: Progress = unheard
+    sought: Sought, asked: float | str, deadline: Deadline = NEVER, report: Progress = unheard
 ) -> Certain | None:
     """The best that holds in the share of scenarios asked for; else that which holds most often."""
     looked = search.look(sought, asked, deadline, report)
-    return search.chosen(sought.problem, objective, looked, deadline, report)
+    return search.chosen(looked, deadline, report)

@@ -74,7 +74,7 @@ def counted(sought: Sought, doubt: Doubt = KNOWN, *, count: int = 200, seed: int
 
 def judged(sought: Sought, asked: float) -> Certain:
     """What is recommended, as it is set, in scenarios that it was not chosen on."""
-    certain = most_certain(sought, sought.search.objective, asked)
+    certain = most_certain(sought, asked)
     assert certain is not None
     focus_m = certain.best.outcomes.meant_m
     assert focus_m is not None
@@ -393,7 +393,7 @@ def test_where_known_hardware_holds_the_proof_alone_brings_up_what_is_better(mon
     """The dearer camera, which holds in all scenarios, is known; where it does not hold, others are searched for."""
     monkeypatch.setattr(search_module, "OF_CENTRAL", 0)
     sought, searched = sought_of(rivals()), list[float]()
-    problem, objective = sought.problem, sought.search.objective
+    problem = sought.problem
     cameras = [part.id for part in problem.parts.cameras]
     found = {cameras[one.camera]: one for one in sought.outcome.best}
     worse = search_module.worse_problem
@@ -405,7 +405,7 @@ def test_where_known_hardware_holds_the_proof_alone_brings_up_what_is_better(mon
     monkeypatch.setattr(search_module, "worse_problem", counted_search)
     seen = look(sought, 0.5, NEVER, unheard, known=[found["camera-0"]])
     assert [cameras[one.found.camera] for one in seen.tried] == ["camera-0"] and searched == []
-    best = chosen(problem, objective, seen, NEVER, unheard)
+    best = chosen(seen, NEVER, unheard)
     assert best is not None and best.proven and cameras[best.best.found.camera] == "camera"
     look(sought, 0.97, NEVER, unheard, known=[found["camera"]])
     assert searched
@@ -433,7 +433,7 @@ def test_no_hardware_of_a_small_catalogue_holds_and_is_better() -> None:
     )  # fmt: skip
     sought = sought_of(case_, floor=[0.6, 1.6], lamp_output=[0.8, 1.1], scenarios=FEW)
     objective = sought.search.objective
-    certain = most_certain(sought, objective, 0.9)
+    certain = most_certain(sought, 0.9)
     assert certain is not None and certain.enough
     first = sought.outcome.best[0]
     for camera, lens, light in product(range(2), range(2), range(2)):
@@ -451,7 +451,7 @@ def test_where_nothing_holds_so_often_it_is_the_most_certain(monkeypatch: pytest
         one(wanted=FAST, camera=slow), cameras=[{"power_w": 4.0, "max_frame_rate_hz": between(0.1, 0.4, 0.5)}]
     )
     sought = sought_of(case_)
-    certain = most_certain(sought, sought.search.objective, 0.99)
+    certain = most_certain(sought, 0.99)
     assert certain is not None and not certain.enough
     assert sought.problem.parts.cameras[certain.best.found.camera].id == "camera-0"
 
@@ -460,7 +460,7 @@ def test_the_worst_case_takes_every_bad_end() -> None:
     """A camera of 2 to 6 W at 6; floor at its darkest: more light, more power."""
     case_ = one(wanted=FAST, camera={"power_w": between(2.0, 3.0, 6.0)})
     sought = sought_of(case_, floor=[0.5, 1.5], lamp_leg=True)
-    certain = most_certain(sought, sought.search.objective, "ends")
+    certain = most_certain(sought, "ends")
     assert certain is not None and certain.enough and certain.fresh is None
     assert certain.scenarios.count == 2 * 2 * 3  # K, floor, a port's variants
     central = sought.outcome.best[0].minimised
@@ -482,7 +482,7 @@ def test_what_holds_more_often_but_not_by_central_numbers_is_named() -> None:
     """Of two cameras the one that is fast enough in more scenarios, where the other is recommended."""
     sought = sought_of(rivals(), scenarios=FEW)
     problem, objective = sought.problem, sought.search.objective
-    certain = most_certain(sought, objective, 0.5)
+    certain = most_certain(sought, 0.5)
     assert certain is not None
     seldom, often = sorted(certain.tried, key=lambda one_: one_.held)[:: len(certain.tried) - 1]
     assert seldom.held < often.held
@@ -506,7 +506,7 @@ def test_what_fits_by_central_numbers_is_looked_for_where_the_surest_does_not(mo
     first, *others = [{"power_w": w, "max_frame_rate_hz": between(*rate)} for w, rate in rates.items()]
     sought = sought_of(with_parts(one(wanted=FAST, camera=first), cameras=others))
     problem, objective = sought.problem, sought.search.objective
-    certain = most_certain(sought, objective, 0.99)
+    certain = most_certain(sought, 0.99)
     assert certain is not None and not certain.enough
     assert problem.parts.cameras[certain.best.found.camera].id == "camera-1"
     assert certain.best.held == pytest.approx(1.0 - (RATE_HZ - 0.2) ** 2 / (0.25 * 0.13), abs=0.006)
@@ -543,7 +543,7 @@ def test_what_was_chosen_is_kept_when_time_is_over() -> None:
     """Nothing is solved again for the choice itself; what it was made on is told as such."""
     sought = sought_of(one(wanted=FAST), scenarios=FEW)
     objective = sought.search.objective
-    certain = most_certain(sought, objective, 0.9)
+    certain = most_certain(sought, 0.9)
     assert certain is not None
     over = Deadline.after(-1.0)
     kept, design = as_settable(sought, replace(certain, fresh=None), over)
@@ -559,7 +559,7 @@ def test_what_is_known_and_can_be_set_stands_in_for_what_cannot(dearest: float, 
     case_ = one("cost", wanted=FAST, limits={"cost": 3000.0, "cost_basis": "central"})
     sought = sought_of(with_parts(case_, cameras=[{"price": between(450.0, 500.0, dearest)}]), scenarios=FEW)
     objective = sought.search.objective
-    certain = most_certain(sought, objective, 0.9)
+    certain = most_certain(sought, 0.9)
     assert certain is not None
     first = next(one for one in certain.tried if one.found.camera == 0)
     alone = replace(certain, best=first, central=at_its_stop(sought.problem, objective, first) or first.found,
@@ -606,7 +606,7 @@ def test_what_decides_between_two_cameras_is_asked_first() -> None:
     price = {"price": between(800.0, 1000.0, 1600.0), "mass_g": between(100.0, 200.0, 300.0)}
     case_ = with_parts(one("cost", wanted=FAST, camera=price), cameras=[{"price": 1150.0}])
     sought = sought_of(case_)
-    certain = most_certain(sought, sought.search.objective, 0.9)
+    certain = most_certain(sought, 0.9)
     assert isinstance(certain, Certain)
     asked = worth_of_knowing(sought.problem, sought.search.objective, certain)
     assert [(one_.what, one_.part) for one_ in asked][:1] in ([("camera.price", "camera")], [])

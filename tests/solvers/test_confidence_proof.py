@@ -23,7 +23,7 @@ from uwopt.forward.problem import Problem
 from uwopt.solvers.confidence import local_search as local_search_module
 from uwopt.solvers.confidence import proof as proof_module
 from uwopt.solvers.confidence import search as search_module
-from uwopt.solvers.confidence.counted import Counted, best_of, names, rank
+from uwopt.solvers.confidence.counted import Counted, Looked, best_of, names, rank
 from uwopt.solvers.confidence.local_search import Glance, polish
 from uwopt.solvers.confidence.outcomes import Outcomes, groups_of, outcomes_of_each
 from uwopt.solvers.confidence.panels import anchors_of, best_scene, least_covered, panel_of
@@ -76,7 +76,7 @@ def known() -> tuple[Sought, Certain]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(search_module, "FRESH", 32)
         sought = sought_of(rivals())
-        certain = most_certain(sought, sought.search.objective, SHARE)
+        certain = most_certain(sought, SHARE)
     assert certain is not None
     return sought, certain
 
@@ -116,6 +116,11 @@ def test_what_is_proven_best_is_the_best_of_every_hardware() -> None:
     assert certain.best.quantile(0.5) < 0.995 * certain.tried[0].quantile(0.5)
 
 
+def looked(sought: Sought, scenarios: Scenarios, tried: list[Counted]) -> Looked:
+    """What was counted of a search in scenarios, of which the usual share is asked for."""
+    return Looked(sought.problem, sought.goal, SHARE, scenarios, tried)
+
+
 def test_the_best_is_found_from_the_worst_part_by_part(monkeypatch: pytest.MonkeyPatch) -> None:
     """From the one that holds with the greatest median, though only the best that is seen is counted in each round.
 
@@ -131,9 +136,9 @@ def test_the_best_is_found_from_the_worst_part_by_part(monkeypatch: pytest.Monke
     assert seldom.held < SHARE and dear.quantile(0.5) > 1.02 * best.quantile(0.5)
     for first, counted_at_once in ((dear, 1), (seldom, 16), (best, 16)):
         monkeypatch.setattr(local_search_module, "A_ROUND", counted_at_once)
-        tried = [first]
-        assert polish(problem, objective, scenarios, SHARE, tried, NEVER)
-        found = best_of(tried, SHARE)
+        seen = Looked(problem, objective, SHARE, scenarios, [first])
+        assert polish(seen, NEVER)
+        found, tried = seen.best, seen.tried
         assert found is not None and found.quantile(0.5) <= best.quantile(0.5) * (1.0 + 1e-3)
         assert len({names(problem, one.found) for one in tried}) == len(tried) < len(every)
 
@@ -158,15 +163,14 @@ def test_what_seemed_better_is_tried_together_where_it_fits() -> None:
 def test_what_is_as_good_as_tied_is_told_apart_by_further_scenarios(monkeypatch: pytest.MonkeyPatch) -> None:
     """Given the wrong way round, two come out by their medians in the scenarios that were not counted before."""
     sought, certain = known()
-    problem, objective = sought.problem, sought.search.objective
     holding = sorted((one_ for one_ in certain.tried if one_.held >= SHARE), key=lambda one_: one_.quantile(0.5))
     best, worst = holding[0], holding[-1]
     assert worst.quantile(0.5) > 1.02 * best.quantile(0.5)
     monkeypatch.setattr(search_module, "TIES", 64)
-    seen = search_module.Looked(SHARE, certain.scenarios, [worst, best], True)
-    told = search_module.without_luck(problem, objective, seen, [worst, best], NEVER)
+    seen = looked(sought, certain.scenarios, [worst, best])
+    told = search_module.without_luck(seen, [worst, best], NEVER)
     assert [one_.found for one_ in told] == [best.found, worst.found]
-    assert search_module.without_luck(problem, objective, seen, [best, worst], NEVER) == [best, worst]  # not tied
+    assert search_module.without_luck(seen, [best, worst], NEVER) == [best, worst]  # not tied
 
 
 def test_of_what_further_scenarios_cannot_tell_apart_the_cheapest_is_bought(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -186,9 +190,8 @@ def test_of_what_further_scenarios_cannot_tell_apart_the_cheapest_is_bought(monk
     assert counted_[0].outcomes.price - counted_[1].outcomes.price == pytest.approx(100.0)
     assert best_of(counted_, 0.5) is counted_[1]
     monkeypatch.setattr(search_module, "TIES", 32)
-    told = search_module.without_luck(
-        problem, objective, search_module.Looked(0.5, scenarios, counted_, True), counted_, NEVER
-    )
+    seen = Looked(problem, objective, 0.5, scenarios, counted_)
+    told = search_module.without_luck(seen, counted_, NEVER)
     assert told == counted_[::-1]
 
 
@@ -203,7 +206,7 @@ def test_what_further_scenarios_refute_comes_last_however_cheap(monkeypatch: pyt
     sought, certain = known()
     cheap, middle, dear, worse = one_(1.0, 0.9, 5.0), one_(2.0, 0.9, 5.0), one_(3.0, 0.9, 5.0), one_(1.0, 0.9, 6.0)
     ranked = [cheap, middle, dear, worse]
-    seen = search_module.Looked(SHARE, certain.scenarios, ranked, True)
+    seen = looked(sought, certain.scenarios, ranked)
     for anew, expected in (
         ({1.0: 0.2, 2.0: 0.5, 3.0: 0.7}, [worse, dear, middle, cheap]),
         ({1.0: 0.2, 2.0: 0.5, 3.0: 0.9}, [dear, worse, middle, cheap]),
@@ -211,32 +214,32 @@ def test_what_further_scenarios_refute_comes_last_however_cheap(monkeypatch: pyt
     ):
         monkeypatch.setattr(
             search_module, "counted_anew",
-            lambda problem, objective, seen, some, deadline, anew=anew: [
+            lambda seen, some, deadline, anew=anew: [
                 one_(one.outcomes.price, anew[one.outcomes.price], 5.0) for one in some
             ],
         )  # fmt: skip
-        told = search_module.without_luck(sought.problem, sought.search.objective, seen, ranked, NEVER)
+        told = search_module.without_luck(seen, ranked, NEVER)
         assert [id(one) for one in told] == [id(one) for one in expected]
 
 
 def test_what_there_is_no_time_to_compare_stays_as_it_is_ranked() -> None:
     sought, certain = known()
     pair = [certain.best, certain.best]
-    seen = search_module.Looked(SHARE, certain.scenarios, pair, True)
+    seen = looked(sought, certain.scenarios, pair)
     late = Deadline(0.0, lambda: 1.0)
-    assert search_module.without_luck(sought.problem, sought.search.objective, seen, pair, late) is pair
+    assert search_module.without_luck(seen, pair, late) is pair
 
 
 def test_no_time_is_lost_on_a_panel_that_leaves_nearly_all(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where the best known is far better in the panel, as here; not of few parts, nor without a limit of time."""
     sought, certain = known()
-    given = sought.problem, sought.search.objective, certain.scenarios, SHARE, list(certain.tried)
+    seen = looked(sought, certain.scenarios, list(certain.tried))
     patient = Deadline.after(1e6)
-    proof = Prover(*given, patient, unheard).run()
+    proof = Prover(seen, patient, unheard).run()
     assert proof is not None and not proof.left
     monkeypatch.setattr(proof_module, "FEW", 0)
-    assert Prover(*given, patient, unheard).run() is None
-    assert Prover(*given, NEVER, unheard).run() is not None
+    assert Prover(seen, patient, unheard).run() is None
+    assert Prover(seen, NEVER, unheard).run() is not None
 
 
 def test_a_glance_tells_what_is_better() -> None:
@@ -248,8 +251,9 @@ def test_a_glance_tells_what_is_better() -> None:
     median = [one_.quantile(0.5)[one_.best(SHARE)] for one_ in made]
     order = np.argsort(median)
     middle = int(order[len(order) // 2])
-    glance = Glance.of(Counted(every[middle], made[middle], made[middle].best(SHARE)), SHARE, scenarios)
-    glance.look_at(problem, objective, every, SHARE, NEVER)
+    beside = Counted(every[middle], made[middle], made[middle].best(SHARE))
+    glance = Glance.of(looked(sought, scenarios, []), beside)
+    glance.look_at(every, NEVER)
     told = [names(problem, found) for found in glance.promising(len(every))]
     better = [names(problem, every[k]) for k in order if median[k] < 0.99 * median[middle]]
     assert 4 <= len(better) == len(told) and set(told) == set(better)
@@ -307,7 +311,7 @@ def test_where_nothing_fits_no_worse_numbers_are_searched(monkeypatch: pytest.Mo
     monkeypatch.setattr(search_module, "Search", lambda *_, **__: nothing)
     monkeypatch.setattr(search_module, "worse_problem", worse_problem)
     never = dict(done=lambda: False, hopeful=lambda: False)
-    seen = search_module.Looked(SHARE, certain.scenarios, [], True)
+    seen = looked(sought, certain.scenarios, [])
     found = list(search_module.candidates(sought, seen, NEVER, **never))
     assert worse == [search_module.WORSE[0], *search_module.LESS_WORSE]
     assert [len(some) for some in found] == [min(len(sought.outcome.best), search_module.OF_CENTRAL)]
@@ -332,7 +336,7 @@ def test_what_goes_on_from_what_has_room_finds_and_counts_what_one_look_does(
 
     monkeypatch.setattr(search_module, "Search", Counting)
 
-    def look(**how: Any) -> tuple[search_module.Looked, int]:
+    def look(**how: Any) -> tuple[Looked, int]:
         before = len(runs)
         return search_module.look(sought, 1.01, NEVER, unheard, **how), len(runs) - before
 
@@ -497,7 +501,7 @@ def test_of_random_catalogues_too(seed: int, monkeypatch: pytest.MonkeyPatch) ->
     sought = sought_of(replace(case_, parts=parts))
     if not sought.outcome.best or not can_be_proven(sought.problem, sought.search.objective):
         pytest.skip("nothing fits, or nothing is proven of it")
-    certain = most_certain(sought, sought.search.objective, SHARE)
+    certain = most_certain(sought, SHARE)
     if certain is None or not certain.proven:
         pytest.skip("not proven")
     best = by_brute_force(sought, certain.scenarios, SHARE)
@@ -512,5 +516,5 @@ def test_a_panel_of_the_easiest_scenarios_is_not_searched_where_much_fits_into_i
     value = np.where(np.arange(100) < round(100 * held), 5.0, np.inf)[None, :]
     anything: Any = None
     surest = Counted(anything, Outcomes(np.array([2.0]), value, {}), 0)
-    prover = Prover(anything, anything, anything, 0.9, [surest], NEVER, unheard)
+    prover = Prover(Looked(anything, anything, 0.9, anything, [surest]), NEVER, unheard)
     assert prover._is_hopeless(anything, np.inf) is hopeless

@@ -76,7 +76,7 @@ def with_confidence(
     counts, certain = counts_of(sought, patient, before), None
     if counts is not None:
         with watch.stage("certainty"):
-            certain = chosen(counts.sought.problem, goal, counts.seen, patient.deadline, watch.progress)
+            certain = chosen(counts.seen, patient.deadline, watch.progress)
     if counts is None or certain is None:
         why = "no time was left to count scenarios"
         if not patient.deadline.left_out:

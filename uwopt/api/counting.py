@@ -11,9 +11,9 @@ from uwopt.api.watch import STAGES, Watch
 from uwopt.deadline import Deadline, OutOfTimeError, unheard
 from uwopt.forward.problem import Problem
 from uwopt.solvers.beside import ahead
-from uwopt.solvers.confidence.counted import Counted, rank
+from uwopt.solvers.confidence.counted import Counted, Looked, rank
 from uwopt.solvers.confidence.scenarios import Scenarios
-from uwopt.solvers.confidence.search import Looked, count_near, look
+from uwopt.solvers.confidence.search import count_near, look
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.one_hardware import among
@@ -55,7 +55,7 @@ def counts_of(sought: Sought, watch: Watch, before: Counts | None = None) -> Cou
     if seen is None:
         return None
     if others and seen.held < seen.share:
-        count_near(sought.problem, sought.goal, seen, watch.deadline, NEAR_SHARE)
+        count_near(seen, watch.deadline, NEAR_SHARE)
     if others and seen.held < seen.share:
         surer, seen = surer_or_surest(sought, seen, watch, before)
         if surer is not None:

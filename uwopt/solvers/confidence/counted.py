@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
+from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.problem import Problem
+from uwopt.mission.doubt import ENDS
+from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.fixed import Settings
-from uwopt.solvers.confidence.outcomes import Outcomes
+from uwopt.solvers.confidence.outcomes import Outcomes, outcomes_of_each
+from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.exact.ranking import Found, told_apart
 from uwopt.solvers.one_hardware import own_id, parts_of
 
@@ -42,6 +46,49 @@ class Counted:
     def quantile(self, share: float) -> float:
         """Minimised objective that it keeps or betters in so many scenarios; inf where it does not hold in as many."""
         return float(self.outcomes.quantile(share)[self.stop])
+
+
+@dataclass(frozen=True)
+class Looked:
+    """Hardware of a problem that is counted in scenarios; nothing is compared or proven yet."""
+
+    problem: Problem
+    objective: Objective
+    asked: float | str
+    scenarios: Scenarios
+    tried: list[Counted]
+    complete: bool = True  # whether there was time for every search
+    fits: dict[float, bool] = field(default_factory=dict)  # whether anything does with numbers worse than in so many
+
+    @property
+    def share(self) -> float:
+        """Of the scenarios, that is asked for."""
+        return 1.0 if self.asked == ENDS else float(self.asked)
+
+    @property
+    def held(self) -> float:
+        """The greatest share in which any holds."""
+        return max((one.held for one in self.tried), default=0.0)
+
+    @property
+    def holding(self) -> int:
+        """How many hold as often as asked."""
+        return sum(one.held >= self.share for one in self.tried)
+
+    @property
+    def ranked(self) -> list[Counted]:
+        """What was counted, the best first."""
+        return sorted(self.tried, key=lambda one: rank(one, self.share))
+
+    @property
+    def best(self) -> Counted | None:
+        """The best of it."""
+        return best_of(self.tried, self.share)
+
+    def count(self, some: Sequence[Found], deadline: Deadline = NEVER) -> None:
+        """Count more hardware in all scenarios. Raises OutOfTimeError."""
+        made = outcomes_of_each(self.problem, some, self.objective, self.scenarios, deadline) if some else []
+        self.tried.extend(Counted(found, one, one.best(self.share)) for found, one in zip(some, made, strict=True))
 
 
 def rank(one: Counted, share: float) -> tuple[Any, ...]:

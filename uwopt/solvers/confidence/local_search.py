@@ -19,10 +19,9 @@ from numpy.typing import NDArray
 
 from uwopt.deadline import Deadline, OutOfTimeError
 from uwopt.forward.problem import Problem
-from uwopt.objectives.objective import Objective
-from uwopt.solvers.confidence.counted import Counted, names, rank
+from uwopt.solvers.confidence.counted import Counted, Looked, names
 from uwopt.solvers.confidence.outcomes import outcomes_of_each
-from uwopt.solvers.confidence.scenarios import Scenarios, SomeScenarios
+from uwopt.solvers.confidence.scenarios import SomeScenarios
 from uwopt.solvers.confidence.states import colours_of
 from uwopt.solvers.exact.imager_rules import Behind
 from uwopt.solvers.exact.imagers import fitting_pairs, imagers_in, landscapes
@@ -49,36 +48,27 @@ def whatever(one: Counted) -> bool:
     return True
 
 
-def first_of(tried: Sequence[Counted], share: float, serves: Serves) -> Counted | None:
-    """The best of what was counted that serves; what is worse is not asked."""
-    ranked = sorted(tried, key=lambda one: rank(one, share))
-    return next(filter(serves, ranked), None)
-
-
-def polish(
-    problem: Problem, objective: Objective, scenarios: Scenarios, share: float, tried: list[Counted],
-    deadline: Deadline, a_round_s: float = math.inf, serves: Serves = whatever,
-) -> bool:  # fmt: skip
+def polish(seen: Looked, deadline: Deadline, a_round_s: float = math.inf, serves: Serves = whatever) -> bool:
     """Count what may be better by one part than the best known that serves; whether there was time until nothing is.
 
-    Who finds something better has `a_round_s` anew, as far as the deadline goes.
+    Who finds something better has `a_round_s` anew, as far as the deadline goes. Of what is ranked worse than the best
+    that serves it is not asked.
     """
-    known: set[Any] = set()
-    both: list[Found] = []
+    problem, known, both = seen.problem, set[Any](), list[Found]()
     for _ in range(ROUNDS):
-        best = first_of(tried, share, serves)
+        best = next(filter(serves, seen.ranked), None)
         if best is None:
             return True
         near = [one for one in [*both, *neighbours(problem, best.found)] if names(problem, one) not in known]
         near = list({names(problem, one): one for one in near}.values())
         known.update(names(problem, one) for one in near)
-        seen = compare(problem, objective, scenarios, share, tried, near, deadline.at_most(a_round_s), best)
-        better = first_of(tried, share, serves)
+        beside = compare(seen, near, deadline.at_most(a_round_s), best)
+        better = next(filter(serves, seen.ranked), None)
         if better is best or better is None:
             if math.isfinite(a_round_s) and not deadline.passed():  # else all is looked at, or proven
-                count(problem, objective, scenarios, share, tried, seen.close[:MOST_CLOSE])
-            return seen.complete
-        both = with_both(problem, best.found, better.found, seen.better)
+                seen.count(beside.close[:MOST_CLOSE])
+            return beside.complete
+        both = with_both(problem, best.found, better.found, beside.better)
     return False
 
 
@@ -112,45 +102,34 @@ class SeenBeside(NamedTuple):
     close: list[Found]  # what seemed as good but for luck
 
 
-def compare(
-    problem: Problem, objective: Objective, scenarios: Scenarios, share: float, tried: list[Counted],
-    others: Sequence[Found], deadline: Deadline, best: Counted,
-) -> SeenBeside:  # fmt: skip
+def compare(seen: Looked, others: Sequence[Found], deadline: Deadline, best: Counted) -> SeenBeside:
     """Look at other hardware beside the best known, and count what seems better."""
-    known = {names(problem, one.found) for one in tried}
+    problem = seen.problem
+    known = {names(problem, one.found) for one in seen.tried}
     new = [
         one for one in others
-        if names(problem, one) not in known and colours_of(problem.parts.cameras[one.camera]) in scenarios.colours
+        if names(problem, one) not in known and colours_of(problem.parts.cameras[one.camera]) in seen.scenarios.colours
     ]  # fmt: skip
-    glance, complete = Glance.of(best, share, scenarios), True
+    glance, complete = Glance.of(seen, best), True
     try:
         for first in range(0, len(new), A_GLANCE):
-            glance.look_at(problem, objective, new[first : first + A_GLANCE], share, deadline)
+            glance.look_at(new[first : first + A_GLANCE], deadline)
     except OutOfTimeError:
         complete = False
     hopeful = glance.promising(A_ROUND)
     for first in range(0, len(hopeful), A_COUNT):
         if first and deadline.passed():
             return SeenBeside(False, hopeful, glance.close)
-        count(problem, objective, scenarios, share, tried, hopeful[first : first + A_COUNT])
+        seen.count(hopeful[first : first + A_COUNT])
     return SeenBeside(complete, hopeful, glance.close)
-
-
-def count(
-    problem: Problem, objective: Objective, scenarios: Scenarios, share: float, tried: list[Counted],
-    some: Sequence[Found],
-) -> None:  # fmt: skip
-    """Count hardware in all scenarios."""
-    made = outcomes_of_each(problem, some, objective, scenarios) if some else []
-    tried += [Counted(found, one, one.best(share)) for found, one in zip(some, made, strict=True)]
 
 
 @dataclass
 class Glance:
     """What hardware does in some scenarios: those about the median of the best known, and those that it finds hard."""
 
+    beside: Looked
     best: Counted
-    holds: bool
     scenarios: SomeScenarios
     about: Array
     hard: Array
@@ -158,26 +137,25 @@ class Glance:
     no_better: list[tuple[float, Found]] = field(default_factory=list)
 
     @staticmethod
-    def of(best: Counted, share: float, scenarios: Scenarios) -> Glance:
+    def of(beside: Looked, best: Counted) -> Glance:
         """About the best known, at its stop."""
         order = np.argsort(best.outcomes.value[best.stop], kind="stable")
         middle = (len(order) - 1) // 2
         about = order[max(middle - ABOUT_MEDIAN // 2, 0) : middle + ABOUT_MEDIAN // 2 + 1]
         hard = order[np.unique(np.linspace(EASY * len(order), len(order) - 1, HARD).astype(int))]
         places = np.unique(np.concatenate([about, hard]))
-        some = SomeScenarios.among(scenarios, places)
-        return Glance(best, best.held >= share, some, np.isin(places, about), np.isin(places, hard))
+        some = SomeScenarios.among(beside.scenarios, places)
+        return Glance(beside, best, some, np.isin(places, about), np.isin(places, hard))
 
-    def look_at(
-        self, problem: Problem, objective: Objective, some: Sequence[Found], share: float, deadline: Deadline
-    ) -> None:
+    def look_at(self, some: Sequence[Found], deadline: Deadline) -> None:
         """Keep of these what seems better than the best known, looked at beside them."""
+        problem, objective, share = self.beside.problem, self.beside.objective, self.beside.share
         own, *made = outcomes_of_each(problem, [self.best.found, *some], objective, self.scenarios, deadline)
         base = own.value[own.best(share)]
         ours = float(np.isfinite(base[self.hard]).mean())
         for found, one in zip(some, made, strict=True):
             values = [(float(np.isfinite(value[self.hard]).mean()), value) for value in one.value]
-            if self.holds:
+            if self.best.held >= share:
                 steps = [step(value[self.about], base[self.about]) for held, value in values if held >= ours - SLACK]
                 least = min(steps, default=np.inf)
                 (self.seen if least < -BETTER_REL else self.no_better).append((least, found))

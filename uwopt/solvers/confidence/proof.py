@@ -18,13 +18,11 @@ import numpy as np
 
 from uwopt.deadline import Deadline, OutOfTimeError, Progress
 from uwopt.forward.problem import Problem
-from uwopt.objectives.objective import Objective
-from uwopt.solvers.confidence.counted import Counted, best_of, names
+from uwopt.solvers.confidence.counted import Counted, Looked, names
 from uwopt.solvers.confidence.local_search import compare
 from uwopt.solvers.confidence.outcomes import Outcomes, outcomes_where
 from uwopt.solvers.confidence.panels import anchors_of, least_covered, panel_of
 from uwopt.solvers.confidence.scenario_bounds import may_be_better
-from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.states import imagers_among
 from uwopt.solvers.exact.certificate import per_light
 from uwopt.solvers.exact.imagers import landscapes
@@ -67,19 +65,15 @@ class NoneBetter:
 class Prover:
     """The hardware that has been counted, and what may still be better."""
 
-    problem: Problem
-    objective: Objective
-    scenarios: Scenarios
-    share: float
-    tried: list[Counted]
+    seen: Looked
     deadline: Deadline
     progress: Progress
 
     @property
     def ceiling(self) -> float:
         """The least median of what holds; inf where nothing does."""
-        best = best_of(self.tried, self.share)
-        return best.quantile(0.5) if best is not None and best.held >= self.share else np.inf
+        best = self.seen.best
+        return best.quantile(0.5) if best is not None and best.held >= self.seen.share else np.inf
 
     def run(self) -> NoneBetter | None:
         """Prove what can be proven in time; None: nothing."""
@@ -96,22 +90,22 @@ class Prover:
 
     def _passed(self, ceiling: float, out: set[Any]) -> NoneBetter | None:
         """Search the panel, bound and count what it leaves."""
-        covered = least_covered(self.scenarios.count, 0.5 if np.isfinite(ceiling) else self.share)
-        panel = panel_of(self.problem, self.scenarios, self.objective, covered)
+        covered = least_covered(self.seen.scenarios.count, 0.5 if np.isfinite(ceiling) else self.seen.share)
+        panel = panel_of(self.seen.problem, self.seen.scenarios, self.seen.objective, covered)
         if panel.covered < covered:
             return None
         timed = math.isfinite(self.deadline.left_s)
         if timed and self._total > FEW and self._is_hopeless(panel.problem, ceiling):
             return None
         patience = self.deadline.at_most(min(PANEL_S, self.deadline.left_s)) if timed else self.deadline
-        search = Search(panel.problem, self.objective, top=MOST_LISTED, ceiling=below(ceiling), deadline=patience)
+        search = Search(panel.problem, self.seen.objective, top=MOST_LISTED, ceiling=below(ceiling), deadline=patience)
         outcome = search.whole()
         if not outcome.complete:
             return None
         cut = len(outcome.best) >= MOST_LISTED
         beyond = outcome.best[-1].minimised if cut else ceiling
         if np.isfinite(ceiling):
-            self._glance_at([among(self.problem, found, panel.problem) for found in outcome.best[:GLANCED]])
+            self._glance_at([among(self.seen.problem, found, panel.problem) for found in outcome.best[:GLANCED]])
             if cut:  # of more than are listed the bound alone is known, whatever is counted
                 return NoneBetter(self._total, 0, 0, 0, min(self.ceiling, beyond))
         listed = list(self._variants(panel.problem, outcome.best, min(beyond, below(ceiling))))
@@ -125,10 +119,10 @@ class Prover:
         It does where the best known is far better in it than it is; where none is known that holds as often as asked,
         if the surest holds so often that much else fits into the panel, which is as easy as the easiest scenarios.
         """
-        best = best_of(self.tried, self.share)
+        best = self.seen.best
         if best is None or not np.isfinite(ceiling):
             return best is not None and best.held > OFTEN
-        found, parts = best.found, self.problem.parts
+        found, parts = best.found, self.seen.problem.parts
         port = parts.ports[found.port].enclosure_id
         lists: dict[str, list[Any]] = {
             "camera": [panel.parts.cameras[found.camera]], "lens": [panel.parts.lenses[found.lens]],
@@ -136,28 +130,28 @@ class Prover:
             "light": [panel.parts.lights[found.light]],
         }  # fmt: skip
         alone = problem_of(panel, found, lists=lists)
-        seen = Search(alone, self.objective, top=1, deadline=self.deadline).whole().best
+        seen = Search(alone, self.seen.objective, top=1, deadline=self.deadline).whole().best
         return bool(seen) and ceiling - seen[0].minimised > HOPELESS * abs(ceiling)
 
     def _glance_at(self, some: Sequence[Found]) -> None:
         """Count what seems better in some scenarios: the sooner the best is known, the less has to be counted."""
-        patience, best = self.deadline.at_most(GLANCE_SHARE * self.deadline.left_s), best_of(self.tried, self.share)
+        patience, best = self.deadline.at_most(GLANCE_SHARE * self.deadline.left_s), self.seen.best
         assert best is not None
-        compare(self.problem, self.objective, self.scenarios, self.share, self.tried, some, patience, best)
+        compare(self.seen, some, patience, best)
 
     @property
     def _total(self) -> int:
         """All combinations."""
-        parts = self.problem.parts
+        parts = self.seen.problem.parts
         each = [len(one) for one in (parts.cameras, parts.lenses, parts.ports, parts.lights)]
-        return prod(each) * per_light(self.problem)
+        return prod(each) * per_light(self.seen.problem)
 
     def _variants(self, problem: Problem, best: Sequence[Found], ceiling: float) -> Iterator[Found]:
         """The same parts in every number, mount and orientation that is better in the panel; a search lists one."""
         low, high = problem.count_range
-        kinds = list(product(range(low, high + 1), problem.mounts, landscapes(self.problem)))
+        kinds = list(product(range(low, high + 1), problem.mounts, landscapes(self.seen.problem)))
         if len(kinds) == 1 or not best:
-            yield from (among(self.problem, found, problem) for found in best)
+            yield from (among(self.seen.problem, found, problem) for found in best)
             return
         if len(kinds) > MOST_VARIANTS:
             raise OutOfTimeError
@@ -167,12 +161,12 @@ class Prover:
             if len(imagers):
                 top = len(problem.parts.lights) * len(imagers)
                 search = Search(
-                    alone, self.objective, top=top, imagers=imagers, ceiling=ceiling, deadline=self.deadline
+                    alone, self.seen.objective, top=top, imagers=imagers, ceiling=ceiling, deadline=self.deadline
                 )
                 outcome = search.whole()
                 if not outcome.complete:
                     raise OutOfTimeError
-                yield from (among(self.problem, found, problem) for found in outcome.best)
+                yield from (among(self.seen.problem, found, problem) for found in outcome.best)
 
     def _counted(self, listed: list[Found], ceiling: float, out: set[Any]) -> tuple[int, int, float]:
         """Bound and count hardware, best value in the panel first, as far as there is time.
@@ -180,16 +174,16 @@ class Prover:
         How many were counted, how many the bounds discard, and the value of the first that nobody looked at.
         """
         counted = dropped = 0
-        anchors = anchors_of(self.problem, self.scenarios)
+        anchors = anchors_of(self.seen.problem, self.seen.scenarios)
         for first in range(0, len(listed), A_SCREEN):
             some = listed[first : first + A_SCREEN]
             try:
-                fresh = [found for found in some if names(self.problem, found) not in out]
+                fresh = [found for found in some if names(self.seen.problem, found) not in out]
                 left = may_be_better(
-                    self.problem, fresh, self.objective, self.scenarios, anchors,
-                    share=self.share, ceiling=below(min(ceiling, self.ceiling)), deadline=self.deadline,
+                    self.seen.problem, fresh, self.seen.objective, self.seen.scenarios, anchors,
+                    share=self.seen.share, ceiling=below(min(ceiling, self.ceiling)), deadline=self.deadline,
                 )  # fmt: skip
-                out.update(names(self.problem, found) for found, may in zip(fresh, left, strict=True) if not may)
+                out.update(names(self.seen.problem, found) for found, may in zip(fresh, left, strict=True) if not may)
                 hopeful = [found for found, may in zip(fresh, left, strict=True) if may]
                 for batch in range(0, len(hopeful), A_BATCH):
                     self.deadline.check()
@@ -204,13 +198,14 @@ class Prover:
         """Count hardware with its iris where that is best in each scenario; what may be better, at every stop."""
 
         def may(one: Outcomes) -> bool:
-            return bool(one.held[0] >= self.share and one.quantile(0.5)[0] <= self.ceiling)
+            return bool(one.held[0] >= self.seen.share and one.quantile(0.5)[0] <= self.ceiling)
 
-        made = outcomes_where(self.problem, some, self.objective, self.scenarios, self.deadline, wanted=may)
+        seen, problem = self.seen, self.seen.problem
+        made = outcomes_where(problem, some, seen.objective, seen.scenarios, self.deadline, wanted=may)
         for found, one in ((some[place], one) for place, one in made.items()):
-            name = names(self.problem, found)
-            self.tried[:] = [known for known in self.tried if names(self.problem, known.found) != name]
-            self.tried.append(Counted(found, one, one.best(self.share)))
+            name = names(problem, found)
+            seen.tried[:] = [known for known in seen.tried if names(problem, known.found) != name]
+            seen.tried.append(Counted(found, one, one.best(seen.share)))
 
 
 def below(ceiling: float) -> float:

@@ -20,7 +20,7 @@ from uwopt.forward.problem import Problem
 from uwopt.mission.doubt import ENDS
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.candidates import worse_problem
-from uwopt.solvers.confidence.counted import Counted, best_of, names, rank
+from uwopt.solvers.confidence.counted import Counted, Looked, names, rank
 from uwopt.solvers.confidence.local_search import polish
 from uwopt.solvers.confidence.outcomes import outcomes, outcomes_of_each
 from uwopt.solvers.confidence.proof import NoneBetter, Prover
@@ -88,27 +88,6 @@ def scenarios_of(
     return Scenarios.drawn(mission, problem.scenes, mission.doubt, seed=seed, count=count, like=like)
 
 
-@dataclass(frozen=True)
-class Looked:
-    """Hardware that is likely to hold, counted; nothing is compared or proven yet."""
-
-    asked: float | str
-    scenarios: Scenarios
-    tried: list[Counted]
-    complete: bool  # whether there was time for every search
-    fits: dict[float, bool] = field(default_factory=dict)  # whether anything does with numbers worse than in so many
-
-    @property
-    def share(self) -> float:
-        """Of the scenarios, that is asked for."""
-        return 1.0 if self.asked == ENDS else float(self.asked)
-
-    @property
-    def held(self) -> float:
-        """The greatest share in which any holds."""
-        return max((one.held for one in self.tried), default=0.0)
-
-
 def look(
     sought: Sought, asked: float | str, deadline: Deadline, report: Progress, *,
     with_room: bool = False, like: Scenarios | None = None, before: Looked | None = None, known: Sequence[Found] = (),
@@ -123,61 +102,55 @@ def look(
     problem, objective, mission = sought.problem, sought.goal, sought.problem.mission
     check_fixed(problem, objective)
     if before is None:
-        seen = Looked(asked, scenarios_of(problem, asked, mission.seed, mission.doubt.scenarios, like), [], True)
+        scenarios = scenarios_of(problem, asked, mission.seed, mission.doubt.scenarios, like)
+        seen = Looked(problem, objective, asked, scenarios, [])
     else:
         seen = replace(before, tried=[*before.tried], complete=True, fits={**before.fits})
-    tried, hold = seen.tried, partial(holding, seen.tried, seen.share)
     try:
         for some in candidates(
-            sought, seen, deadline, done=lambda: hold() >= ENOUGH, hopeful=lambda: hold() > 0,
+            sought, seen, deadline, done=lambda: seen.holding >= ENOUGH, hopeful=lambda: seen.holding > 0,
             with_room=with_room, known=known,
         ):  # fmt: skip
-            made = outcomes_of_each(problem, some, objective, seen.scenarios, deadline)
-            tried += [Counted(found, one, one.best(seen.share)) for found, one in zip(some, made, strict=True)]
-            report(min(0.5 * len(tried) / A_SEARCH, 0.5), "certainty")
+            seen.count(some, deadline)
+            report(min(0.5 * len(seen.tried) / A_SEARCH, 0.5), "certainty")
     except OutOfTimeError:
-        if not tried:
+        if not seen.tried:
             raise
         return replace(seen, complete=False)
     return seen
 
 
-def chosen(
-    problem: Problem, objective: Objective, seen: Looked, deadline: Deadline, report: Progress
-) -> Certain | None:
+def chosen(seen: Looked, deadline: Deadline, report: Progress) -> Certain | None:
     """The best of what was counted, compared with what is near it, and proven as far as there is time."""
-    scenarios, share, tried = seen.scenarios, seen.share, seen.tried
+    problem, objective, share = seen.problem, seen.objective, seen.share
     rest = PROVEN_REST if can_be_proven(problem, objective) else UNPROVEN_REST
-    count_near(problem, objective, seen, deadline, 1.0 - rest)
+    count_near(seen, deadline, 1.0 - rest)
     proof = None
     if seen.complete and can_be_proven(problem, objective):
-        patience = deadline.at_most(PROOF_SHARE * deadline.left_s)
-        proof = Prover(problem, objective, scenarios, share, tried, patience, report).run()
-    ranked = sorted(tried, key=lambda one: rank(one, share))
-    if scenarios.is_drawn and (proof is None or proof.left):
-        ranked = without_luck(problem, objective, seen, ranked, deadline)
+        proof = Prover(seen, deadline.at_most(PROOF_SHARE * deadline.left_s), report).run()
+    ranked = seen.ranked
+    if seen.scenarios.is_drawn and (proof is None or proof.left):
+        ranked = without_luck(seen, ranked, deadline)
     best, central = first_that_fits(problem, objective, ranked)
     if best is None or central is None:
         return None
-    return Certain(share, scenarios, best, central, tried, seen.complete, ranked, proof=proof)
+    return Certain(share, seen.scenarios, best, central, seen.tried, seen.complete, ranked, proof=proof)
 
 
-def count_near(problem: Problem, objective: Objective, seen: Looked, deadline: Deadline, part: float) -> None:
+def count_near(seen: Looked, deadline: Deadline, part: float) -> None:
     """Count what differs by a part from the best of what was counted, in a part of the time that is left."""
     if not (seen.complete and seen.scenarios.is_drawn):
         return
-    timed, (scenarios, share, tried) = math.isfinite(deadline.left_s), (seen.scenarios, seen.share, seen.tried)
+    timed = math.isfinite(deadline.left_s)
     most_s, a_round_s = (part * deadline.left_s, POLISH_S) if timed else (math.inf, math.inf)
     patience = deadline.at_most(most_s)
-    polish(problem, objective, scenarios, share, tried, patience, a_round_s)
-    serves, best = partial(fits_centrally, problem, objective, {}), best_of(tried, share)
-    if best is not None and best.held < share and not serves(best):  # what is surest cannot be told settings of
-        polish(problem, objective, scenarios, share, tried, patience, a_round_s, serves)
+    polish(seen, patience, a_round_s)
+    serves, best = partial(fits_centrally, seen.problem, seen.objective, {}), seen.best
+    if best is not None and best.held < seen.share and not serves(best):  # of what is surest no settings can be told
+        polish(seen, patience, a_round_s, serves)
 
 
-def without_luck(
-    problem: Problem, objective: Objective, seen: Looked, ranked: list[Counted], deadline: Deadline
-) -> list[Counted]:
+def without_luck(seen: Looked, ranked: list[Counted], deadline: Deadline) -> list[Counted]:
     """Hardware best first, where medians are as good as tied by those in further scenarios, if there is time.
 
     What these cannot tell from the best of them either is ranked by price. What does not hold as often as asked in
@@ -193,7 +166,7 @@ def without_luck(
     if len(tied) < 2 or not np.isfinite(most):
         return ranked
     try:
-        anew = counted_anew(problem, objective, seen, tied, deadline)
+        anew = counted_anew(seen, tied, deadline)
     except OutOfTimeError:
         return ranked
     held = [(one, again) for one, again in zip(tied, anew, strict=True) if again.held >= share]
@@ -210,21 +183,20 @@ def without_luck(
         ((one, again) for one, again in zip(tied, anew, strict=True) if again.held < share),
         key=lambda pair: rank(pair[1], share),
     )
-    hold = holding(rest, share)  # these come first
+    hold = sum(one.held >= share for one in rest)  # these come first
     return [*(one for one, _ in sorted(held, key=order)), *rest[:hold], *(one for one, _ in refuted), *rest[hold:]]
 
 
-def counted_anew(
-    problem: Problem, objective: Objective, seen: Looked, some: Sequence[Counted], deadline: Deadline
-) -> list[Counted]:
+def counted_anew(seen: Looked, some: Sequence[Counted], deadline: Deadline) -> list[Counted]:
     """The same hardware, each at its stop, in further scenarios."""
+    problem = seen.problem
     seed = (problem.mission.seed + TIES_SEED) % 2**32
     scenarios, anew = scenarios_of(problem, seen.asked, seed, TIES, seen.scenarios), dict[int, Counted]()
     for f_number in {one.f_number for one in some}:
         deadline.check()
         alike = [one for one in some if one.f_number == f_number]
         stops, found = None if f_number is None else [f_number], [one.found for one in alike]
-        made = outcomes_of_each(problem, found, objective, scenarios, deadline, f_numbers=stops)
+        made = outcomes_of_each(problem, found, seen.objective, scenarios, deadline, f_numbers=stops)
         anew |= {id(one): Counted(one.found, own, 0) for one, own in zip(alike, made, strict=True)}
     return [anew[id(one)] for one in some]
 
@@ -257,11 +229,6 @@ def fits_centrally(problem: Problem, objective: Objective, known: dict[int, bool
     if id(one) not in known:
         known[id(one)] = at_its_stop(problem, objective, one) is not None
     return known[id(one)]
-
-
-def holding(tried: Sequence[Counted], share: float) -> int:
-    """How many of these hold as often as asked."""
-    return sum(one.held >= share for one in tried)
 
 
 def candidates(
