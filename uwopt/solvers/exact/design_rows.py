@@ -20,7 +20,7 @@ from uwopt.forward.lamp_views import keeps_clear, lamps_refused
 from uwopt.forward.problem import Problem
 from uwopt.forward.remembered import RememberedSunField
 from uwopt.forward.setting_rows import SceneRows, of_darkest_pixels, of_fewest_pixels, setting_rows
-from uwopt.forward.sharpness import SharpRows, sharpness_of
+from uwopt.forward.sharpness import SharpRows
 from uwopt.forward.sun_light import sun_light
 from uwopt.model.image_mean import FRAME_MAY_MISS
 from uwopt.objectives.objective import Objective
@@ -87,16 +87,8 @@ class NodeRows:
         parts = []
         for optics, mine in under.by_optics():
             unique, back = distinct(imager[mine])
-            parts.append((mine, self.sharp_of(scene_index, unique, optics).take(back)))
+            parts.append((mine, self.imagers.sharpness(self.problem, scene_index, unique, optics).take(back)))
         return parts[0][1] if len(parts) == 1 else SharpRows.in_places(parts, len(imager))
-
-    def sharp_of(self, scene_index: int, imager: Array, optics: int) -> SharpRows:
-        """The same of imagers under the light of a lamp's optics, whoever asks."""
-        imagers, seen = self.imagers, self.imagers.scenes[scene_index]
-        return sharpness_of(
-            self.problem, scene_index, seen.view.take(imager), camera=imagers.camera[imager], lens=imagers.lens[imager],
-            port=imagers.port[imager], optics=optics, dioptre_per_m=seen.focused.dioptre_per_m[imager],
-        )  # fmt: skip
 
     def sun(
         self, scene_index: int, imager: Array, count: Array, under: Under, *, few: bool = False

@@ -26,6 +26,7 @@ from uwopt.forward.columns import Columns
 from uwopt.forward.focus import Focused, common_dioptre, depth_f_number, working_factor
 from uwopt.forward.motion import blur_time_s, required_rate_hz, shutter_skew_px
 from uwopt.forward.problem import Problem
+from uwopt.forward.sharpness import SharpRows, sharpness_of
 from uwopt.forward.spacers import needed_spacer_m
 from uwopt.forward.views import Views, focus_map, views, widest_corner
 from uwopt.model.port import lens_dioptre_per_m
@@ -91,6 +92,14 @@ class Imagers(Columns):
     def take(self, index: Array | slice) -> Imagers:
         """These rows only, without the account of what was discarded."""
         return replace(super().take(index), tally=Tally())
+
+    def sharpness(self, problem: Problem, scene_index: int, rows: Array, optics: int) -> SharpRows:
+        """What the sharpness of some of them in one scene depends on, under the light of a lamp's optics."""
+        seen = self.scenes[scene_index]
+        return sharpness_of(
+            problem, scene_index, seen.view.take(rows), camera=self.camera[rows], lens=self.lens[rows],
+            port=self.port[rows], optics=optics, dioptre_per_m=seen.focused.dioptre_per_m[rows],
+        )  # fmt: skip
 
     def sample(self, row: int, lighting: int | None) -> Sample:
         """One imager under one lighting, or any, for an audit."""

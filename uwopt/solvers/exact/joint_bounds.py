@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.part_columns import FLASH
-from uwopt.forward.sharpness import sharpness_of
 from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.lamp_choices import LampsOfKind
@@ -76,12 +75,8 @@ def _most_quality(bounds: Bounds, k: int, rows: Array, index: int, ends: Array) 
     snr_db = snr_in_levels(bounds.snr_ceiling(index, [lighting], rows))
     if not bounds.objective.weight("information"):
         return snr_db, np.zeros((len(rows), ends.shape[1] - 1, 1))
-    imagers, seen = bounds.imagers, bounds.imagers.scenes[index]
-    sharp = sharpness_of(
-        bounds.problem, index, seen.view.take(rows), camera=imagers.camera[rows], lens=imagers.lens[rows],
-        port=imagers.port[rows], optics=lighting.optics, dioptre_per_m=seen.focused.dioptre_per_m[rows],
-    )  # fmt: skip
-    return snr_db, most_information(sharp, seen.focused.working_factor[rows], ends, snr_db)
+    sharp = bounds.imagers.sharpness(bounds.problem, index, rows, lighting.optics)
+    return snr_db, most_information(sharp, bounds.imagers.scenes[index].focused.working_factor[rows], ends, snr_db)
 
 
 def _least_light(bounds: Bounds, k: int, rows: Array, index: int) -> Array:

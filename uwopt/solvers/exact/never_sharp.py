@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from uwopt.forward.bars import Bars, StillBars
 from uwopt.forward.problem import Problem
-from uwopt.forward.sharpness import SharpRows, sharpness_of
+from uwopt.forward.sharpness import SharpRows
 from uwopt.solvers.exact.imagers import Imagers
 
 Array = NDArray[Any]
@@ -50,12 +50,9 @@ class NeverSharp:
         return np.asarray(known[rows] == 1)
 
     def _anew(self, rule: str, index: int, optics: int, rows: Array) -> Array:
-        imagers, seen = self.imagers, self.imagers.scenes[index]
-        focused, needs = seen.focused.take(rows), self.problem.scenes[index].view.requirements
-        sharp = sharpness_of(
-            self.problem, index, seen.view.take(rows), camera=imagers.camera[rows], lens=imagers.lens[rows],
-            port=imagers.port[rows], optics=optics, dioptre_per_m=focused.dioptre_per_m,
-        )  # fmt: skip
+        focused = self.imagers.scenes[index].focused.take(rows)
+        sharp = self.imagers.sharpness(self.problem, index, rows, optics)
+        needs = self.problem.scenes[index].view.requirements
         least, width_mm = (getattr(needs, name) if name == rule else 0.0 for name in RULES)
         bars = sharp.asked(min_mtf=least, resolve_m=width_mm * 1e-3)[0]
         return blurred(sharp, bars, focused.working_factor, focused.n_low, focused.n_high)

@@ -116,7 +116,8 @@ class LightStore:
         """What MTF and information depend on, by light optics."""
         optics, imager = np.divmod(keys, len(self.imagers))
         made = [
-            self.search.design_rows.sharp_of(scene_index, imager[optics == one], int(one)) for one in np.unique(optics)
+            self.search.imagers.sharpness(self.problem, scene_index, imager[optics == one], int(one))
+            for one in np.unique(optics)
         ]  # keys are sorted, so groups follow each other
         return SharpRows.joined([
             part if part.spreads else replace(part, spread_index=0 * part.spread_index) for part in made

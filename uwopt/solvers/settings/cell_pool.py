@@ -255,9 +255,7 @@ class BoundedCells:
         d = pool.design
         if len(d) == 0:
             return pool, seen
-        power = np.max([r.power_w for _, r in seen], axis=0)
-        snr = np.min([r.snr for _, r in seen], axis=0)
-        contrast = np.min([r.contrast for _, r in seen], axis=0)
+        power, snr, contrast = over_scenes(seen)
         information: Array | float = 0.0
         joint = np.full(len(d), -np.inf)
         tangents = bool(self.weight["information"]) or (self.mixed and not any(self.sunlit))
@@ -370,9 +368,7 @@ class BoundedCells:
         alive = kept.bound.astype(int)
         if len(alive) == 0:
             return alive, np.empty(0)
-        power = np.max([r.power_w for _, r in seen], axis=0)
-        snr = np.min([r.snr for _, r in seen], axis=0)
-        contrast = np.min([r.contrast for _, r in seen], axis=0)
+        power, snr, contrast = over_scenes(seen)
         information: Array | float = 0.0
         if self.weight["information"]:
             information = np.min([
@@ -388,6 +384,13 @@ def _logs(low: Array, high: Array) -> tuple[Array, Array]:
         a = np.log(np.maximum(low, 1e-300))
         b = np.log(np.maximum(high, 1e-300))
     return a, np.maximum(a, b)
+
+
+def over_scenes(seen: list[tuple[Box, Reach]]) -> tuple[Array, Array, Array]:
+    """Power, SNR and contrast of boxes, each as in the scene that decides, (m,)."""
+    power_w = np.max([reach.power_w for _, reach in seen], axis=0)
+    snr, contrast = (np.min([getattr(reach, name) for _, reach in seen], axis=0) for name in ("snr", "contrast"))
+    return power_w, snr, contrast
 
 
 def pixel_area_m2(rows: SceneRows) -> Array:
