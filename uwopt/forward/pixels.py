@@ -111,28 +111,44 @@ def _may_decide(sources: Sequence[tuple[Array, Array]], may_miss: int) -> Array:
     Most are no worse than any of the k + 1 that look worst: only the others are compared with more.
     """
     columns: list[Array] = []
-    bright: Array = np.zeros(sources[0][0].shape)  # ln s^2 / a of all sources: greater of what is never worse
+    bright: Array = np.ones(sources[0][0].shape)  # s^2 / a of all sources: greater of what is never worse
     for s, v in sources:
         largest = np.maximum(np.maximum(s, v).max(axis=1), 1e-300)[:, None]  # products neither vanish nor overflow
         columns += [s / largest, v / largest]
-        signal = np.maximum(columns[-2], 1e-300)
-        bright += 2.0 * np.log(signal) - np.log(signal + columns[-1])
+        signal = columns[-2]
+        bright *= signal * (signal / np.maximum(signal + columns[-1], 1e-300))
     order = np.argsort(bright, axis=1, kind="stable")
     columns = [np.take_along_axis(column, order, axis=1) for column in columns]
-    count = order.shape[1]
-    keep = np.zeros(order.shape, bool)
+    keep = ~_surely_no_worse(columns, may_miss + 1)
     keep[:, : may_miss + 1] = True
-    for j in range(min(may_miss + 1, count)):
-        keep |= ~_never_worse(columns, [column[:, j, None] for column in columns])
-    some = np.argsort(~keep, axis=1, kind="stable")[:, : int(keep.sum(axis=1).max())]
+    some = _first(keep)
     few = [np.take_along_axis(column, some, axis=1) for column in columns]
     harder: Array = np.zeros(some.shape, int)
-    for j in range(min(may_miss + 1 + SPARE, count)):
+    for j in range(min(may_miss + 1 + SPARE, int(some.max()))):  # those that come later have no more to leave out
+        if j == may_miss + 1 < some.shape[1]:  # most are no worse than any of these: no more is asked of them
+            still = _first(harder <= may_miss)
+            some, harder, *few = (np.take_along_axis(column, still, axis=1) for column in (some, harder, *few))
         harder += _never_worse(few, [column[:, j, None] for column in columns]) & (some > j)
     may = np.take_along_axis(keep, some, axis=1) & (harder <= may_miss)
     kept = np.zeros(order.shape, bool)
     np.put_along_axis(kept, np.take_along_axis(order, some, axis=1), may, axis=1)
     return kept
+
+
+def _first(wanted: Array) -> Array:
+    """The places (n, most) of what is wanted in each row, (n, n_pixels), and of others where there is less of it."""
+    return np.argsort(~wanted, axis=1, kind="stable")[:, : int(wanted.sum(axis=1).max())]
+
+
+def _surely_no_worse(columns: Sequence[Array], first: int) -> Array:
+    """Whether pixels are never worse than any of the first, told by these' most signal and least share of veil."""
+    found: Array = np.ones(columns[0].shape, bool)
+    most, least = np.zeros(found.shape), np.full((len(found), 1), np.inf)
+    for s, v in zip(columns[::2], columns[1::2], strict=True):
+        found &= s >= s[:, :first].max(axis=1, keepdims=True)
+        veiled = v / np.maximum(s, 1e-300)
+        most, least = np.maximum(most, veiled), np.minimum(least, veiled[:, :first].min(axis=1, keepdims=True))
+    return found & (most <= least)
 
 
 def _never_worse(mine: Sequence[Array], theirs: Sequence[Array]) -> Array:
