@@ -53,13 +53,10 @@ def shows_detail(contraction: Contraction, *, forward_veil: bool) -> bool:
 
 
 def table_of(scene: SceneOptics) -> DetailTable:
-    """chi of the scene's particles, worked out once."""
-    if "detail" not in scene.cache:
-        particles = particles_of(scene)
-        assert particles is not None and particles.table is not None
-        scene.cache["detail"] = detail_table(particles.table)
-    table: DetailTable = scene.cache["detail"]
-    return table
+    """chi of the scene's particles."""
+    particles = particles_of(scene)
+    assert particles is not None and particles.table is not None
+    return detail_table(particles.table)
 
 
 def detail_rows(scene: SceneOptics, view: Views, *, pixels: Array, scattering_per_m: Array) -> DetailRows:

@@ -16,7 +16,7 @@ Weidemann (2007), Opt. Express 15, 2791, use it.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,6 +26,7 @@ from uwopt.model.spectrum import FloatArray
 
 FREQUENCIES = np.geomspace(0.1, 1e6, 127)  # cycles per radian, 18 a decade; held at both ends
 BINS = 400  # of scattering angles, even in their logarithm
+MOST_TABLES = 32  # of kinds of particles that are kept; 2 kB each
 MOST_LOG = 300.0  # of a gain: its square is a number; where it is more, nothing is left to gain on
 LARGE, NODES, KERNEL_STEP = 40.0, 64, 0.02  # argument from which the kernel is its asymptotic form; below, a table
 
@@ -38,8 +39,9 @@ class DetailTable:
     share: FloatArray  # (m,) falling, 0 to 1
 
 
+@lru_cache(maxsize=MOST_TABLES)
 def detail_table(table: PhaseTable) -> DetailTable:
-    """chi(f) of a phase function.
+    """chi(f) of a phase function, worked out once.
 
         chi = 2 pi integral of p(psi) g(2 pi f psi) sin psi d psi,   g(y) = (1/y) integral from 0 to y of J0
 

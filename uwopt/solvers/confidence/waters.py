@@ -211,14 +211,16 @@ def over_band(scene: SceneOptics, beyond: Array | float) -> SceneOptics:
     """A scene whose altitudes go beyond their band by a share of the tolerance; never to the floor itself.
 
     The swath is there as asked for: what is kept of it in hand is kept for such altitudes. `beyond`: one share, or of
-    rows that fly at heights of their own (n,), whose ranges are (n_altitudes, n).
+    rows that fly at heights of their own (n,), whose ranges are (n_altitudes, n). Tables of one share are worked out
+    once, whatever is asked for in the scene.
     """
     if not np.any(beyond) or not may_leave_band(scene):
         return scene
+    cache = scene.cache.setdefault(("beyond its band", float(beyond)), {}) if np.ndim(beyond) == 0 else {}
     nominal = float(scene.range_m[scene.nominal])
     most = 0.5 * (1.0 + nominal / (nominal - float(scene.range_m[0])))
     wider = np.multiply.outer(scene.range_m - nominal, np.minimum(1.0 + np.asarray(beyond), most))
-    return replace(as_asked(scene), range_m=nominal + wider, cache={})
+    return replace(as_asked(scene), range_m=nominal + wider, cache=cache)
 
 
 def seen_again(known: SceneOptics, state: WaterState, scene: SceneOptics) -> SceneOptics | None:
