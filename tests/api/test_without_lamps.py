@@ -9,6 +9,7 @@ import yaml
 
 import uwopt
 from uwopt.errors import MissionError
+from uwopt.forward import lamp_light
 from uwopt.report.write import system_yaml
 
 CAMERA, LENS, PORT, LIGHT = (
@@ -67,6 +68,21 @@ def test_the_sun_alone_is_what_an_idle_lamp_leaves(unlit: uwopt.Result) -> None:
     assert none.best is not None and idle.best is not None
     for name in ("snr_db", "snr_db_min", "contrast", "electrons_sun"):
         assert none.best.scenes[0].figures[name] == pytest.approx(idle.best.scenes[0].figures[name], rel=1e-9)
+
+
+def test_light_of_no_lamp_is_not_integrated(monkeypatch: pytest.MonkeyPatch) -> None:
+    called = []
+    made = lamp_light.field_means
+
+    def integrated(*args: Any, **how: Any) -> Any:
+        called.append(args)
+        return made(*args, **how)
+
+    monkeypatch.setattr(lamp_light, "field_means", integrated)
+    uwopt.solve(mission(1) | {"catalog": {**FEW, "lights": [LIGHT], "accept_unrated": [LIGHT]}}, quick=True)
+    of_a_lamp = len(called)
+    uwopt.solve(mission(0, snr_at="worst"), quick=True)
+    assert len(called) - of_a_lamp <= 2 < of_a_lamp  # what a lamp's veils would be, which is told
 
 
 @pytest.mark.parametrize(("depth_m", "lamps"), [(6.0, False), (120.0, True)])

@@ -85,4 +85,18 @@ DEFECTS: tuple[Defect, ...] = (
         new='grid = likely_places(view, "darkest")',
         test="tests/forward/test_remembered.py::test_few_pixels_of_the_sun_alone_decide_as_all_do",
     ),
+    Defect(
+        name="what stands for no lamp shines as one does",
+        file="uwopt/forward/lamp_light.py",
+        old="NEXT_TO_NONE_PER_M2 = 1e-9",
+        new="NEXT_TO_NONE_PER_M2 = 1e6",
+        test="tests/api/test_without_lamps.py::test_the_sun_alone_is_what_an_idle_lamp_leaves",
+    ),
+    Defect(
+        name="the light of no lamp is integrated",
+        file="uwopt/forward/lamp_light.py",
+        old="return NoLampField if problem.is_dark(optics) else of_lamps",
+        new="return of_lamps",
+        test="tests/api/test_without_lamps.py::test_light_of_no_lamp_is_not_integrated",
+    ),
 )

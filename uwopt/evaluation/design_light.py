@@ -9,7 +9,7 @@ import numpy as np
 
 from uwopt.forward.designs import Hardware
 from uwopt.forward.floor_light import footprint_light
-from uwopt.forward.lamp_light import ImageLight, LampField, SunLight, image_light
+from uwopt.forward.lamp_light import ImageLight, SunLight, image_light, kind_of_field
 from uwopt.forward.lamp_views import lamp_clearance_m
 from uwopt.forward.part_columns import Cameras, Lenses, Lights
 from uwopt.forward.problem import Problem
@@ -63,10 +63,11 @@ class DesignLight:
 
     def _light_at_centre(self, index: int) -> ImageLight:
         hw, problem = self.hardware, self.problem
-        field = LampField(
-            problem, index, port_index=hw.port, optics=int(self.lights.optics_index[0]), mount=hw.mount,
-            count=hw.count, efficiency=int(self.cameras.qe_index[0]),
-        )  # fmt: skip
+        optics = int(self.lights.optics_index[0])
+        field = kind_of_field(problem, optics)(
+            problem, index, port_index=hw.port, optics=optics, mount=hw.mount, count=hw.count,
+            efficiency=int(self.cameras.qe_index[0]),
+        )
         middle, ranges_m, at = np.zeros((1, 1)), problem.scenes[index].range_m, problem.scenes[index].nominal
         signal, veil = field.at_pixels(
             self.views[index], middle, middle, veils=True, ranges_m=ranges_m[at : at + 1]

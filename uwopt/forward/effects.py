@@ -128,7 +128,7 @@ def bounds_of(problem: Problem, group: ImagerGroup, *, information: bool) -> dic
         )  # fmt: skip
 
     signal = group.signal_e
-    if signal is None:
+    if signal is None or problem.is_dark(group.optics):  # shares are those of a lamp that burns
         signal = field().light(view, veils="none").signal_e
     signal_s = time.perf_counter() - start
     lights = {None: signal} | {

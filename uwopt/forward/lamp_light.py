@@ -53,6 +53,7 @@ Veils = Literal["none", "forward", "coarse", "likely", "all"]  # what is worked 
 
 COARSE_ORDER = 4  # nodes a side of the image in bounds of backscatter
 SMOOTH_MARGIN = 1.5  # times and over a coarse integral: bounds; errors of wide lobes stay below 5 %
+NEXT_TO_NONE_PER_M2 = 1e-9  # of what stands for no lamp: less than any lamp gives
 LIKELY_PLACES = 72  # of those over the frame, the outermost: the darkest 5 % are among them as a rule
 LIKELY_A_SIDE = 3  # of the grid on which the darkest is looked for: its middle, edges and corners
 COARSE_FROM_RAD = float(np.deg2rad(15.0))  # half-power angle from which a lobe counts as wide
@@ -433,6 +434,40 @@ class LampField:
         return forward, backs
 
 
+class NoLampField(LampField):
+    """What stands for no lamp, which lights nothing: next to no light, the same everywhere, and no veil.
+
+    Its parts are made as a lamp's, so that a catalogue with it is one of lamps; none of it has to be integrated.
+    """
+
+    def mean_gain(self, view: Views, *, forward: bool) -> Array:
+        """As `LampField`."""
+        return np.full((len(view.tan_along), len(self.scene.range_m)), 0.0 if forward else NEXT_TO_NONE_PER_M2)
+
+    def backscatter_at(self, ranges_m: Array, view: Views, **how: Any) -> Array:
+        """As `LampField`."""
+        return np.zeros((len(view.tan_along), len(ranges_m)))
+
+    def mean_background(self, view: Views, order: int | None = None) -> Array:
+        """As `LampField`."""
+        return np.zeros(len(view.tan_along))
+
+    def at_pixels(
+        self, view: Views, along: Array, across: Array, *, veils: bool, ranges_m: Array | None = None
+    ) -> tuple[Array, Array | None]:
+        """As `LampField`."""
+        ranges_m = self.scene.range_m if ranges_m is None else ranges_m
+        response = self.contraction.response(self.spectrum, self.efficiency, self.channel)
+        signal = view.collecting_m2[:, None] * response * np.full(along.shape, NEXT_TO_NONE_PER_M2)
+        everywhere = np.repeat(signal[:, None], len(ranges_m), axis=1)
+        return everywhere, np.zeros_like(everywhere) if self.veiled(veils) else None
+
+
+def kind_of_field(problem: Problem, optics: int, of_lamps: type[LampField] = LampField) -> type[LampField]:
+    """Of light with such optics: that of lamps, unless no lamp has them."""
+    return NoLampField if problem.is_dark(optics) else of_lamps
+
+
 def likely_places(view: Views, pixels: Pixels) -> tuple[Array, Array]:
     """Pixels, of those that an SNR is asked of, that are likely to be darkest: tangents (n, n_pixels)."""
     if pixels == "darkest":
@@ -480,10 +515,11 @@ def image_light(
     """
     efficiency = problem.cameras.qe_index[camera]
     parts = []
+    kind = kind_of_field(problem, optics, field_type)
     for curve in distinct(efficiency)[0]:
         mine = np.nonzero(efficiency == curve)[0]
         field = partial(
-            field_type, problem, scene_index, port_index=port_index, optics=optics, mount=mount, count=count,
+            kind, problem, scene_index, port_index=port_index, optics=optics, mount=mount, count=count,
             efficiency=int(curve),
         )  # fmt: skip
         given, seen = None if known is None else known.take(mine), view.take(mine)

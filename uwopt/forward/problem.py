@@ -441,6 +441,10 @@ class Problem:
         """Whether all of these lights stand for no lamp."""
         return all(self.unlit(int(one)) for one in np.unique(light))
 
+    def is_dark(self, optics: int) -> bool:
+        """Whether no lamp has such optics, but what stands for none."""
+        return not self.burns[self.lights.optics_index == optics].any()
+
     @cached_property
     def control(self) -> dict[str, float]:
         """What is bought once where lamps burn costs, and what of it counts against a budget."""
