@@ -63,6 +63,8 @@ ROWS = ROOT / "docs" / "explained_rows.jsonl"
 STEPS = (2.0, 10.0, 100.0)  # times as strict
 STEPS_DB = (10.0, 25.0, 60.0)
 SHORT = 0.05  # of a told change: that much less must not do; the search for the least knows it to 0.02
+#: Shares with the most that can be asked.
+SHARES = {"overlap": 1.0, "min_uniformity": 1.0, "min_contrast": 1.0, "min_mtf_half_nyquist": 0.9}
 NO_LADDER = ("mean_level", "lens_stop_down")  # stricter in no one direction; a count of stops
 WITHIN_S = 10.0
 ANY = Objective.of("power")  # any design will do
@@ -139,8 +141,8 @@ def strict(name: str, asked: float) -> Iterator[float]:
             yield rounded(asked + more_db)
         elif is_from_above(name):
             yield rounded(asked / times)
-        elif asked < 1.0 and key in ("overlap", "min_uniformity", "min_contrast", "min_mtf_half_nyquist"):
-            yield rounded(1.0 - (1.0 - asked) / times)
+        elif asked < 1.0 and key in SHARES:
+            yield rounded(SHARES[key] - (SHARES[key] - asked) / times)
         else:
             yield rounded(asked * times)
 
@@ -173,12 +175,12 @@ def made_impossible(mission: Mission, name: str, known: float | None = None) -> 
     asked = asked_value(mission, section, key)
     assert asked is not None
     base = VariedMission(mission, {})
-    for value in (known,) if known is not None else strict(name, asked):
+    for value in (*(() if known is None else (known,)), *strict(name, asked)):
         try:
             harder = base.with_values({Varied(key, section, key, (value,)): value})
         except UwoptError:
             continue
-        if known is not None or fits(harder) is False:
+        if value == known or fits(harder) is False:
             return harder, value
     return None
 

@@ -149,6 +149,7 @@ BAD = [
     (changed("limits.max_gsd", 1), "the key is max_gsd_mm under requirements"),
     (changed("qwertz", 1), "qwertz is unknown; known here are catalog, confidence, doubt, fixed, limits"),
     (changed("requirement", {}), "did you mean requirements?"),
+    (changed("requirements.min_mtf_half_nyquist", 0.901), "its pixels alone leave 0.900 at half the Nyquist frequency"),
     (changed("requirements.overlap", 60), "it is a share 0..1; did you mean 0.6 for 60?"),
     (changed("requirements.overlap", 100), "it is a share 0..1; did you mean 0.6 for 60 %?"),
     (changed("requirements.overlap", 1), "overlap = 1 is not below 1"),

@@ -14,7 +14,7 @@ from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import Deadline
 from uwopt.solvers.exact.certificate import certificate
 from uwopt.solvers.infeasible import least_change, why_nothing
-from uwopt.solvers.infeasible.least_change import Change, with_its_hardware
+from uwopt.solvers.infeasible.least_change import Change, Narrowing, with_its_hardware
 from uwopt.solvers.infeasible.least_limit import FIGURE_S, LeastLimit, Without
 from uwopt.solvers.infeasible.reached import judged_by, reached_value
 from uwopt.solvers.infeasible.relaxer import Relaxer
@@ -103,3 +103,17 @@ def test_a_few_imagers_are_tried_first_though_all_are_soon_known(parts, catalog,
     singles = Singles(one.trials)
     singles._ask_suspect("max_gsd_mm", 1.0)
     assert len(asked) == 2 and [one.name for one in singles.helpful] == ["max_gsd_mm"]
+
+
+def test_what_bounds_tell_of_a_change_is_not_searched_for(monkeypatch):
+    """Nothing fits from 0.799 on, and the hardware at hand reaches 0.797: of a change from 0.9 that is all."""
+    monkeypatch.setattr(least_change, "same_hardware", lambda found, limit: fitting(limit <= 0.797))
+    nothing = cast(Any, None)
+    one = Narrowing(0.9, Change(0.5, nothing), cast(Any, lambda limit: limit), nothing, beyond=0.799)
+    one.step(Deadline(1.0, lambda: 0.0))
+    assert one.is_done and one.change.limit == 0.797
+
+
+def fitting(does: bool) -> Any:
+    """A search that found something, or nothing."""
+    return SimpleNamespace(outcome=SimpleNamespace(best=[1] * does))

@@ -1,8 +1,9 @@
 """What the images must be: the section `requirements` of a mission."""
 
+import math
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import AfterValidator, BeforeValidator, Field
 
 from uwopt.documents.key_types import (
     CHOICE,
@@ -12,9 +13,23 @@ from uwopt.documents.key_types import (
     Section,
     Share,
     at_least,
+    refusal,
 )
 from uwopt.mission import keys as words
 from uwopt.units import db_to_ratio
+
+#: What a pixel that is as wide as its pitch leaves by itself at half the Nyquist frequency: sinc(1/4).
+PIXEL_MTF = 2.0 * math.sqrt(2.0) / math.pi
+
+
+def _left_by_pixels(value: float) -> float:
+    """A transfer at half the Nyquist frequency that some lens might leave."""
+    if value > PIXEL_MTF:
+        raise refusal(
+            f"is more than any camera leaves, with whatever lens: its pixels alone leave {PIXEL_MTF:.3f} at half the "
+            "Nyquist frequency", "ask for less; 0.3 is recommended",
+        )  # fmt: skip
+    return value
 
 
 class Requirements(Section):
@@ -114,8 +129,9 @@ class Requirements(Section):
     min_uniformity: Share | None = Field(
         default=None, description="least over mean floor illuminance, a share 0..1"
     )
-    min_mtf_half_nyquist: Share | None = Field(
-        default=None, description="least MTF at half the Nyquist frequency, a share 0..1, recommended 0.3"
+    min_mtf_half_nyquist: Annotated[Share, AfterValidator(_left_by_pixels)] | None = Field(
+        default=None,
+        description="least MTF at half the Nyquist frequency, 0..0.9 (pixels leave no more), recommended 0.3",
     )
     max_white_balance: Annotated[float, Field(ge=1, le=1e6), words.number_or_recommended(4.0)] | None = Field(
         default=None,

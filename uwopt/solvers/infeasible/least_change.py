@@ -94,11 +94,12 @@ class Narrowing:
     is_least: bool = False
     steps: int = 0
     share: float = 0.5  # of what is left, that is tried next
-    too_near: float = field(init=False)  # at which nothing fits
+    beyond: float | None = None  # at which nothing fits, where that is known to begin with
+    too_near: float = field(init=False)  # the same, as far as it is known
     too_long: float | None = None  # nearer than the change, where a search took longer than its turn
 
     def __post_init__(self) -> None:
-        self.too_near = self.asked
+        self.too_near = self.asked if self.beyond is None else self.beyond
 
     @property
     def is_done(self) -> bool:
@@ -120,7 +121,8 @@ class Narrowing:
         """First as near as the hardware of the change reaches, then a search a little or half-way closer."""
         self.steps += 1
         if self.steps == 1:
-            self.change = with_its_hardware(self.asked, self.change, self.relaxed, turn)
+            self.change = with_its_hardware(self.too_near, self.change, self.relaxed, turn)
+            self.is_least = self.beyond is not None and self.gap <= CLOSER
             return
         limit = self.change.limit
         near = self.asked if self.share == CLOSER else self.too_near if self.too_long is None else self.too_long

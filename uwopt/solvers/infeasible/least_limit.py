@@ -18,6 +18,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.solvers.infeasible.least_change import Change, Narrowing, less_of, rounded_away
 from uwopt.solvers.infeasible.reached import deepest, judged_by, miss, rated_depth, reached_value
 from uwopt.solvers.infeasible.relaxer import ANY, CHEAPEST
+from uwopt.solvers.infeasible.sharpest import SHARP
 from uwopt.solvers.infeasible.trials import Trials
 from uwopt.solvers.recommend import Sought
 
@@ -137,13 +138,19 @@ class LeastLimit:
 
     def _narrow(self, turn: Deadline) -> None:
         """Begin at what the design at hand reaches; where that has no figure, nothing less is known."""
+        if self.name == SHARP:
+            few = self.trials.relaxer.among_few(self.one.mission, ANY, {SHARP}, turn)
+            self.found = few if few is not None and few.outcome.best else self.found
         needed = self._reached(self.found)
         if needed is None:
             self.is_least = True
             return
         section, key, _ = RELAXABLE[self.name]
         relaxed = partial(with_limit, self.trials.mission, section, key, self.one.limit)
-        self.narrowing = Narrowing(self.one.limit, Change(needed, self.found), relaxed, self._search)
+        beyond = self.trials.relaxer.beyond(self.name, self.one.limit)
+        self.narrowing = Narrowing(
+            self.one.limit, Change(needed, self.found), relaxed, self._search, beyond=beyond
+        )
         self.narrowing.step(turn)
 
     def _draw_by_few(self, narrowing: Narrowing, goal: Objective, turn: Deadline) -> None:

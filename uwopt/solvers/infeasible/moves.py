@@ -151,6 +151,8 @@ class Mover:
         self.base = VariedMission(self.mission, {})
         known = self.trials.relaxer.settled
         self.useless |= {one.key.name: known[one.key.name] for one in self.tries if one.key.name in known}
+        never = {one.key.name: self.trials.relaxer.never_without(one.key.name) for one in self.tries}
+        self.useless |= {name: rules for name, rules in never.items() if rules}
 
     @property
     def mission(self) -> Mission:

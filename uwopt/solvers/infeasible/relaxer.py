@@ -30,6 +30,7 @@ from uwopt.solvers.exact.imagers import (
     fitting_pairs,
     landscapes,
 )
+from uwopt.solvers.exact.never_sharp import MAY_SHOW
 from uwopt.solvers.exact.search import Search, are_too_many
 from uwopt.solvers.infeasible.broken_rules import Broken
 from uwopt.solvers.infeasible.freed_rules import (
@@ -43,7 +44,9 @@ from uwopt.solvers.infeasible.freed_rules import (
     OTHER_WATER,
     in_the_way,
 )
+from uwopt.solvers.infeasible.none_left import DEPTH
 from uwopt.solvers.infeasible.settled import untouched
+from uwopt.solvers.infeasible.sharpest import SHARP, Sharpest, asked_of, most_of_parts
 from uwopt.solvers.recommend import Sought, seek
 from uwopt.solvers.warm.tables import asking, imagers_of
 
@@ -51,8 +54,10 @@ Array = NDArray[Any]
 FEW_PAIRS = 5000  # of camera and lens behind ports, likewise, of which most break some rule
 FEW_IMAGERS = 250  # that are tried before all: where something fits at all, it is mostly among them
 QUICK = 30_000  # imagers: of so many bounds tell about as soon as of a few that none of them fits
+FEW_SHARPEST = 8  # the same, of those that may be sharpest
 FEW_PLACES = 12  # behind which these are: ports of like optics, by orientation
 CHEAPEST = Objective.of("cost")
+FEWER_PARTS = ("min_snr_red_db",)  # that some cameras never meet, and are left out for
 ANY = Objective.of("power")  # where any design that fits will do: by no other objective takes a search less
 
 class Relaxer:
@@ -136,6 +141,8 @@ class Relaxer:
             if share < 2:
                 return None
             imagers = known.take(np.arange(0, len(known), share))
+            if self.sharpest is not None and set(freed) == {SHARP}:
+                imagers = known.take(self.sharpest.first(FEW_SHARPEST))
         else:
             freed_pairs = self._freed_pairs(freed)
             most = number or FEW_IMAGERS
@@ -294,6 +301,8 @@ class Relaxer:
         """
         known = self.known_in_best_housing if one_housing else self.known_imagers
         if known is not None and OF_LIGHT.issuperset(freed):
+            if SHARP in freed and one_housing and self.sharpest is not None:
+                return known.take(self.sharpest.at_least(problem.mission))
             return known
         return self._imagers_of(problem, self._freed_pairs(freed), deadline, one_housing=one_housing)
 
@@ -309,6 +318,37 @@ class Relaxer:
             return in_best_housing(problem, block) if one_housing else block
 
         return imagers_of(problem, some, kept, deadline)
+
+    @cached_property
+    def sharpest(self) -> Sharpest | None:
+        """What those imagers reach of fine detail that break no other rule; None where no fine detail is asked for."""
+        known = self.known_in_best_housing
+        is_asked = not self.problem.paper and bool(asked_of(self.mission).any())
+        return Sharpest(self.problem, known) if known is not None and is_asked and not self.are_too_many else None
+
+    def never_without(self, name: str) -> tuple[str, ...]:
+        """What stands in the way whatever a requirement or key is, as no part ever meets it; nothing where any may."""
+        if name in (SHARP, *FEWER_PARTS) or not self.is_never_sharp:
+            return ()
+        out = {"depth_rating_m": (DEPTH,), HOURS: OF_HOURS}.get(name, ())
+        has_more = any(one.kind == "complete" and one.rule in out for one in self.selection.excluded)
+        return () if has_more else (SHARP,)
+
+    @cached_property
+    def is_never_sharp(self) -> bool:
+        """Whether no camera with any lens leaves the fine detail that is asked for, whatever else is asked."""
+        wanted = asked_of(self.mission)
+        if not wanted.any() or self.problem.paper or self.are_too_many or not len(self.pairs.camera):
+            return False
+        most = most_of_parts(self.problem, self.pairs.camera, self.pairs.lens).max(axis=0)
+        return bool((most < wanted).any())
+
+    def beyond(self, name: str, asked: float) -> float:
+        """The limit of a requirement nearest to what is asked at which bounds already tell that nothing fits."""
+        if name != SHARP or self.sharpest is None:
+            return asked
+        wanted, most = asked_of(self.mission), self.sharpest.most
+        return float(min([asked, *(most[most < wanted] / MAY_SHOW)]))
 
     @cached_property
     def known_imagers(self) -> Imagers | None:

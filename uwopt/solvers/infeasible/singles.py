@@ -60,6 +60,9 @@ class Singles:
     def __post_init__(self) -> None:
         known = self.trials.relaxer.settled
         self.useless |= {name: known[name] for name in self.trials.limits if name in known}
+        never = {name: self.trials.relaxer.never_without(name) for name in self.trials.limits}
+        self.useless |= {name: rules for name, rules in never.items() if rules}
+        self.unmet += dict.fromkeys(rule for rules in never.values() for rule in rules)
 
     def ask_suspects(self) -> None:
         """First of all drop those that likely stand in the way.
@@ -103,6 +106,8 @@ class Singles:
         """Drop all others at once, or those that leave the imagers as they are where else there are many to look at."""
         trials, relaxer = self.trials, self.trials.relaxer
         every = [other for other in trials.limits if other in MAY_PASS and other != name]
+        if trials.relaxer.is_never_sharp:  # what else is dropped helps nothing
+            return
         all_soon = relaxer.are_too_many or relaxer.is_soon_known(every)
         others = every if all_soon else [other for other in every if not MAY_PASS[other]]
         found = trials.seek_without(others, few_first=not relaxer.are_too_many) if others else None
