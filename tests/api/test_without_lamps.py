@@ -92,6 +92,8 @@ def test_lamps_are_taken_where_the_sun_does_not_reach(depth_m: float, lamps: boo
     result = uwopt.solve(mission([0, 2], depth_m=depth_m, min_uniformity=0.01) | {"catalog": lamps_too})
     assert result.best is not None and result.certificate is not None and result.certificate.adds_up()
     assert (result.best.hardware["light_count"] > 0) is lamps
+    assert ("no lamp" in repr(result)) is not lamps
+    assert "0 ×" not in repr(result)
 
 
 @pytest.mark.parametrize(("depth_m", "lamps"), [(6.0, False), (120.0, True)])

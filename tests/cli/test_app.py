@@ -354,6 +354,14 @@ def test_result_that_cannot_be_written_is_still_printed(
     assert "is a file, not a folder" in done.stderr
 
 
+def test_who_writes_an_order_reads_how_makers_are_asked(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    done = run("solve", MISSION, "--quick", "--out", out)
+    assert done.exit_code == 0, done.stderr
+    asked = f"uwopt tender {out}/result.json --out {out}/tender"
+    assert asked.split() == done.stderr.split()[-len(asked.split()):]  # fmt: skip
+
+
 # ---------------------------------------------------------------- report
 
 

@@ -145,6 +145,8 @@ BAD = [
     (changed("vehicle.altitud_m", 2), "did you mean altitude_m?"),
     (changed("vehicle.max_blur_px", 1), "max_blur_px belongs under requirements"),
     (changed("altitude_m", 1), "altitude_m belongs under vehicle"),
+    (changed("vehicle.lights", 2), "vehicle.lights is unknown; the key is light_count: write light_count: 2"),
+    (changed("vehicle.cameras", ["basler"]), "vehicle.cameras belongs under catalog; move it there"),
     (changed("limits.physics", "full"), "physics belongs at the top level"),
     (changed("limits.max_gsd", 1), "the key is max_gsd_mm under requirements"),
     (changed("qwertz", 1), "qwertz is unknown; known here are catalog, confidence, doubt, fixed, limits"),

@@ -56,6 +56,13 @@ DEFECTS = (
         test=f"{BOOK}::test_no_batteries_are_bought_where_the_vehicle_feeds_the_system",
     ),
     Defect(
+        name="a flash that the shutter cuts is said to give all of its light",
+        file="uwopt/report/card/blocks.py",
+        old="light_s = flash.light_s(np.array([1e-3 * open_ms]))",
+        new="light_s = flash.full_s",
+        test=f"{CARD}::test_what_a_flash_gives_within_the_exposure_is_told",
+    ),
+    Defect(
         name="what floats needs no ballast",
         file="uwopt/report/text/not_counted.py",
         old="> FLOATS_KG",

@@ -79,6 +79,9 @@ def hand_over(
         raise refused
     if written and not quiet:
         told("written: " + ", ".join(str(path) for path in written), DONE)
+        if isinstance(result, Result) and result.command == "solve" and result.best is not None:
+            command = f"uwopt tender {out}/result.json --out {out}/tender"
+            told(f"to ask makers for quotes, sheets and a letter: {command}", DONE)
     if deadline.left_out:
         told(no_time_for(deadline), DONE)
 

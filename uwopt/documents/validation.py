@@ -171,6 +171,8 @@ def unknown_key(key: str, value: Any, here: str, places: Mapping[str, tuple[str,
     plain = key.casefold().replace("-", "_").replace(" ", "_")
     if own := _other_unit(plain, value, places[here]):
         return f"is unknown; the key is {own[0]}{own[1]}"
+    if (counted := f"{plain.removesuffix('s')}_count") in places[here] and _is_count(value):
+        return f"is unknown; the key is {counted}: write {counted}: {show(value)}"
     for exact in (True, False):
         for name, keys in places.items():
             inside = name == here
@@ -188,6 +190,12 @@ def unknown_key(key: str, value: Any, here: str, places: Mapping[str, tuple[str,
         if near:
             return f"is unknown; did you mean {near}" + (f" under {name}?" if name not in ("", here) else "?")
     return f"is unknown; known here are {', '.join(sorted(places[here]))}"
+
+
+def _is_count(value: Any) -> bool:
+    """Whether a value is a whole number, or a list of them."""
+    values = value if isinstance(value, list) and value else [value]
+    return all(isinstance(one, int) and not isinstance(one, bool) for one in values)
 
 
 def _other_unit(key: str, value: Any, known: tuple[str, ...]) -> tuple[str, str] | None:

@@ -7,7 +7,7 @@ from html import escape
 from typing import TYPE_CHECKING, Any
 
 from uwopt.errors import RangeError
-from uwopt.results.design import Design
+from uwopt.results.design import Design, lamps_in_words
 from uwopt.results.front import FrontResult
 from uwopt.results.result import Result
 
@@ -48,7 +48,7 @@ def parts_text(design: Design) -> str:
     """Ids of the parts, with the number of lights."""
     hardware = design.hardware
     *ids, light = (part.id for part in hardware.named.values())
-    return " + ".join([*ids, f"{hardware.light_count} × {light}"])
+    return " + ".join([*ids, lamps_in_words(hardware.light_count, light, "×")])
 
 
 # ---------------------------------------------------------------- HTML

@@ -304,6 +304,11 @@ class Design(Record):
         return frame_of({"bill": lambda: bill_rows(self)}, "bill")
 
 
+def lamps_in_words(count: int, lamp: str, times: str = "x") -> str:
+    """How many lamps of which kind, `2 x lamp`; without any `no lamp`, whatever stands for that."""
+    return f"{count} {times} {lamp}" if count else "no lamp"
+
+
 def given_settings(settings: Mapping[str, float | None]) -> dict[str, float]:
     """One scene's settings as a system file states them."""
     known = {key: value for key in STATED if (value := settings.get(key)) is not None}

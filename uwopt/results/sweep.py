@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from uwopt.results.design import Note
+from uwopt.results.design import Note, lamps_in_words
 from uwopt.results.frames import frame_of
 from uwopt.results.record import RECORD, FiledRecord, Flag, Number, Record, Whole
 
@@ -51,7 +51,7 @@ class SweepKit(Record):
         cameras = "" if self.camera_count == 1 else f"{self.camera_count} x "
         before = [self.complete] if self.complete else [self.camera, self.lens, self.port]
         housing = [self.housing] if self.housing and not self.complete else []
-        return f"{cameras}{' + '.join([*before, *housing])} + {self.light_count} x {self.light}"
+        return f"{cameras}{' + '.join([*before, *housing, lamps_in_words(self.light_count, self.light)])}"
 
 
 @dataclass(frozen=True, config=RECORD)

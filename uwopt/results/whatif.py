@@ -10,7 +10,7 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from uwopt.results.basis import ObjectiveValue
-from uwopt.results.design import Note
+from uwopt.results.design import Note, lamps_in_words
 from uwopt.results.frames import frame_of
 from uwopt.results.record import RECORD, FiledRecord, Flag, Number, Record, Whole
 
@@ -47,7 +47,7 @@ class WinningSystem(Record):
     @property
     def parts(self) -> str:
         """In one line."""
-        return f"{self.camera} + {self.lens} + {self.port} + {self.light_count} x {self.light}"
+        return f"{self.camera} + {self.lens} + {self.port} + {lamps_in_words(self.light_count, self.light)}"
 
 
 @dataclass(frozen=True, config=RECORD)

@@ -146,6 +146,25 @@ def test_the_pulse_may_come_late_by_what_the_exposure_is_longer(card: SettingsCa
     assert "Trigger: the pulse begins with the exposure, or up to 2.0 ms later without any loss." in said
 
 
+@pytest.mark.parametrize(("exposure_ms", "told"), [
+    # 2 ms to 7 % of the peak: tau = 2 / ln(1 / 0.07) = 0.7521 ms, over at 1 % after 3.46 ms. Till 0.448 ms it gives
+    # (1 - exp(-0.5957)) / 0.99 = 45.3 %; u = 0.2979, sigma = tau sqrt(1 - (u / sinh u)^2) = 0.1286 ms, 2 sqrt(3) of it
+    (0.448, "45.3 % of its light falls within the exposure, and no more is counted; it blurs as 0.44 ms"),
+    # the whole: truncated exponential at ln 100, sigma = 0.8839 tau
+    (20.0, "100 % of its light falls within the exposure, and no more is counted; it blurs as 2.3 ms"),
+])  # fmt: skip
+def test_what_a_flash_gives_within_the_exposure_is_told(exposure_ms: float, told: str) -> None:
+    settings = {"f_number": 4.0, "exposure_ms": exposure_ms, "gain": 4.0, "frame_rate_hz": 0.5}
+    mission = {**MISSION, "physics": "full", "requirements": {"overlap": 0.0, "min_snr_db": 5}}
+    made = evaluate(mission, PRICED | {"light": "generic-flash-50j", "light_count": 2, "settings": settings})
+    card = settings_card(made)
+    assert card is not None
+    said = [getattr(line, "plain", "") for line in card.blocks[0].lines]
+    assert any(told in line for line in said)
+    others = "The shutter is open for 20.0 ms all the same: other lights of the vehicle must be off"
+    assert any(others in line for line in said) == (exposure_ms == 20.0)
+
+
 def test_the_day_s_work_is_that_of_an_hour(card: SettingsCard, result: Result) -> None:
     # by hand: 1.504 m at 0.5 m/s for 3600 s; 2 images of 2000 x 1000 px in a second for an hour at 1.5 or 2 byte each
     told = rows(card, "The day's work")

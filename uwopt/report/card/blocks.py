@@ -34,6 +34,7 @@ SCALE_READ_FRAC = 0.05  # of a distance: as well as a lens's scale is read and s
 SETTINGS_OWN = ("f-number", "exposure", "pulse", "gain as a ratio", "light level")
 DECIBELS = Decimal("0.1")  # as finely as a gain is set
 NARROW = 5e-4  # share of a setting: what is nearer to it than this, nobody sets
+OPEN_LONG = 3.0  # times as long as the light: what else burns counts
 NAMES = {name: text for name, (text, _) in vocabulary.SETTINGS.items()} | {BOTH_TIMES: "exposure and pulse together"}
 SHOWN = ("f_number", "focus_distance_m", "exposure_ms", "pulse_ms", BOTH_TIMES, "gain_db", "dim_frac", "frame_rate_hz")
 
@@ -227,7 +228,22 @@ def trigger_sentences(model: DesignModel, scene: SceneResult, limits: dict[str, 
             first = words.requirement_name(limit.low_dark.requirement).partition(",")[0]
             late = f"{formats.quantity(spare_ms, 'ms', 2)} late, {first} breaks"
         yield f"{said}; all of the exposure is lit, so delay costs light: {late}."
+    if exposure_ms > OPEN_LONG * light_ms:
+        told = formats.quantity(exposure_ms, "ms", 3)
+        yield f"The shutter is open for {told} all the same: other lights of the vehicle must be off, none are counted."
+    if kind == FLASH and model.lights.flash.fade:
+        yield fading_text(model, min(exposure_ms - readout_ms, light_ms), sunlit=bool(model.rows[0].sun))
     yield "Ask the lamp's maker for its own delay, and allow for it in the strobe delay of the camera."
+
+
+def fading_text(model: DesignModel, open_ms: float, *, sunlit: bool) -> str:
+    """How much of a flash that fades falls within the open shutter, and how long steady light would blur as much."""
+    flash = model.lights.flash
+    light_s = flash.light_s(np.array([1e-3 * open_ms]))
+    share = formats.share(float((light_s / flash.full_s)[0]))
+    said = f"The flash fades: {share} of its light falls within the exposure, and no more is counted"
+    steady = formats.quantity(1e3 * float(flash.blur_s(light_s)[0]), "ms", 2)
+    return f"{said}." if sunlit else f"{said}; it blurs as {steady} of steady light would."
 
 
 # ---------------------------------------------------------------- how it stands, and what it does

@@ -8,6 +8,7 @@ from uwopt.report.text import formats, words
 from uwopt.report.text.layout import Block, Text, block, columns, note_blocks, sentence
 from uwopt.report.text.nothing_fits import infeasible_block
 from uwopt.report.text.verdict import axis_name, verdict
+from uwopt.results.design import lamps_in_words
 from uwopt.results.front import FrontMethod, FrontPoint, FrontResult
 from uwopt.units import format_number
 
@@ -85,7 +86,7 @@ def parts_text(point: FrontPoint) -> str:
     """Hardware by ids."""
     hardware = point.design.hardware
     *ids, light = (words.part_id(part) for part in hardware.named.values())
-    return " + ".join(ids) + f" + {hardware.light_count} x {light}"
+    return " + ".join([*ids, lamps_in_words(hardware.light_count, light)])
 
 
 def methods_block(front: FrontResult) -> Block:

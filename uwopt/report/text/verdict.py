@@ -11,7 +11,7 @@ from uwopt.report.text.doubts import NO_QUOTE_MATTERS, bad_ends_text, quote_text
 from uwopt.report.text.in_hand import fails_first
 from uwopt.report.text.nothing_fits import change_texts, miss_text, no_change_helps, what_helps
 from uwopt.report.text.tables import nearest_miss
-from uwopt.results.design import PRACTICE_YIELDS, Design
+from uwopt.results.design import PRACTICE_YIELDS, Design, lamps_in_words
 from uwopt.results.front import FrontObjective, FrontPoint, FrontResult
 from uwopt.results.result import Result
 from uwopt.units import format_number
@@ -33,14 +33,15 @@ def verdict(result: Result | FrontResult) -> tuple[str, str]:
 def system_text(design: Design) -> str:
     """`1 × camera with 1 × lens behind 1 × port, and 2 × light`."""
     hardware = design.hardware
-    many, lights = hardware.camera_count, hardware.light_count
+    many = hardware.camera_count
     names = {kind: words.part_name(part) for kind, part in hardware.named.items()}
+    lamps = lamps_in_words(hardware.light_count, names["light"], "×")
     if "complete" in names:
-        return f"{many} × {names['complete']}, complete with lens and port, and {lights} × {names['light']}"
+        return f"{many} × {names['complete']}, complete with lens and port, and {lamps}"
     return (
         f"{many} × {names['camera']} with {many} × {names['lens']} behind {many} × {names['port']}"
         + (f" in {many} × {names['housing']}" if "housing" in names else "")
-        + f", and {lights} × {names['light']}"
+        + f", and {lamps}"
     )
 
 
@@ -152,7 +153,7 @@ def short_system(point: FrontPoint) -> str:
     """Camera and lights, by which people tell systems apart."""
     hardware = point.design.hardware
     camera, light = words.part_name(hardware.camera), words.part_name(hardware.light)
-    return f"{hardware.camera_count} × {camera} with {hardware.light_count} × {light}"
+    return f"{hardware.camera_count} × {camera} with {lamps_in_words(hardware.light_count, light, '×')}"
 
 
 def value_texts(front: FrontResult, point: FrontPoint) -> list[str]:
