@@ -1,11 +1,11 @@
-"""Planted defects of what is known of fine detail where more of it is asked for than anything shows."""
+"""Planted defects of what is known, without a search, of how near to what is asked something may fit."""
 
 from __future__ import annotations
 
 from planted.defect import Defect
 
 SHARPEST, RELAXER = "uwopt/solvers/infeasible/sharpest.py", "uwopt/solvers/infeasible/relaxer.py"
-TESTS = "tests/solvers/test_sharpest.py"
+TESTS, DRAWN_IN = "tests/solvers/test_sharpest.py", "tests/solvers/test_drawn_in.py"
 OF_PARTS = f"{TESTS}::test_no_camera_with_a_lens_leaves_more_than_its_pixels_its_pupil_and_its_glass"
 OF_IMAGERS = f"{TESTS}::test_what_an_imager_reaches_at_any_f_number_is_within_its_bound"
 TOLD = f"{TESTS}::test_detail_that_no_parts_show_is_told_to_have_to_give_without_a_search_for_all_else"
@@ -73,5 +73,26 @@ DEFECTS: tuple[Defect, ...] = (
         old="self.asked if self.beyond is None else self.beyond",
         new="self.asked",
         test="tests/solvers/test_drawn_in.py::test_what_bounds_tell_of_a_change_is_not_searched_for",
+    ),
+    Defect(
+        name="pairs within the budget are not looked at",
+        file=RELAXER,
+        old="+ beside <= most * ROUND]",
+        new="+ beside <= 0.8 * most]",
+        test=f"{DRAWN_IN}::test_pairs_that_a_limit_of_cost_allows_by_no_port_are_not_looked_at_and_no_others",
+    ),
+    Defect(
+        name="pairs beyond the budget are looked at",
+        file=RELAXER,
+        old="        rows = {place: self._affordable(problem.mission, own, place) for place, own in rows.items()}\n",
+        new="",
+        test=f"{DRAWN_IN}::test_pairs_that_a_limit_of_cost_allows_by_no_port_are_not_looked_at_and_no_others",
+    ),
+    Defect(
+        name="the dearest are tried where the least cost is asked for",
+        file=RELAXER,
+        old="np.argsort(self._pair_prices[every[place]],",
+        new="np.argsort(-self._pair_prices[every[place]],",
+        test=f"{DRAWN_IN}::test_the_cheapest_behind_the_cheapest_ports_are_among_a_few",
     ),
 )

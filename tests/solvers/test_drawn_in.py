@@ -14,6 +14,7 @@ from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import Deadline
 from uwopt.solvers.exact.certificate import certificate
 from uwopt.solvers.infeasible import least_change, why_nothing
+from uwopt.solvers.infeasible import relaxer as relaxer_module
 from uwopt.solvers.infeasible.least_change import Change, Narrowing, with_its_hardware
 from uwopt.solvers.infeasible.least_limit import FIGURE_S, LeastLimit, Without
 from uwopt.solvers.infeasible.reached import judged_by, reached_value
@@ -117,3 +118,41 @@ def test_what_bounds_tell_of_a_change_is_not_searched_for(monkeypatch):
 def fitting(does: bool) -> Any:
     """A search that found something, or nothing."""
     return SimpleNamespace(outcome=SimpleNamespace(best=[1] * does))
+
+
+def dear(parts: Path, catalog: Catalog, cost: float) -> Relaxer:
+    """What a mission of two cameras, two lenses and two ports shares that is to cost less than any of them."""
+    wanted = mission(parts, lenses=("zz-lens", "zz-wide")).with_changes(limits={"cost": cost})
+    data = wanted.to_dict()["catalog"] | {"cameras": ["zz-cam", "zz-other"], "lenses": ["zz-lens", "zz-corner"]}
+    wanted = wanted.with_changes(catalog=data)
+    return Relaxer(wanted, catalog, "never", seek(wanted, catalog, POWER, generic="never", top=1))
+
+
+def test_pairs_that_a_limit_of_cost_allows_by_no_port_are_not_looked_at_and_no_others(parts, catalog, monkeypatch):
+    """zz-cam 500, zz-other up to 2000, each lens 300, ports 200 and 900: 1000, 2500, 1700, 3200 USD."""
+    relaxer, listed = dear(parts, catalog, 100.0), relaxer_module.imagers_of
+    looked_at = list[int]()
+
+    def counted(problem: Any, some: Any, *more: Any) -> Any:
+        looked_at.append(sum(len(camera) for camera, _ in some.values()))
+        return listed(problem, some, *more)
+
+    monkeypatch.setattr(relaxer_module, "imagers_of", counted)
+    found = []
+    for limit in (999.0, 1000.0, 1699.0, 2499.0, 2500.0, 9999.0):
+        problem = relaxer.asking(relaxer.mission.with_changes(limits={"cost": limit}))
+        found.append(len(relaxer.imagers(problem, {"cost"}, one_housing=False)))
+    assert found == [0, 2, 2, 4, 6, 8] and looked_at == [0, 2, 2, 4, 6, 8]
+
+
+def test_the_cheapest_behind_the_cheapest_ports_are_among_a_few(parts, catalog, monkeypatch):
+    monkeypatch.setattr(relaxer_module, "FEW_CHEAPEST", 2)
+    monkeypatch.setattr(relaxer_module, "FEW_PLACES", 1)
+    relaxer = dear(parts, catalog, 100.0)
+    every = relaxer._freed_pairs({"cost"})
+    (place,) = (one for one in every if relaxer.problem.parts.ports[one[0]].id == "zz-port")
+    last = {one: rows[-1:] for one, rows in every.items()}
+    made = relaxer._with_cheapest(last, every)
+    names = {relaxer.problem.parts.cameras[relaxer.pairs.camera[row]].id for row in made[place]}
+    assert names == {"zz-cam", "zz-other"} and len(made[place]) == 3  # both lenses of the one, and what was there
+    assert all(list(made[one]) == list(last[one]) for one in every if one != place)

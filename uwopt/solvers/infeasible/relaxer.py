@@ -49,11 +49,13 @@ from uwopt.solvers.infeasible.settled import untouched
 from uwopt.solvers.infeasible.sharpest import SHARP, Sharpest, asked_of, most_of_parts
 from uwopt.solvers.recommend import Sought, seek
 from uwopt.solvers.warm.tables import asking, imagers_of
+from uwopt.tolerances import ROUND
 
 Array = NDArray[Any]
 FEW_PAIRS = 5000  # of camera and lens behind ports, likewise, of which most break some rule
 FEW_IMAGERS = 250  # that are tried before all: where something fits at all, it is mostly among them
 QUICK = 30_000  # imagers: of so many bounds tell about as soon as of a few that none of them fits
+FEW_CHEAPEST = 1500  # the same, of those that cost least, of which many are of no use
 FEW_SHARPEST = 8  # the same, of those that may be sharpest
 FEW_PLACES = 12  # behind which these are: ports of like optics, by orientation
 CHEAPEST = Objective.of("cost")
@@ -151,6 +153,8 @@ class Relaxer:
             some = few_places(place for place, rows in freed_pairs.items() if len(rows))
             share = max(1, sum(len(freed_pairs[place]) for place in some) // most)
             few = {place: freed_pairs[place][start % share :: share] for start, place in enumerate(some)}
+            if set(freed) == {"cost"}:
+                few = self._with_cheapest(few, freed_pairs)
             imagers = self._imagers_of(problem, few, NEVER, one_housing=True)
         return found_among(self.selection, problem, goal, imagers, deadline, enough=enough, ceiling=ceiling)
 
@@ -283,6 +287,37 @@ class Relaxer:
         rules = frozenset[str]().union(*(FREES[name] for name in freed))
         return self.broken.no_more_than(rules, some=OF_IMAGERS.issuperset(freed))
 
+    @cached_property
+    def _pair_prices(self) -> Array:
+        """What the camera and the lens of each pair count against a limit of cost, all cameras together."""
+        problem, pairs = self.problem, self.pairs
+        each = problem.cameras.limit_price[pairs.camera] + problem.lenses.limit_price[pairs.lens]
+        return np.asarray(problem.mission.vehicle.camera_count * each)
+
+    def _with_cheapest(
+        self, few: dict[tuple[int, bool], Array], every: dict[tuple[int, bool], Array]
+    ) -> dict[tuple[int, bool], Array]:
+        """Some pairs behind like ports, and the cheapest behind the cheapest ports: what costs least is often there.
+
+        Of the cheapest alone many are of no use, and evenly from all over few are cheap.
+        """
+        prices = self.problem.ports.limit_price
+        cheap = sorted((place for place in every if len(every[place])), key=lambda place: prices[place[0]])[:FEW_PLACES]
+        made, most = {**few}, FEW_CHEAPEST // max(len(cheap), 1)
+        for place in cheap:
+            first = np.argsort(self._pair_prices[every[place]], kind="stable")[:most]
+            made[place] = np.union1d(every[place][first], few.get(place, first[:0]))
+        return made
+
+    def _affordable(self, mission: Mission, rows: Array, place: tuple[int, bool]) -> Array:
+        """Of some pairs behind like ports those that may keep a mission's limit of cost, without any lamp."""
+        problem, most = self.problem, mission.limits.cost
+        if most is None:
+            return rows
+        alike = next(ports for ports in problem.port_groups if ports[0] == place[0])
+        beside = problem.extras[0] + mission.vehicle.camera_count * problem.ports.limit_price[alike].min()
+        return np.asarray(rows[self._pair_prices[rows] + beside <= most * ROUND])
+
     def imagers_in_time(
         self, problem: Problem, freed: Collection[str], deadline: Deadline, *, one_housing: bool
     ) -> Imagers | None:
@@ -312,6 +347,7 @@ class Relaxer:
         """Those of some pairs behind like ports that keep all rules that are left."""
         assert self.broken is not None
         pairs = self.broken.pairs
+        rows = {place: self._affordable(problem.mission, own, place) for place, own in rows.items()}
         some = {place: (pairs.camera[own], pairs.lens[own]) for place, own in rows.items()}
 
         def kept(block: PortBlock) -> PortBlock:
