@@ -19,7 +19,7 @@ from uwopt.mission.strictness import Asking, sign_of
 from uwopt.mission.varying import VariedMission
 from uwopt.objectives.goal import goal_of
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.warm import searches
+from uwopt.solvers.warm import family, searches
 from uwopt.solvers.warm.kept import KeptBounds, sizes
 from uwopt.solvers.warm.searches import Warm, WarmAnswer, weakest_first
 
@@ -77,9 +77,11 @@ def agree(warm: Warm, mission: Mission, *, ahead: bool = True) -> tuple[Any, ...
 @pytest.fixture
 def small_sizes(monkeypatch: pytest.MonkeyPatch) -> None:
     """Sizes as shipped are larger than a small catalogue; these make every way of using bounds count."""
-    least = {"FIRST": 1, "WORTH_BOUNDING": 0, "MOST_BOUNDS": 2, "MANY": 0, "LEAST_GUESS": 0.0, "MOST_GUESS": 0.0}
-    for name, value in least.items():
-        monkeypatch.setattr(searches, name, value)
+    for module, name, value in (
+        (searches, "FIRST", 1), (searches, "WORTH_BOUNDING", 0), (searches, "MANY", 0), (family, "MOST_BOUNDS", 2),
+        (family, "LEAST_GUESS", 0.0), (family, "MOST_GUESS", 0.0),
+    ):  # fmt: skip
+        monkeypatch.setattr(module, name, value)
 
 
 @pytest.mark.usefixtures("small_sizes")

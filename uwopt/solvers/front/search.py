@@ -32,9 +32,9 @@ from uwopt.solvers.exact.node_designs import NodeDesigns
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.front.curves import Curves
 from uwopt.solvers.front.hopeful import Hopeful
-from uwopt.solvers.front.large import WITHOUT_BOUND, Undominated, in_layers
 from uwopt.solvers.front.points import PointsFound, largest_left, quality_of
 from uwopt.solvers.front.trade_curves import Answers, Trade
+from uwopt.solvers.front.undominated import WITHOUT_BOUND, Undominated, in_layers
 from uwopt.solvers.settings import windows
 from uwopt.solvers.settings.mean_limit import MeanLimit
 
@@ -120,7 +120,7 @@ class FrontSearch:
         if candidates is not self.search.candidates:
             self._keep()
             self.search.take_up(candidates)
-        ideal, lighting, imager = self._units(imagers)
+        ideal, lighting, imager = self._nodes(imagers)
         left = np.ones(len(ideal), bool)
         try:
             self._layers(ideal, lighting, imager, left)
@@ -143,7 +143,7 @@ class FrontSearch:
             self.curves[place] = replace(curves, some=replace(curves.some, imager=at))
         self.n_kept = len(self.curves)
 
-    def _units(self, every: Array) -> tuple[Array, Array, Array]:
+    def _nodes(self, every: Array) -> tuple[Array, Array, Array]:
         """Ideals of all nodes of some imagers that may be feasible, with their lighting and imager."""
         bounds, imagers = self.search.bounds, self.search.imagers
         ideals, lightings, rows = [np.empty((0, len(self.axes)))], [np.empty(0, int)], [np.empty(0, int)]  # no lamps

@@ -10,15 +10,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple
+from dataclasses import dataclass, replace
+from typing import Any
 
 from numpy.typing import NDArray
 
 from uwopt.catalog.choose import Selection, ToBeMade
 from uwopt.catalog.records import Kind
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError
-from uwopt.errors import SolverError
 from uwopt.forward.assembly import build_problem, load_catalog, selected
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import SceneOptics
@@ -33,18 +32,16 @@ from uwopt.solvers.exact.search import Search, are_too_many
 from uwopt.solvers.made import fewest_made
 from uwopt.solvers.recommend import GENERIC_GAIN, Sought
 from uwopt.solvers.settings.best import scenes_need_cells
+from uwopt.solvers.warm.family import Family, Met
 from uwopt.solvers.warm.kept import KeptBounds, least_of_designs, least_of_nodes, some_nodes
 from uwopt.solvers.warm.parts import PartIds, ids_of, joined_ids, only
 from uwopt.solvers.warm.tables import asking
 from uwopt.tolerances import AGREES_REL
 
-LEAST_GUESS, MOST_GUESS = 0.02, 0.15  # by which share the optimum is worse than that of a weaker mission, it is guessed
 FIRST = 500  # nodes that are searched first where no weaker mission is known to be met
 MANY = 50_000  # nodes to search where nothing is known to fit: worth a closer look at the last mission that was met
 WORTH_BOUNDING = 1000  # nodes that had to be searched: few of them are left once they are bounded at this mission
 MOST_FAMILIES = 12  # whose bounds are kept: up to 10 MB each
-MOST_BOUNDS = 12  # of one family
-MOST_SHOWN = 64  # values of a family that what is proven is held against
 MOST_SCENES = 8  # problems that are remembered for the light of their scenes
 
 
@@ -80,55 +77,6 @@ class WarmStage:
         outcome = sought.outcome
         found = outcome.best[0] if outcome.best else None
         return WarmAnswer(sought, found, outcome.complete, outcome.lower_bound, *by, outcome.interrupted)
-
-
-class Met(NamedTuple):
-    """A mission that something meets."""
-
-    asks: Asking
-    mission: Mission
-    minimised: float  # the optimum
-    lower_bound: float  # that is proven
-
-
-@dataclass
-class Family:
-    """What is known of missions that differ in what is sure to ask for more, of the same parts."""
-
-    bounds: list[tuple[Asking, KeptBounds]] = field(default_factory=list)
-    met: list[Met] = field(default_factory=list)
-    missed: list[Asking] = field(default_factory=list)  # by everything
-    shown: list[tuple[Asking, float]] = field(default_factory=list)  # values that something reaches
-    waiting: tuple[Asking, Sought] | None = None  # a search whose bounds are not taken yet
-    share: float = MOST_GUESS  # by which the next optimum is guessed to be worse than that of a weaker mission
-
-    def learn(self, goal: Objective, weaker: Met, reached: float) -> None:
-        """Guess the next step as twice the last."""
-        seen = goal.share(max(reached - weaker.minimised, 0.0), weaker.minimised)
-        self.share = min(max(2.0 * seen, LEAST_GUESS), MOST_GUESS)
-
-    def nearest_met(self, asks: Asking) -> Met | None:
-        """Of the missions that ask for no more the one whose optimum is the worst."""
-        weaker = [one for one in self.met if one.asks.asks_no_more(asks)]
-        return max(weaker, key=lambda one: one.minimised, default=None)
-
-    def show(self, goal: Objective, asks: Asking, reached: float) -> None:
-        """Something reaches a value in a mission; raises SolverError where nothing should in one that asks for less."""
-        if any(one.asks.asks_no_more(asks) and is_below(goal, reached, one.lower_bound) for one in self.met):
-            raise SolverError(contradiction(goal, reached))
-        self.shown = [*self.shown[1 - MOST_SHOWN :], (asks, reached)]
-
-    def prove(self, goal: Objective, asks: Asking, lower_bound: float) -> None:
-        """Nothing is better in a mission; raises SolverError where something is, in that or one that asks for more."""
-        for stricter, reached in self.shown:
-            if asks.asks_no_more(stricter) and is_below(goal, reached, lower_bound):
-                raise SolverError(contradiction(goal, reached))
-
-    def keep(self, asks: Asking, kept: KeptBounds) -> None:
-        """Further bounds; of many the first and the last few stay."""
-        self.bounds.append((asks, kept))
-        if len(self.bounds) > MOST_BOUNDS:
-            del self.bounds[1]
 
 
 class Warm:
@@ -443,21 +391,6 @@ def reached_by(sought: Sought) -> float:
     """The best value that a search has found; inf of none."""
     best = sought.outcome.best
     return best[0].minimised if best else math.inf
-
-
-def is_below(goal: Objective, value: float, bound: float) -> bool:
-    """Whether a value is below a bound by more than two ways of computing it differ."""
-    if math.isinf(bound):
-        return value < bound
-    return goal.share(max(bound - value, 0.0), bound) > AGREES_REL
-
-
-def contradiction(goal: Objective, reached: float) -> str:
-    """What to say where a search that was helped by others has missed something."""
-    return (
-        f"something reaches {goal.reported(reached):.9g} that a search which used bounds of other missions has missed; "
-        "this is a defect of uwopt"
-    )
 
 
 def is_better(other: Sought, first: Sought) -> bool:

@@ -1,7 +1,7 @@
-"""Fronts of large catalogues: pairs of camera and lens, and groups of ports, are discarded by their ideal points.
+"""What a search for a front looks for: designs that no point found is as good as in every objective.
 
-What is at best behind a group of ports is a point; where a design that was found is as good in every objective, no
-design behind those ports is missed. What is left is searched as the imagers of a small catalogue.
+What nodes, or groups of them, are at best is a point; where a point found is as good as it everywhere, no design of
+theirs is missed.
 """
 
 from __future__ import annotations
