@@ -162,17 +162,11 @@ class Batch:
             lights=lights,
             count=d.count.astype(float),
             view=view.with_arrays(by_altitude),
-            focus_map=self._focus_map(scene, index),
+            focus_map=focus_maps(problem, index, d.port),
             lever_m=by_altitude(levers_m(scene, problem.ports.outer_radius_m[d.port])),
             light=light.scaled(lights.output_factor).with_arrays(by_altitude),
             sun=None if sun is None else sun.with_arrays(by_altitude),
         )
-
-    def _focus_map(self, scene: SceneOptics, index: int) -> FocusMap:
-        """Focus maps of all designs' ports as columns."""
-        ports, back = np.unique(self.designs.port, return_inverse=True)
-        maps = [focus_map(scene, self.problem.shape(int(port), index)) for port in ports]
-        return FocusMap(*(np.array([getattr(m, f.name) for m in maps])[back] for f in fields(FocusMap)))
 
     def sharp_rows(self, index: int, dioptre_per_m: Array) -> SharpRows:
         """What the sharpness of all designs depends on at this focus; what no focus changes is worked out once."""
@@ -206,6 +200,13 @@ class Batch:
         lean = Batch(self.problem.with_effects(effects), self.designs)
         lean._signals = self._signals  # with the window's loss by angle, which is then no less true
         return lean
+
+
+def focus_maps(problem: Problem, scene_index: int, port: Array) -> FocusMap:
+    """Focus maps of designs' ports in one scene, as columns."""
+    ports, back = np.unique(port, return_inverse=True)
+    maps = [focus_map(problem.scenes[scene_index], problem.shape(int(one), scene_index)) for one in ports]
+    return FocusMap(*(np.array([getattr(one, f.name) for one in maps])[back] for f in fields(FocusMap)))
 
 
 def by_altitude(column: Array) -> Array:

@@ -7,17 +7,16 @@ What counts as feasible is what the margins of an evaluation say; a design's fig
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward.batch import focus_maps
 from uwopt.forward.figures import DesignRows, Figures, SettingRows, figures_of, levers_m
 from uwopt.forward.part_columns import FLASH
 from uwopt.forward.setting_rows import SceneRows, setting_rows
-from uwopt.forward.views import focus_map
-from uwopt.model.port import FocusMap
 from uwopt.objectives.objective import MAXIMISED, Terms
 from uwopt.objectives.own import OwnObjective
 from uwopt.objectives.requirements import (
@@ -143,13 +142,10 @@ class Evaluator:
         """The forward model's view of designs in one scene."""
         problem, imagers, scene = self.problem, self.search.imagers, self.problem.scenes[s]
         port, lights = imagers.port[built.imager], problem.lights.take(built.light)
-        ports, back = np.unique(port, return_inverse=True)
-        maps = [focus_map(scene, problem.shape(int(p), s)) for p in ports]
-        columns = [np.array([getattr(m, f.name) for m in maps])[back] for f in fields(FocusMap)]
         return DesignRows(
             cameras=problem.cameras.take(imagers.camera[built.imager]),
             lenses=problem.lenses.take(imagers.lens[built.imager]), lights=lights, count=built.count.astype(float),
-            view=imagers.scenes[s].view.take(built.imager), focus_map=FocusMap(*columns),
+            view=imagers.scenes[s].view.take(built.imager), focus_map=focus_maps(problem, s, port),
             lever_m=levers_m(scene, problem.ports.outer_radius_m[port]),
             light=seen.light.scaled(lights.output_factor), sun=seen.sun, sharp=seen.sharp,
             spacer_m=imagers.scenes[s].focused.spacer_m[built.imager],

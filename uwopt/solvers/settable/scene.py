@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from uwopt.deadline import NEVER, Deadline
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.evaluation.leaning import LeaningModel
+from uwopt.forward.columns import Columns
 from uwopt.forward.figures import DesignRows, Figures, SettingRows, figures_of
 from uwopt.forward.lamp_light import ImageLight
 from uwopt.forward.part_columns import FLASH, PULSED
@@ -54,8 +55,8 @@ OPEN_LONGER = (0.0, 0.5, 1.0)  # of the optimum's open shutter beyond the pulse,
 
 
 @dataclass(frozen=True)
-class Tried:
-    """Settings and what the evaluation says of them; columns."""
+class Tried(Columns):
+    """Settings and what the evaluation says of them."""
 
     settings: SettingRows
     shortfall: Array  # of the requirement that is missed most, as a share of its size; 0: all hold
@@ -66,20 +67,6 @@ class Tried:
     snr_db: Array
     contrast: Array
     information: Array
-
-    def take(self, index: Index) -> Tried:
-        """These rows only."""
-        rest = {f.name: getattr(self, f.name)[index] for f in fields(self) if f.name != "settings"}
-        return Tried(self.settings.take(index), **rest)
-
-    @staticmethod
-    def joined(parts: list[Tried]) -> Tried:
-        """All rows of some lists."""
-        names = [f.name for f in fields(SettingRows)]
-        settings = {name: np.concatenate([getattr(p.settings, name) for p in parts]) for name in names}
-        rest = [f.name for f in fields(Tried) if f.name != "settings"]
-        columns = {name: np.concatenate([getattr(p, name) for p in parts]) for name in rest}
-        return Tried(SettingRows(**settings), **columns)
 
     def best_of_each(self, group: Index) -> Index:
         """The best row of each group, in the groups' order: least missed, best; of equals the one farthest from its
