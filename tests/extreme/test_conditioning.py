@@ -22,7 +22,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.solvers.continuous.optimality import derivatives
 from uwopt.solvers.continuous.pieces import SmoothDesign, SmoothScene, pieces_of
 from uwopt.solvers.continuous.program import Program, names_of_rules
-from uwopt.solvers.continuous.solve_settings import PROOF, ContinuousResult, solve_settings
+from uwopt.solvers.continuous.solve_settings import PROOF, Verdict, solve_settings
 from uwopt.solvers.settings.best import best_settings
 from uwopt.solvers.settings.question import Question
 
@@ -73,7 +73,7 @@ def rows_of(truth: Truth) -> SceneRows:
     )  # fmt: skip
 
 
-def solved(truths: list[Truth], objective: Objective, method: Any, **more: Any) -> ContinuousResult:
+def solved(truths: list[Truth], objective: Objective, method: Any, **more: Any) -> Verdict:
     """The answer for lights alone: a camera's power would hide theirs."""
     return solve_settings(
         SmoothDesign.of(
@@ -83,7 +83,7 @@ def solved(truths: list[Truth], objective: Objective, method: Any, **more: Any) 
     )  # fmt: skip
 
 
-def assert_honest(found: ContinuousResult, truths: list[Truth], best: Any, *, absolute: float = 0.0) -> None:
+def assert_honest(found: Verdict, truths: list[Truth], best: Any, *, absolute: float = 0.0) -> None:
     """Settings that are called feasible are so in arbitrary precision, and none is better than the truth."""
     if found.status == "infeasible":
         assert best is None, found
@@ -92,7 +92,8 @@ def assert_honest(found: ContinuousResult, truths: list[Truth], best: Any, *, ab
         return
     assert best is not None, found
     for index, truth in enumerate(truths):
-        at = [mp.mpf(column[index]) for column in (found.f_number, found.level, found.time_s, found.gain)]
+        own = found.settings[index]
+        at = [mp.mpf(number) for number in (own.f_number, own.level, own.time_s, own.gain)]
         mu = truth.electrons(*at[:3])
         gain = mp.mpf(truth.gain_dn_per_e) * at[3]
         variance = (

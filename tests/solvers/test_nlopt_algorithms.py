@@ -17,7 +17,7 @@ from uwopt.solvers.continuous import nlopt_algorithms
 from uwopt.solvers.continuous.pieces import SmoothDesign, SmoothScene, pieces_of
 from uwopt.solvers.continuous.program import Program, names_of_rules
 from uwopt.solvers.continuous.reduced import Reduced
-from uwopt.solvers.continuous.solve_settings import ALGORITHMS, FEASIBLE, ContinuousResult, solve_settings
+from uwopt.solvers.continuous.solve_settings import ALGORITHMS, FEASIBLE, Verdict, solve_settings
 from uwopt.solvers.settings.best import best_settings
 from uwopt.solvers.settings.question import Question
 
@@ -67,7 +67,7 @@ def closed_form(rows: list[SceneRows], objective: Objective) -> float | None:
 
 def solved(
     rows: list[SceneRows], objective: Objective, method: Any, *, max_seconds: float | None = None
-) -> ContinuousResult:
+) -> Verdict:
     return solve_settings(
         SmoothDesign.of(
             rows, motorised=False, camera_power_w=CAMERA_W, cost=COST, mass_kg=MASS_KG, gsd_mm=GSD_MM
@@ -76,7 +76,7 @@ def solved(
     )  # fmt: skip
 
 
-def assert_honest(found: ContinuousResult, value: float | None) -> None:
+def assert_honest(found: Verdict, value: float | None) -> None:
     """An optimum is one, feasible is feasible, and nobody is better than the certificate."""
     if found.status == "optimal":
         assert value is not None and found.objective_value == pytest.approx(value, rel=AGREE), found

@@ -27,7 +27,7 @@ from uwopt.errors import UwoptError
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.continuous.opinions import why_not_smooth
-from uwopt.solvers.continuous.pieces import SmoothDesign
+from uwopt.solvers.continuous.pieces import SmoothDesign, SmoothSettings
 from uwopt.solvers.continuous.solve_settings import ALGORITHMS, FEASIBLE, Method, solve_settings
 from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.ranking import Ranking
@@ -127,15 +127,16 @@ def solve_one(ground: LoopGround, method: Method, built: Any, i: int, rows: list
     referee.evaluations += found.iterations
     if found.objective_value is None or found.status not in ("optimal", "feasible"):
         return
-    columns = zip(rows, found.f_number, found.time_s, found.level, found.gain, strict=True)
-    settings = [numbers(row, *values) for row, *values in columns]
+    settings = [numbers(row, at) for row, at in zip(rows, found.settings, strict=True)]
     ground.claim(found.objective_value, built, i, settings)
 
 
-def numbers(row: Any, f_number: float, time_s: float, level: float, gain: float) -> dict[str, float]:
+def numbers(row: Any, at: SmoothSettings) -> dict[str, float]:
     """One scene's settings as the evaluation takes them."""
-    exposure_s = float(row.exposure_s(np.array([time_s]))[0])
-    return {"f_number": f_number, "time_s": time_s, "level": level, "gain": gain, "exposure_s": exposure_s}
+    exposure_s = float(row.exposure_s(np.array([at.time_s]))[0])
+    return {
+        "f_number": at.f_number, "time_s": at.time_s, "level": at.level, "gain": at.gain, "exposure_s": exposure_s,
+    }  # fmt: skip
 
 
 def bonmin(referee: Referee, seed: int) -> None:
@@ -159,8 +160,7 @@ def bonmin(referee: Referee, seed: int) -> None:
             picked = program.picked(answer.x)
             if picked.max_violation <= FEASIBLE:
                 place = start + picked.candidate
-                columns = zip(taken[place], picked.settings, strict=True)
-                settings = [numbers(r, at.f_number, at.time_s, at.level, at.gain) for r, at in columns]
+                settings = [numbers(row, at) for row, at in zip(taken[place], picked.settings, strict=True)]
                 ground.claim(picked.value, built, place, settings)
 
 

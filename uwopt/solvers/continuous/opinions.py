@@ -89,7 +89,7 @@ def opinion(sought: Sought, found: Found, method: str, deadline: Deadline) -> Op
     if value is not None:
         difference = objective.share(abs(value - found.minimised), found.minimised)
     return Opinion(
-        answer.method, part_ids(sought, found), answer.status, None if value is None else objective.reported(value),
+        method, part_ids(sought, found), answer.status, None if value is None else objective.reported(value),
         difference, difference is not None and difference <= AGREES_REL, answer.max_violation, answer.kkt_residual,
         answer.multipliers, answer.iterations, answer.run_time_s, answer.message,
     )  # fmt: skip

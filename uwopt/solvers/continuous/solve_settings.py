@@ -64,30 +64,6 @@ PROOF = {
 
 
 @dataclass(frozen=True)
-class ContinuousResult:
-    """Settings found, by scene, and how far they can be trusted.
-
-    `multipliers`: by how much the minimised value grows when a rule is tightened, per relative amount
-    (0.5 of min_snr[0]: asking for 1 % more SNR costs 0.005); only rules that bind.
-    """
-
-    method: str
-    status: Status
-    objective_value: float | None  # minimised; None without settings
-    f_number: tuple[float, ...] = ()
-    time_s: tuple[float, ...] = ()
-    level: tuple[float, ...] = ()
-    gain: tuple[float, ...] = ()
-    light_power_w: tuple[float, ...] = ()
-    max_violation: float | None = None
-    kkt_residual: float | None = None
-    multipliers: dict[str, float] = field(default_factory=dict)
-    iterations: int = 0
-    run_time_s: float = 0.0
-    message: str = ""
-
-
-@dataclass(frozen=True)
 class Task:
     """What all programs of one design share."""
 
@@ -132,18 +108,28 @@ class Task:
 
 @dataclass(frozen=True)
 class Verdict:
-    """One program's answer after it was checked."""
+    """What was found, and how far it can be trusted: rules and conditions of an optimum were checked.
+
+    `multipliers`: by how much the minimised value grows when a rule is tightened, per relative amount
+    (0.5 of min_snr[0]: asking for 1 % more SNR costs 0.005); only rules that bind.
+    """
 
     status: Status
     message: str
-    value: float = np.inf
+    value: float = np.inf  # minimised
     merit: float = np.inf  # the program's own objective, which also tells ties in power apart
     light_power_w: float = np.inf  # of the worst scene
-    settings: tuple[SmoothSettings, ...] = ()
+    settings: tuple[SmoothSettings, ...] = ()  # by scene
     max_violation: float | None = None
     kkt_residual: float | None = None
     multipliers: dict[str, float] = field(default_factory=dict)
     iterations: int = 0
+    run_time_s: float = 0.0
+
+    @property
+    def objective_value(self) -> float | None:
+        """The minimised value; None without settings."""
+        return self.value if self.settings and np.isfinite(self.value) else None
 
 
 def solve_settings(
@@ -153,7 +139,7 @@ def solve_settings(
     power_limit_w: float,
     method: Method,
     max_seconds: float | None = None,
-) -> ContinuousResult:
+) -> Verdict:
     """Best settings of one design in all its scenes by one method.
 
     Parameters
@@ -182,29 +168,7 @@ def solve_settings(
         method=method,
         deadline=None if max_seconds is None else began + max_seconds,
     )
-    verdict = best_choice(task)
-    return result_of(task, verdict, time.perf_counter() - began)
-
-
-def result_of(task: Task, verdict: Verdict, run_time_s: float) -> ContinuousResult:
-    """The answer in the form that callers read."""
-    found = verdict.settings
-    return ContinuousResult(
-        method=task.method,
-        status=verdict.status,
-        objective_value=verdict.value if found and np.isfinite(verdict.value) else None,
-        f_number=tuple(at.f_number for at in found),
-        time_s=tuple(at.time_s for at in found),
-        level=tuple(at.level for at in found),
-        gain=tuple(at.gain for at in found),
-        light_power_w=tuple(float(s.light_power_w(at)) for s, at in zip(task.design.scenes, found, strict=False)),
-        max_violation=verdict.max_violation,
-        kkt_residual=verdict.kkt_residual,
-        multipliers=verdict.multipliers,
-        iterations=verdict.iterations,
-        run_time_s=run_time_s,
-        message=verdict.message,
-    )
+    return replace(best_choice(task), run_time_s=time.perf_counter() - began)
 
 
 def best_choice(task: Task) -> Verdict:
