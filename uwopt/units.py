@@ -72,6 +72,7 @@ DIMENSIONS: Mapping[str, Mapping[str, float]] = MappingProxyType(
         "temperature": {"c": 1.0, "degc": 1.0, "celsius": 1.0},
     }
 )  # fmt: skip
+_WRITTEN = sorted({unit for units in DIMENSIONS.values() for unit in units}, key=len, reverse=True)  # the longest first
 
 
 def db_to_ratio(level_db: Any) -> Any:
@@ -92,8 +93,7 @@ def split_unit(name: str) -> tuple[str, str]:
 
     Knows the units people write, not only those of UNIT_SUFFIXES.
     """
-    known = sorted({unit for units in DIMENSIONS.values() for unit in units}, key=len, reverse=True)
-    for unit in known:
+    for unit in _WRITTEN:
         if name.endswith("_" + unit) and len(name) > len(unit) + 1:
             return name[: -len(unit) - 1], unit
     return name, ""
