@@ -63,6 +63,13 @@ DEFECTS = (
         test=f"{CARD}::test_what_a_flash_gives_within_the_exposure_is_told",
     ),
     Defect(
+        name="the light of a flash is said to last as long as it",
+        file="uwopt/report/pictures/design_pictures.py",
+        old="if way.at_peak_s < way.light_time_s * (1.0 - 1e-6):",
+        new="if way.at_peak_s > way.light_time_s:",
+        test="tests/report/test_design_curves.py::test_light_of_a_flash_is_said_to_be_that_of_its_peak",
+    ),
+    Defect(
         name="what floats needs no ballast",
         file="uwopt/report/text/not_counted.py",
         old="> FLOATS_KG",

@@ -15,6 +15,7 @@ from uwopt.report.pictures.curves import (
     rig_measures,
     spectrum_way,
 )
+from uwopt.report.pictures.design_pictures import light_picture
 from uwopt.report.pictures.maps import channel_fields, image_points
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
@@ -49,6 +50,18 @@ def test_flux_of_the_lamps_adds_up_to_their_lumens(case):
         flux /= whole if np.isinf(tau) else tau * (1.0 - np.exp(-whole / tau))
     lumens = 683.002 * np.trapezoid(way.source * scene.photopic, way.wavelength_nm)
     assert lumens == pytest.approx(flux, rel=1e-12)
+
+
+def test_light_of_a_flash_is_said_to_be_that_of_its_peak(case):
+    design, _ = case
+    way, lights, settings = spectrum_way(design), design.model.lights, design.settings[0]
+    tau, whole = float(lights.flash_decay_s[0]), float(lights.flash_duration_s[0])
+    fades = lights.kind[0] == 2 and np.isfinite(tau)
+    said = light_picture(way).caption
+    assert ("at the peak of a flash" in said) is bool(fades)
+    if fades:  # exp(-t / tau), as long as the shutter is open
+        seconds = tau * -np.expm1(-min(float(settings.exposure_s[0]), whole) / tau)
+        assert f"as many as {1e3 * seconds:.3g} ms at its peak would give" in said
 
 
 def test_depth_of_field_goes_through_the_figures(case):

@@ -51,6 +51,7 @@ class SpectrumWay:
     electrons_per_nm: Array  # of one pixel in one exposure; a colour sensor: its mean channel
     channel_electrons_per_nm: dict[str, Array]  # red, green, blue; empty for a mono sensor
     light_time_s: float
+    at_peak_s: float  # at peak brightness that gives as much: less where a flash fades
     altitude_m: float
     of_sun: bool = False
 
@@ -176,6 +177,7 @@ def spectrum_way(design: Replay, scene_index: int = 0) -> SpectrumWay:
         electrons_per_nm=electrons(None),
         channel_electrons_per_nm={name: electrons(name) for name in CHANNELS} if is_colour(design) else {},
         light_time_s=seconds,
+        at_peak_s=at_peak_s,
         altitude_m=range_m,
         of_sun=model.unlit,
     )

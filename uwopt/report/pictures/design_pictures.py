@@ -118,11 +118,15 @@ def light_picture(way: SpectrumWay) -> Picture:
             f"{peak:.0f} nm; {electrons} electrons in all.",
             "plotly", plots.spectrum_plot(way),
         )  # fmt: skip
+    shine, lit = "while they shine", f"{1e3 * way.light_time_s:.3g} ms"
+    if way.at_peak_s < way.light_time_s * (1.0 - 1e-6):
+        shine = "at the peak of a flash, which fades"
+        lit += f", as many as {1e3 * way.at_peak_s:.3g} ms at its peak would give"
     return Picture(
         "spectrum", "light", "Spectrum from lamp to sensor",
-        f"The lamps' light on the axis of the image at {way.altitude_m:g} m while they shine: what leaves them, "
+        f"The lamps' light on the axis of the image at {way.altitude_m:g} m {shine}: what leaves them, "
         f"reaches the floor, is reflected, reaches the sensor and is counted. Image-forming light of the lamps only, "
-        f"{electrons} electrons in {1e3 * way.light_time_s:.3g} ms; sun and veils are not in it.",
+        f"{electrons} electrons in {lit}; sun and veils are not in it.",
         f"Five spectra below each other. Light on the floor peaks at {floor:.0f} nm, electrons in a pixel at "
         f"{peak:.0f} nm; {electrons} electrons in all.",
         "plotly", plots.spectrum_plot(way),
