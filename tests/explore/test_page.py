@@ -10,12 +10,13 @@ from typing import Any
 import pytest
 import yaml
 from browser import PATIENCE_MS, only_with_browser, started_browser
+from priced_system import PRICED
 from thorough import drawn
 
 import uwopt
 from uwopt.explore import serve, state
 from uwopt.explore.controls import BY_ID, OWN
-from uwopt.explore.outcome import SHOWN, shown_figures
+from uwopt.explore.outcome import SHOWN, shown_figures, shown_rig
 
 pytestmark = only_with_browser
 PROBLEMS = Path(__file__).parents[2] / "problems"
@@ -296,3 +297,29 @@ def test_page_fits_narrow_windows_and_breaks_no_rule_of_access(
 def test_every_figure_has_its_cell(page: Any) -> None:
     assert page.locator("[data-figure^='0-']").count() == len(SHOWN)
     assert page.locator("[id^='w-']").count() == len(BY_ID)
+
+
+def test_a_ceiling_is_drawn_above_the_lamps(page: Any) -> None:
+    page.evaluate("address => { location.hash = address; }", f"#s={state.packed(TWO_LAMPS)}")
+    page.locator("#lamp-1-y_m").wait_for()
+    place = {"x_m": 0.0, "y_m": 0.5, "z_m": 0.2, "tilt_x_deg": 0.0, "tilt_y_deg": 0.0}
+    rig = {"places": [place], "altitude_m": 2.0, "along_m": 1.0, "across_m": 1.5}
+    seen = {}
+    for looks_up in (False, True):
+        page.evaluate("rig => window.uwoptLamps.follow(rig)", {**rig, "looks_up": looks_up})
+        page.locator(f"#lamp-numbers th:has-text('{'Up' if looks_up else 'Down'} [m]')").wait_for()
+        floor = page.locator("#lamp-drawings .floor").bounding_box()["y"]
+        lamp = page.locator("[data-lamp='0'][data-view='behind'] circle").bounding_box()
+        seen[looks_up] = floor > lamp["y"]
+    assert seen == {False: True, True: False}
+
+
+def test_a_rig_below_a_ceiling_is_told_as_one() -> None:
+    mission = {
+        "practice": "bare", "scene": {"c_per_m": 0.2, "seafloor": 0.5, "depth_m": 20, "target": "ceiling"},
+        "vehicle": {"distance_m": 2.0, "speed_m_s": 0.2, "light_count": 2}, "requirements": {"overlap": 0.5},
+    }  # fmt: skip
+    up = uwopt.evaluate(mission, PRICED | {"light_count": 2})
+    assert shown_rig(up)["looks_up"]
+    floor = {**mission, "scene": {**mission["scene"], "target": "floor"}}
+    assert not shown_rig(uwopt.evaluate(floor, PRICED | {"light_count": 2}))["looks_up"]

@@ -16,6 +16,20 @@ DEFECTS = (
         test="tests/explore/test_state.py::test_a_map_that_is_stopped_keeps_its_points",
     ),
     Defect(
+        name="a ceiling is drawn below the lamps",
+        file="uwopt/explore/assets/lamps.js",
+        old="rig.looks_up ? -1 : 1",
+        new="1",
+        test="tests/explore/test_page.py::test_a_ceiling_is_drawn_above_the_lamps",
+    ),
+    Defect(
+        name="a rig below a ceiling is told as one above a floor",
+        file="uwopt/explore/outcome.py",
+        old='.get("target") == "ceiling"',
+        new='.get("target") == "roof"',
+        test="tests/explore/test_page.py::test_a_rig_below_a_ceiling_is_told_as_one",
+    ),
+    Defect(
         name="a map's rows are its columns",
         file="uwopt/api/mapping.py",
         old="values[row][column], met[row][column] = found",

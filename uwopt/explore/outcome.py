@@ -157,6 +157,7 @@ def shown_rig(result: Result, scene: int = 0) -> dict[str, Any]:
         "places": [asdict(place) for place in design.hardware.light_mounts],
         "altitude_m": own.get("altitude_m") or result.mission["vehicle"]["altitude_m"],
         "along_m": sides[along], "across_m": sides["xy".replace(along, "")],
+        "looks_up": result.mission["scenes"][scene].get("target") == "ceiling",
     }  # fmt: skip
 
 

@@ -38,9 +38,10 @@
     const far = Math.max(...places.map(one => Math.max(Math.abs(one.y_m), Math.abs(one.x_m))), 0.3);
     const side = Math.max(rig.across_m / 2, far) * 1.15, ahead = Math.max(rig.along_m / 2, far) * 1.15;
     const top = Math.max(...places.map(one => -one.z_m), 0.1 * rig.altitude_m) * 1.15;
+    const sign = rig.looks_up ? -1 : 1, ends = [-top, rig.altitude_m].map(z => sign * z);  // of what is ahead, on the page
     return [
-      {name: "behind", title: "From behind", across: "y_m", up: "z_m", sign: 1, tilt: "tilt_y_deg",
-       low: -side, high: side, top: -top, bottom: rig.altitude_m},
+      {name: "behind", title: "From behind", across: "y_m", up: "z_m", sign, tilt: "tilt_y_deg",
+       low: -side, high: side, top: Math.min(...ends), bottom: Math.max(...ends)},
       {name: "above", title: "From above, forward is up", across: "y_m", up: "x_m", sign: -1, tilt: "tilt_x_deg",
        low: -side, high: side, top: -ahead, bottom: ahead},
     ];
@@ -53,8 +54,10 @@
             back: (px, py) => [(px - left) / scale, (py - down) / scale]};
   }
 
+  const ahead = () => rig.looks_up ? "up" : "down";
+
   function told(one, n) {
-    return `Lamp ${n + 1}: ${neat(one.x_m)} m forward, ${neat(one.y_m)} m to starboard, ${neat(one.z_m)} m down, ` +
+    return `Lamp ${n + 1}: ${neat(one.x_m)} m forward, ${neat(one.y_m)} m to starboard, ${neat(one.z_m)} m ${ahead()}, ` +
       `leans ${neat(one.tilt_y_deg)}° outward`;
   }
 
@@ -63,9 +66,10 @@
     svg.append(element("text", {x: 8, y: 16}, view.title));
     const half = rig.across_m / 2;
     if (view.name === "behind") {
-      svg.append(element("polygon", {class: "view", points: [[0, 0], [-half, rig.altitude_m], [half, rig.altitude_m]]
+      const floor = view.sign * rig.altitude_m;
+      svg.append(element("polygon", {class: "view", points: [[0, 0], [-half, floor], [half, floor]]
         .map(([x, y]) => at.x(x) + "," + at.y(y)).join(" ")}));
-      svg.append(element("line", {class: "floor", x1: 6, x2: WIDE - 6, y1: at.y(rig.altitude_m), y2: at.y(rig.altitude_m)}));
+      svg.append(element("line", {class: "floor", x1: 6, x2: WIDE - 6, y1: at.y(floor), y2: at.y(floor)}));
     } else {
       svg.append(element("rect", {class: "view", x: at.x(-half), y: at.y(-rig.along_m / 2),
         width: at.scale * rig.across_m, height: at.scale * rig.along_m}));
@@ -77,7 +81,7 @@
         "aria-label": told(one, n), "aria-describedby": "lamps-how"});
       const out = one[view.across] < 0 ? -1 : 1, lean = one.tilt_y_deg * Math.PI / 180;
       if (view.name === "behind") {
-        lamp.append(element("line", {class: "aim", x1: x, y1: y, x2: x + 34 * out * Math.sin(lean), y2: y + 34 * Math.cos(lean)}));
+        lamp.append(element("line", {class: "aim", x1: x, y1: y, x2: x + 34 * out * Math.sin(lean), y2: y + view.sign * 34 * Math.cos(lean)}));
       }
       lamp.append(element("circle", {cx: x, cy: y, r: 9}), element("text", {x: x + 12, y: y - 8}, String(n + 1)));
       svg.append(lamp);
@@ -90,7 +94,7 @@
 
   function rows() {
     const table = document.createElement("table"), head = table.createTHead().insertRow();
-    for (const text of ["Lamp", ...KEYS.map(([, label]) => label)]) {
+    for (const text of ["Lamp", ...KEYS.map(([key, label]) => key === "z_m" && rig.looks_up ? "Up [m]" : label)]) {
       const cell = document.createElement("th");
       cell.scope = "col";
       cell.textContent = text;
@@ -119,7 +123,9 @@
     const focus = document.activeElement, lamp = focus && focus.dataset && focus.dataset.lamp, from = lamp && focus.dataset.view;
     drawings.replaceChildren(...(places.length ? drawn() : ["No lamps."]));
     if (from) drawings.querySelector(`[data-lamp="${lamp}"][data-view="${from}"]`).focus();
-    if (numbers.querySelectorAll("tbody tr").length !== places.length || !places.length) numbers.replaceChildren(rows());
+    const fresh = places.length && numbers.dataset.ahead === ahead() && numbers.querySelectorAll("tbody tr").length === places.length;
+    if (!fresh) numbers.replaceChildren(rows());
+    numbers.dataset.ahead = ahead();
     places.forEach((one, n) => KEYS.forEach(([key]) => {
       const box = part(`lamp-${n}-${key}`);
       if (box !== document.activeElement) box.value = neat(one[key]);
