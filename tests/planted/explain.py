@@ -344,7 +344,7 @@ DEFECTS = (
     ),
     Defect(
         name="a hundred times what is asked is told as a change to make",
-        file="uwopt/report/text/helps.py",
+        file="uwopt/mission/weakened.py",
         old="    return times >= FAR_TIMES or ",
         new="    return ",
         test="tests/report/test_short.py::test_ten_times_what_is_asked_is_called_out_of_reach",

@@ -95,4 +95,25 @@ DEFECTS: tuple[Defect, ...] = (
         new="np.argsort(-self._pair_prices[every[place]],",
         test=f"{DRAWN_IN}::test_the_cheapest_behind_the_cheapest_ports_are_among_a_few",
     ),
+    Defect(
+        name="a signal in noise is not drawn in by other hardware",
+        file="uwopt/solvers/infeasible/least_limit.py",
+        old="if best is not None and not self.by_few and is_far(",
+        new="if best is not None and self.by_few and is_far(",
+        test=f"{DRAWN_IN}::test_a_signal_in_as_much_noise_is_drawn_in_by_the_best_of_a_few",
+    ),
+    Defect(
+        name="what lets noise through comes nearest",
+        file="uwopt/solvers/infeasible/why_nothing.py",
+        old="(one.is_far, one.miss_rel)",
+        new="one.miss_rel",
+        test=f"{DRAWN_IN}::test_what_lets_only_noise_through_is_not_what_comes_nearest",
+    ),
+    Defect(
+        name="a system that is out of reach is said to come near",
+        file="uwopt/report/text/nothing_fits.py",
+        old='if far else "What comes nearest"',
+        new='if not first else "What comes nearest"',
+        test="tests/report/test_short.py::test_nothing_fits_tells_what_would_help",
+    ),
 )

@@ -14,7 +14,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="images of noise alone are told to help",
-        file="uwopt/report/text/helps.py",
+        file="uwopt/mission/weakened.py",
         old="needed < min(asked, USELESS_DB)",
         new="needed < min(asked, 0.0)",
         test="tests/report/test_short.py::test_a_signal_in_as_much_noise_is_out_of_reach",

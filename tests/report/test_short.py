@@ -11,9 +11,10 @@ from typing import Any
 import pytest
 
 from uwopt.api.risks import with_risks
+from uwopt.mission.weakened import is_far
 from uwopt.report.page.page import opening, report_html, status_words
 from uwopt.report.text.console import print_blocks
-from uwopt.report.text.helps import is_far, notes_beside
+from uwopt.report.text.helps import notes_beside
 from uwopt.report.text.nothing_fits import helpful_lines, infeasible_block
 from uwopt.report.text.short import full_text_blocks, short_text_blocks
 from uwopt.results.basis import Risk, WhyNothing
@@ -184,7 +185,10 @@ def test_nothing_fits_tells_what_would_help(make_result: Make, make_design: Make
            "nearest_miss": make_design()}  # fmt: skip
     text = text_of(make_result(status="infeasible", recommendation=None, runners_up=[], infeasible=why))
     assert "What would help" in text and "cost (cost) 500.0 USD 620.0 USD" in text
-    assert "What comes nearest" in text and "2 x light Acme Lamp" in text
+    assert "What comes nearest" in text and "2 x light Acme Lamp" in text and "out of reach" not in text
+    noise = {**why, "relaxations": [{"name": "min_snr", "limit": 20.0, "needed": 0.97, "miss_rel": 0.95}]}
+    text = text_of(make_result(status="infeasible", recommendation=None, runners_up=[], infeasible=noise))
+    assert "What comes nearest, and is out of reach" in text
 
 
 def test_html_begins_with_the_sections_of_the_text(doubtful: Result) -> None:

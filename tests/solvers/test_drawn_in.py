@@ -16,7 +16,7 @@ from uwopt.solvers.exact.certificate import certificate
 from uwopt.solvers.infeasible import least_change, why_nothing
 from uwopt.solvers.infeasible import relaxer as relaxer_module
 from uwopt.solvers.infeasible.least_change import Change, Narrowing, with_its_hardware
-from uwopt.solvers.infeasible.least_limit import FIGURE_S, LeastLimit, Without
+from uwopt.solvers.infeasible.least_limit import FIGURE_S, LeastLimit, Relaxation, Without
 from uwopt.solvers.infeasible.reached import judged_by, reached_value
 from uwopt.solvers.infeasible.relaxer import Relaxer
 from uwopt.solvers.infeasible.singles import Singles
@@ -156,3 +156,31 @@ def test_the_cheapest_behind_the_cheapest_ports_are_among_a_few(parts, catalog, 
     names = {relaxer.problem.parts.cameras[relaxer.pairs.camera[row]].id for row in made[place]}
     assert names == {"zz-cam", "zz-other"} and len(made[place]) == 3  # both lenses of the one, and what was there
     assert all(list(made[one]) == list(last[one]) for one in every if one != place)
+
+
+def test_a_signal_in_as_much_noise_is_drawn_in_by_the_best_of_a_few(parts, catalog, monkeypatch):
+    """What takes least power has 0 dB, and can do no more; the lamp has light for far more behind any lens."""
+    wanted, asked = mission(parts, min_snr_db=90.0), list[bool]()
+    relaxed = mission(parts, min_snr_db=0.0)
+    found = seek(relaxed, catalog, POWER, generic="never", top=1)
+
+    def all_of_them(self: Relaxer, wanted: Any, goal: Any, freed: Any, *_: Any, enough: bool, **more: Any) -> Any:
+        asked.append(enough)
+        return self.seek(wanted, goal, freed)
+
+    monkeypatch.setattr(Relaxer, "among_few", all_of_them)
+    monkeypatch.setattr(least_change, "same_hardware", lambda found, limit: fitting(False))
+    one = LeastLimit(Trials(wanted, catalog, POWER, "never"), Without("min_snr", 90.0, relaxed, found))
+    one.step(Deadline(0.5 * FIGURE_S, lambda: 0.0))
+    assert one.told().needed > 30.0 and asked == [False]
+
+
+def test_what_lets_only_noise_through_is_not_what_comes_nearest():
+    """0.97 dB for 20 are 95 % less, and 3 px of blur for 1 three times as much: the latter is an image."""
+    noise = Relaxation("min_snr", 20.0, 0.97, 0.95, cast(Any, None))
+    blur = Relaxation("max_blur_px", 1.0, 3.0, 2.0, cast(Any, None))
+    changes = [SimpleNamespace(told=lambda one=one: one) for one in (noise, blur)]
+    singles = SimpleNamespace(trials=SimpleNamespace(interrupted=True), left=[], changes=lambda: changes)
+    mover = SimpleNamespace(left=[], changes=lambda: [])
+    told, _ = why_nothing.least_changes(cast(Any, None), cast(Any, singles), cast(Any, mover))
+    assert [one.name for one in told] == ["max_blur_px", "min_snr"]

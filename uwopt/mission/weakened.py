@@ -9,6 +9,8 @@ from uwopt.mission.practice import ACCEPTABLE_SNR_DB, LEAST_UNIFORMITY, RECOMMEN
 from uwopt.mission.reserves import REFUSED
 from uwopt.units import ratio_to_db
 
+FAR_TIMES = 10.0
+USELESS_DB = 6.0  # of signal to noise: below, noise is more than half of the signal
 LEAST_SNR_DB = 0.0  # below which noise is more than signal, and no image is of use
 NOTHING_AT_ZERO = ("lens_stop_down", "min_uniformity")  # requirements of which 0 asks for nothing
 # Requirement -> (section, key, objective that makes its figure best, or None when none does)
@@ -137,3 +139,13 @@ def with_limit(mission: Mission, section: str, key: str, asked: float, value: fl
         elif set(own.get("refuse") or ()).intersection(words_of(key)):
             own[key] = weaker(asked)
     return mission.with_changes(**{name: data[name] for name in ("requirements", "limits", "scenes")})
+
+
+def is_far(name: str, asked: float | None, needed: float | None) -> bool:
+    """Whether a change is out of reach: to ten times what is asked, or a tenth of it; of decibels to mere noise."""
+    if name in ("min_snr", "min_snr_red_db"):
+        return asked is not None and needed is not None and needed < min(asked, USELESS_DB)
+    if not asked or not needed:
+        return False
+    times = needed / asked
+    return times >= FAR_TIMES or 0.0 < times <= 1.0 / FAR_TIMES

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from uwopt.report.text import formats, words
 from uwopt.report.text.layout import Block, Text, block, sentence
-from uwopt.report.text.nothing_fits import infeasible_block, miss_sentence
+from uwopt.report.text.nothing_fits import infeasible_block, miss_sentence, nearest_title
 from uwopt.report.text.prices import price_blocks
 from uwopt.report.text.tables import nearest_miss
 from uwopt.results.design import PRACTICE_IN_VAIN, PRACTICE_UNTRIED, PRACTICE_WOULD_YIELD
@@ -29,7 +29,7 @@ def explanation_blocks(result: Result) -> Iterator[Block | Text]:
         yield block(name, [sentence(one) for one in (said, *told)])
         yield infeasible_block(result)
         if nearest_miss(result) is not None and (note := miss_sentence(result)) is not None:
-            yield block("What comes nearest", [note])
+            yield block(nearest_title(result), [note])
     above = () if result.infeasible is None else ("time", *OF_PRACTICE)
     notes = [note for note in result.warnings if note.code not in above]
     if notes:

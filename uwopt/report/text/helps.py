@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from uwopt.mission.reserves import depth_factor
+from uwopt.mission.weakened import is_far
 from uwopt.report.text import formats, words
 from uwopt.report.text.layout import Line, sentence
 from uwopt.results.basis import Moved
@@ -17,21 +18,9 @@ from uwopt.results.result import Result
 if TYPE_CHECKING:
     from uwopt.results.front import FrontResult
 
-FAR_TIMES = 10.0
-USELESS_DB = 6.0  # of signal to noise: below, noise is more than half of the signal
 MORE_S = (60, 300, 1800)  # that are told to be given
 TOLD_AS_OPEN = ("whether it could be met without ", "whether another ", "whether less than that change of ")
 OF_DEPTH = ": depth rating"  # how what excludes a kind of part by its rating ends
-
-
-def is_far(name: str, asked: float | None, needed: float | None) -> bool:
-    """Whether a change is out of reach: to ten times what is asked, or a tenth of it; of decibels to mere noise."""
-    if name in ("min_snr", "min_snr_red_db"):
-        return asked is not None and needed is not None and needed < min(asked, USELESS_DB)
-    if not asked or not needed:
-        return False
-    times = needed / asked
-    return times >= FAR_TIMES or 0.0 < times <= 1.0 / FAR_TIMES
 
 
 def moves_of(result: Result | FrontResult) -> list[Moved]:

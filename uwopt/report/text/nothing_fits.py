@@ -7,12 +7,12 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from uwopt.mission.reserves import REFUSED, refused_at
+from uwopt.mission.weakened import is_far
 from uwopt.mission.yielding import yields_named
 from uwopt.report.text import formats, vocabulary, words
 from uwopt.report.text.helps import (
     contradiction_lines,
     depth_lines,
-    is_far,
     move_is_far,
     move_texts,
     moves_of,
@@ -170,6 +170,13 @@ def fit_sentence(result: Result | FrontResult) -> Text | None:
         for one in fit.lacking
     ])  # fmt: skip
     return sentence(f"{said}. What comes nearest, {nearest}, lacks {lacking}.")
+
+
+def nearest_title(result: Result | FrontResult) -> str:
+    """What the nearest miss is called: no system is near that misses what is asked for by far."""
+    first = next(iter(relaxations_of(result)), None)
+    far = first is not None and is_far(first.name, first.limit, first.needed)
+    return "What comes nearest, and is out of reach" if far else "What comes nearest"
 
 
 def miss_sentence(result: Result | FrontResult) -> Text | None:

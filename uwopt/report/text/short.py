@@ -25,6 +25,7 @@ from uwopt.report.text.nothing_fits import (
     fit_sentence,
     helpful_lines,
     miss_sentence,
+    nearest_title,
     no_change_helps,
 )
 from uwopt.report.text.prices import short_price_sentence
@@ -459,5 +460,5 @@ def nothing_blocks(result: Result) -> Iterator[Block]:
     miss = nearest_miss(result)
     if miss is not None:
         note = miss_sentence(result)
-        system = buy_block(miss, "What comes nearest")
+        system = buy_block(miss, nearest_title(result))
         yield Block(system.title, (*([note] if note else []), *system.lines))

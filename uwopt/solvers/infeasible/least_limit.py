@@ -13,7 +13,7 @@ from functools import cached_property, partial
 from uwopt.deadline import Deadline
 from uwopt.mission.mission import Mission
 from uwopt.mission.reserves import asked_when_held
-from uwopt.mission.weakened import RELAXABLE, with_limit
+from uwopt.mission.weakened import RELAXABLE, is_far, with_limit
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.infeasible.least_change import Change, Narrowing, less_of, rounded_away
 from uwopt.solvers.infeasible.reached import deepest, judged_by, miss, rated_depth, reached_value
@@ -40,6 +40,11 @@ class Relaxation:
     found: Sought
     fits_at_central_prices: bool = False
     is_least: bool = False  # known to be
+
+    @property
+    def is_far(self) -> bool:
+        """Whether it is out of reach, so that what it lets through comes near to nothing."""
+        return is_far(self.name, self.limit, self.needed)
 
     @property
     def is_of_use(self) -> bool:
@@ -152,15 +157,21 @@ class LeastLimit:
             self.one.limit, Change(needed, self.found), relaxed, self._search, beyond=beyond
         )
         self.narrowing.step(turn)
+        best = RELAXABLE[self.name][2]
+        if best is not None and not self.by_few and is_far(self.name, self.one.limit, self.narrowing.change.limit):
+            self._draw_by_few(self.narrowing, Objective.of(best), turn, enough=False)
 
-    def _draw_by_few(self, narrowing: Narrowing, goal: Objective, turn: Deadline) -> None:
+    def _draw_by_few(
+        self, narrowing: Narrowing, goal: Objective, turn: Deadline, *, enough: bool = True
+    ) -> None:
         """Take the first of a few imagers by what their figure can be, where it needs less than the design at hand.
 
         It is often near the best, and known long before that. Where another figure is what counts, it mostly is too.
+        enough : the first; else the best that is found in time, where the design at hand is far out of reach
         """
         self.by_few = True
         soon = self.trials.deadline.at_most(max(turn.left_s, FEW_S))
-        few = self.trials.relaxer.among_few(self.one.mission, goal, {self.name}, soon)
+        few = self.trials.relaxer.among_few(self.one.mission, goal, {self.name}, soon, enough=enough)
         if few is not None and few.outcome.best:
             self._offer(narrowing, few, soon)
 

@@ -158,13 +158,16 @@ def together_soon(trials: Trials, singles: Singles, mover: Mover) -> CommonFit |
 
 
 def least_changes(trials: Trials, singles: Singles, mover: Mover) -> tuple[list[Relaxation], list[Moved]]:
-    """Of each single requirement and key that helps the least change, by turns; the smallest of requirements first."""
+    """Of each single requirement and key that helps the least change, by turns; of requirements far ones last, else the
+    smallest first.
+    """
     draw_in(singles, mover)
     if singles.left or mover.left:
         ask_open(singles, mover)
         draw_in(singles, mover)
     limits, moves = singles.changes(), mover.changes()
-    return sorted((one.told() for one in limits), key=lambda one: one.miss_rel), [move.told() for move in moves]
+    told = sorted((one.told() for one in limits), key=lambda one: (one.is_far, one.miss_rel))
+    return told, [move.told() for move in moves]
 
 
 def draw_by_hardware(singles: Singles, mover: Mover) -> None:
