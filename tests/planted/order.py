@@ -70,6 +70,13 @@ DEFECTS = (
         test="tests/report/test_design_curves.py::test_light_of_a_flash_is_said_to_be_that_of_its_peak",
     ),
     Defect(
+        name="a maker is not told that a beam is measured in water",
+        file="uwopt/report/order/tender_book.py",
+        old="if medium else {}",
+        new="if not medium else {}",
+        test=f"{TENDER}::test_a_maker_is_told_where_a_beam_is_measured",
+    ),
+    Defect(
         name="what floats needs no ballast",
         file="uwopt/report/text/not_counted.py",
         old="> FLOATS_KG",

@@ -26,7 +26,7 @@ from uwopt.errors import CatalogError, ResultError  # noqa: E402
 from uwopt.mission.mission import Mission, load_mission  # noqa: E402
 from uwopt.report.order import tender_lines  # noqa: E402
 from uwopt.report.order.answers import answer_blocks, certainty_sentences, change_sentences  # noqa: E402
-from uwopt.report.order.tender_book import FIRST_ANSWER, letter, tender_book  # noqa: E402
+from uwopt.report.order.tender_book import FIRST_ANSWER, asked_of, letter, tender_book  # noqa: E402
 from uwopt.report.order.tender_lines import end_text, falls_short, lines_of, needed_beside  # noqa: E402
 from uwopt.report.text.layout import Text  # noqa: E402
 from uwopt.results.design import Margin  # noqa: E402
@@ -305,3 +305,16 @@ def test_command_keeps_answers_and_order(
 def test_a_result_without_a_system_asks_for_nothing(make_result: Make) -> None:
     with pytest.raises(ResultError, match="nothing to ask for"):
         lines_of(make_result(recommendation=None, status="infeasible"), "r.json")
+
+
+@pytest.mark.parametrize(("medium", "told"), [
+    ("water", "- full beam angle, measured in water: at least 77.0 deg"), ("", "- full beam angle: at least 77.0 deg"),
+])  # fmt: skip
+def test_a_maker_is_told_where_a_beam_is_measured(medium: str, told: str) -> None:
+    facts = (
+        tender_lines.AskedFact("beam_angle_deg", "full beam angle", "deg", "at least 46.2 deg", "", "at least 77.0 deg",
+                               "90", "published"),
+        tender_lines.AskedFact("beam_medium", "where it is measured", "", "", "", "", medium, "published"),
+    )  # fmt: skip
+    line = tender_lines.TenderLine("light", "acme", "Acme flash", True, 2, (), "", facts)
+    assert asked_of(line) == f"Light:\n{told}"

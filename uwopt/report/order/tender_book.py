@@ -121,10 +121,15 @@ def letter(result: Result, lines: Sequence[TenderLine]) -> str:
     return first + LETTER.format(name=name, wanted=wanted, hard=hard)
 
 
+MEDIA = ("air", "water")
+
+
 def asked_of(line: TenderLine) -> str:
     """What is enough of one part, below its name; empty where nothing is asked that parts of its kind do not have."""
+    medium = next((fact.named for fact in line.facts if fact.key == "beam_medium" and fact.named in MEDIA), "")
+    where = {"beam_angle_deg": f", measured in {medium}"} if medium else {}  # behind a flat window water narrows it
     facts = [
-        f"- {fact.words}: {fact.together or fact.needed}" for fact in line.facts
+        f"- {fact.words}{where.get(fact.key, '')}: {fact.together or fact.needed}" for fact in line.facts
         if (fact.together or fact.needed) and not fact.loose
     ]  # fmt: skip
     return "\n".join([f"{line.kind.capitalize()}:", *facts]) if facts else ""
