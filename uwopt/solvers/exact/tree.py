@@ -87,11 +87,12 @@ class Tree:
         counts for nothing."""
         rows, waited = FIRST_ROWS, self.account.waiting
         while len(self.open):
-            if deadline.passed():
-                return False
-            groups, leaves = max(1, rows // SHARE_OF_GROUPS), max(1, self.leaves // self.a_leaf)
-            before, (depth, some, rest) = self.account.snapshot(), self.open.next(groups, rows, leaves)
+            before = self.account.snapshot()
             try:
+                if deadline.passed():
+                    return False
+                groups, leaves = max(1, rows // SHARE_OF_GROUPS), max(1, self.leaves // self.a_leaf)
+                depth, some, rest = self.open.next(groups, rows, leaves)
                 hopeful = self._hopeful(depth, some)
                 if depth == self.depth:
                     candidates, imagers = self.handed_over(hopeful)
@@ -102,14 +103,14 @@ class Tree:
                     rest = rest.put(depth + 1, *self.parts_of(depth, hopeful))
                     rows = min(2 * rows, LARGEST_ROWS)
                     self.groups_s += time.perf_counter() - start
+                self.open = rest
+                if len(self.left):
+                    return False
+                progress(1.0 - 0.9 * self.account.waiting / max(waited, 1), "search")
             except (KeyboardInterrupt, OutOfTimeError) as cut:
                 self.account.restore(before)
                 self.interrupted = isinstance(cut, KeyboardInterrupt)
                 return False
-            self.open = rest
-            if len(self.left):
-                return False
-            progress(1.0 - 0.9 * self.account.waiting / max(waited, 1), "search")
         return True
 
     def open_ideals(self) -> Array:
