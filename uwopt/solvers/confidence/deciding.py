@@ -210,6 +210,8 @@ def set_and_held_with(
     """The same at a stop at which it fits by central numbers too, as what is recommended has to; 0 where none does."""
     alone, one = outcomes_with(problem, objective, found, scenarios, mission)
     for stop in np.argsort(-one.outcomes.held, kind="stable"):
+        if one.outcomes.held[stop] == 0.0:
+            break
         if at_its_stop(alone, objective, replace(one, stop=int(stop))) is not None:
             return float(one.outcomes.held[stop])
     return 0.0

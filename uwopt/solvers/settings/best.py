@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.forward.columns import put_into
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
@@ -20,6 +21,7 @@ from uwopt.units import ratio_to_db
 
 Array = NDArray[Any]
 DARK_ROUNDS = 25
+SetWithDark = tuple[list[closed_form.Chosen], Array, Array]  # settings, whether there are any, and their SNR [dB]
 NO_RELATIVE_GAP = 0.1  # of an objective near 0, which has none
 FAINTEST = 1e-6  # of the highest SNR: where a weighing starts when nothing asks for light
 
@@ -150,21 +152,8 @@ def best_closed(question: Question) -> Best:
     if rows[0].optimistic:
         rows = [dark.relaxed(r) for r in rows]
         return closed_at(rows, settings_at_dark(rows, question))
-    start = rows = [dark.at_time(deciding_pixels(r), r.time_min_s) for r in rows]
-    ever = np.zeros(len(motorised), bool)
-    for _ in range(DARK_ROUNDS):
-        found = settings_at_dark(rows, question)
-        ever |= found[1]
-        updated = [closed_form.with_exposure(r, c) for r, c in zip(rows, found[0], strict=True)]
-        settled = np.logical_and.reduce(
-            [
-                np.isclose(windows.dark_e(a), windows.dark_e(b), rtol=1e-12, atol=1e-10)
-                for a, b in zip(rows, updated, strict=True)
-            ]
-        )
-        if settled.all():
-            break
-        rows = updated
+    start = [dark.at_time(deciding_pixels(r), r.time_min_s) for r in rows]
+    rows, found, settled, ever = settled_with_its_dark(start, question)
     best = closed_at(rows, found)
     best = replace(best, feasible=best.feasible & settled)
     if question.objective.weight("snr_db") or any(r.switched for r in rows):
@@ -178,6 +167,39 @@ def best_closed(question: Question) -> Best:
         return best
     unsure = bent & ~(best.feasible & sure)
     return replace(best, lower_bound=np.where(unsure, bound_in_the_dark(start, question), best.value(question)))
+
+
+def settled_with_its_dark(
+    start: list[SceneRows], question: Question
+) -> tuple[list[SceneRows], SetWithDark, Array, Array]:  # fmt: skip
+    """Rows with the dark electrons of their own best settings, these, whether they agree, and if some round had any.
+
+    What has settled is not asked again.
+    """
+    rows, found = start, settings_at_dark(start, question)
+    ever, settled = found[1].copy(), np.zeros(len(question), bool)
+    open_, part, now = np.arange(len(question)), rows, found
+    for turn in range(DARK_ROUNDS):
+        updated = [closed_form.with_exposure(r, c) for r, c in zip(part, now[0], strict=True)]
+        settled[open_] = same = np.logical_and.reduce(
+            [
+                np.isclose(windows.dark_e(a), windows.dark_e(b), rtol=1e-12, atol=1e-10)
+                for a, b in zip(part, updated, strict=True)
+            ]
+        )
+        left = np.flatnonzero(~same)
+        if len(left) == 0 or turn + 1 == DARK_ROUNDS:
+            break
+        open_, part, question = open_[left], [r.take(left) for r in updated], question.take(left)
+        now = settings_at_dark(part, question)
+        ever[open_] |= now[1]
+        rows = [
+            replace(r, dark_time_s=put_into(r.dark_time_s, open_, own.dark_time_s))
+            for r, own in zip(rows, part, strict=True)
+        ]
+        chosen, feasible, snr_db = (put_into(old, open_, new) for old, new in zip(found, now, strict=True))
+        found = chosen, feasible, snr_db
+    return rows, found, settled, ever
 
 
 def best_of_switched_cameras(question: Question) -> Best:
@@ -208,7 +230,7 @@ def bound_in_the_dark(rows: list[SceneRows], question: Question) -> Array:
     return closed_at(free, settings_at_dark(free, question)).value(question)
 
 
-def closed_at(rows: list[SceneRows], found: tuple[list[closed_form.Chosen], Array, Array]) -> Best:
+def closed_at(rows: list[SceneRows], found: SetWithDark) -> Best:
     """Settings with the figures that they have."""
     chosen, feasible, snr_db = found
     contrast = np.min([windows.nominal_contrast(r) for r in rows], axis=0)
@@ -235,9 +257,7 @@ def with_joint_optimum(best: Best, rows: list[SceneRows], motorised: Array, ever
     return best.put(open_, closed_at(some, (chosen, feasible, snr_of(some, chosen))))
 
 
-def settings_at_dark(
-    rows: list[SceneRows], question: Question
-) -> tuple[list[closed_form.Chosen], Array, Array]:
+def settings_at_dark(rows: list[SceneRows], question: Question) -> SetWithDark:
     """Best settings with the dark electrons of these rows, in place of the question's.
 
     Without SNR in the objective least power is best for every term. With SNR alone the highest reachable

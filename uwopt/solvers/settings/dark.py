@@ -76,9 +76,13 @@ def surely_least(scenes: list[SceneRows], chosen: list[Chosen], motorised: Array
     sure = np.ones(len(common), bool)
     for rows, one in zip(scenes, chosen, strict=True):
         widest = one.f_number <= np.where(motorised, rows.n_low, common) * (1 + SLACK)
-        burning = _dimmest(rows, one) | (widest & _longest(rows, one))
-        least = np.where(rows.kind == PULSED, widest & _shortest_pulse(rows, one), burning)
-        sure &= (rows.dark_current_e_s == 0.0) | least
+        pulsed = rows.kind == PULSED
+        least = (rows.dark_current_e_s == 0.0) | (~pulsed & _dimmest(rows, one))
+        for holds, of_kind in ((_longest, ~pulsed), (_shortest_pulse, pulsed)):
+            asked = np.flatnonzero(of_kind & widest & ~least)
+            if len(asked):
+                least[asked] = holds(rows.take(asked), one.take(asked))
+        sure &= least
     return sure
 
 
