@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from uwopt.forward.bars import StillBars
 from uwopt.forward.problem import Problem
-from uwopt.forward.sharpness import sharpness_of
 from uwopt.mission.mission import Mission
 from uwopt.model import aberration
 from uwopt.model.sharpness import HALF_NYQUIST_CYC_PER_PX, diffraction_mtf, lens_mtf, sinc_mtf
@@ -82,15 +81,12 @@ def asked_of(mission: Mission) -> Array:
 
 def most_of_imagers(problem: Problem, index: int, imagers: Imagers) -> Array:
     """The most that each imager leaves in one scene, (n,), nothing moving, at its best f-number and lamp."""
-    seen, contraction = imagers.scenes[index], problem.contractions[index]
-    focused, every, most = seen.focused, np.arange(len(imagers)), np.zeros(len(imagers))
+    focused, contraction = imagers.scenes[index].focused, problem.contractions[index]
+    every, most = np.arange(len(imagers)), np.zeros(len(imagers))
     low, high = focused.n_low, np.maximum(focused.n_low, focused.n_high)
     lamps = np.unique(problem.lights.optics_index)
     for optics in lamps[np.unique(contraction.spectrum_of[lamps], return_index=True)[1]]:
-        sharp = sharpness_of(
-            problem, index, seen.view, camera=imagers.camera, lens=imagers.lens, port=imagers.port, optics=int(optics),
-            dioptre_per_m=focused.dioptre_per_m,
-        )  # fmt: skip
+        sharp = imagers.sharpness(problem, index, every, int(optics))
         bars = StillBars.of(sharp.asked(min_mtf=1.0, resolve_m=0.0)[0], sharp)
         for first, last in pairwise(np.geomspace(low, high, INTERVALS + 1)):
             left = bars.best_between(every, first, last, working_factor=focused.working_factor)
