@@ -15,8 +15,10 @@ from thorough import drawn
 
 from uwopt.errors import MissionError
 from uwopt.mission.mission import Mission, load_mission
+from uwopt.mission.sections.requirements import PIXEL_MTF
 from uwopt.mission.sections.vehicle import grid
 from uwopt.mission.templates import mission_json_schema, mission_template
+from uwopt.model.sharpness import HALF_NYQUIST_CYC_PER_PX, sinc_mtf
 
 EXAMPLE = Path(__file__).parents[1] / "reference" / "example_mission.yaml"
 SMALL = {
@@ -227,6 +229,10 @@ BAD = [
 @pytest.mark.parametrize(("source", "piece"), BAD, ids=[piece for _, piece in BAD])
 def test_a_bad_mission_is_told_in_words(source, piece):
     assert piece in message_of(source)
+
+
+def test_what_pixels_leave_by_themselves_is_the_transfer_of_a_pixel():
+    assert pytest.approx(float(sinc_mtf(HALF_NYQUIST_CYC_PER_PX)), rel=1e-15) == PIXEL_MTF
 
 
 def test_all_faults_are_told_at_once_with_file_and_line(tmp_path):

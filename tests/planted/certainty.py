@@ -697,4 +697,25 @@ DEFECTS = (
         new="AS_KNOWN = WaterState(other_table=False, clarity=0.0, lamp_leg=0.0, floor=0.8)",
         test=f"{PROOF}::test_a_glance_sees_nearly_what_is_counted",
     ),
+    Defect(
+        name="tables of one wider band serve all others",
+        file=f"{ROOM}/waters.py",
+        old='("beyond its band", float(beyond))',
+        new='"beyond its band"',
+        test="tests/solvers/test_own_bands.py::test_tables_of_a_wider_band_are_kept_and_are_those_of_that_band",
+    ),
+    Defect(
+        name="tables of a wider band are made for each question",
+        file=f"{ROOM}/waters.py",
+        old='cache = scene.cache.setdefault(("beyond its band", float(beyond)), {}) if np.ndim(beyond) == 0 else {}',
+        new="cache = {}",
+        test="tests/solvers/test_own_bands.py::test_tables_of_a_wider_band_are_kept_and_are_those_of_that_band",
+    ),
+    Defect(
+        name="what dark current settles later is forgotten",
+        file="uwopt/solvers/settings/best.py",
+        old="        found = chosen, feasible, snr_db\n",
+        new="",
+        test="tests/solvers/test_dark.py::test_no_settings_need_less_power_and_those_chosen_hold",
+    ),
 )

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
 import pytest
 from one_of_each import one, with_parts
 
+from uwopt.forward.remembered import RememberedSunField
+from uwopt.forward.sharpness import spread_of
+from uwopt.forward.sun_light import sun_light
 from uwopt.solvers.confidence.waters import over_band, over_band_of
 from uwopt.solvers.exact.imagers import focused_behind, seen_behind, stands
 
@@ -63,3 +66,29 @@ def test_a_band_of_its_own_is_that_band() -> None:
     for place, beyond in enumerate(BEYOND):
         assert every[:, place] == pytest.approx(over_band(scene, float(beyond)).range_m, rel=1e-15)
     assert over_band(scene, np.zeros(3)) is scene
+
+
+def test_tables_of_a_wider_band_are_kept_and_are_those_of_that_band() -> None:
+    """Asked for other things a scene has the same memory; another band has what a scene that was never asked has."""
+    under_sun = {"sun_lux": 80_000.0, "depth_m": 6.0}
+    made = one(vehicle={"altitude_tolerance_m": 0.4}, flat=True, scenes=(under_sun,)).problem()
+    view, first = seen_behind(made, np.zeros(1, int), np.zeros(1, int), 0, True)[0][0], np.zeros(1, int)
+
+    def colours(problem: Any) -> Any:
+        wider = over_band_of(problem, 0.3)
+        return spread_of(wider.scenes[0], wider.contractions[0], 0, 0)
+
+    def signal(problem: Any, beyond: float) -> Any:
+        seen = sun_light(
+            over_band_of(problem, beyond).reaching([10.0]), 0, view, first, port_index=first, mount=problem.mounts[0],
+            count=1, field_type=RememberedSunField,
+        )  # fmt: skip
+        assert seen is not None
+        return seen.signal_e_s
+
+    asked = made.mission.with_changes(requirements={**made.mission.to_dict()["requirements"], "max_blur_px": 2.0})
+    assert colours(made.asking(asked)) is colours(made)
+    fresh = made.in_scenes([replace(scene, cache={}) for scene in made.scenes])
+    near = signal(made, 0.3)
+    assert signal(made, 0.8) == pytest.approx(signal(fresh, 0.8), rel=1e-12)
+    assert signal(made, 0.8)[0, -1] < 0.99 * near[0, -1]
