@@ -198,6 +198,13 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{DARK}test_step_that_dark_current_rules_out_at_its_longest_time_is_still_used_at_a_shorter_one",
     ),
     Defect(
+        name="settings at a closed aperture are taken for the best though a lower step is enough wide open",
+        file="uwopt/solvers/settings/dark.py",
+        old="np.flatnonzero(of_kind & widest & ~least)",
+        new="np.flatnonzero(of_kind & ~least)",
+        test=f"{DARK}test_lower_step_at_the_widest_opening_fills_the_level_with_dark_electrons_though_none_fits_without",
+    ),
+    Defect(
         name="bounds forget that dark current may fill the wanted level",
         file="uwopt/solvers/settings/dark.py",
         old="spare_dark_s=longest - shortest)",

@@ -70,6 +70,20 @@ def test_step_that_dark_current_rules_out_at_its_longest_time_is_still_used_at_a
     assert watt(best_of([rows])) == 0.5 * 200.0  # 0.25 would need more than the level 0.336 of the case above
 
 
+def test_lower_step_at_the_widest_opening_fills_the_level_with_dark_electrons_though_none_fits_without():
+    # 0.3 * 4095 DN are 3320 e at gain 1 and 1660 e at gain 2; 2 ms bring 324 e of dark current, 5 ms 810 e.
+    # Wide open, N_w^2 = 2.04 and X N_w^2 = 40000 lm * level * time: the full lamp gives 3923 + 324 e at least, too
+    # many, and a tenth of it 981 e at most: too few beside the dark electrons of 2 ms, enough beside those of 5 ms.
+    # Closed so far that the full lamp fits, N_w^2 = 8 / 2.996, a tenth gives 749 + 810 e at most, which is too few.
+    rows = scene(
+        mean_level=0.3, min_snr=3.0, max_gain=2.0, light_lm=40_000.0, time_min_s=2e-3, time_max_s=5e-3,
+        dims_freely=False, levels=[0.1, 1.0], dark_current_e_s=162_000.0,
+    )  # fmt: skip
+    best = best_of([rows])
+    assert watt(best) == pytest.approx(0.1 * 200.0)
+    assert best.chosen[0].f_number[0] == 1.4
+
+
 def test_common_f_number_is_that_of_the_scene_that_needs_it():
     # The second scene's lamp has one level and 20 us at least: X N_w^2 = 20000 * 20e-6 = 0.4 lm s, and 1e5 e per lm s
     # must stay within 7000 e with 50 e of dark current: N_w^2 = 0.4e5 / 6950.
