@@ -54,7 +54,7 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="colours that the water takes apart are left to the integrals",
         file="uwopt/solvers/exact/bounds.py",
-        old="off_balance.by_water(self.tables, self.imagers, k, rows))",
+        old="off_balance.by_water(self.tables, k, rows))",
         new="np.zeros(n, bool))",
         test=f"{UNITS}[max_white_balance]",
     ),

@@ -160,8 +160,8 @@ def below(bound: float, best: brute.Best) -> bool:
 
 def bounds_of(name: str) -> Bounds:
     """Bounds of all imagers."""
-    search, imagers = searched(name)
-    return Bounds(search.objective, imagers, search.tables)
+    search, _ = searched(name)
+    return Bounds(search.objective, search.tables)
 
 
 # ---------------------------------------------------------------- nodes
@@ -254,7 +254,7 @@ def test_a_group_of_ports_is_bounded_by_its_best(name: str) -> None:
             seen = level.imagers(rows)
             passes = np.logical_and.reduce([ok for _, ok in level.rules(rows, seen)])
             tables = OutlineTables(level, rows, seen, like)
-            bounds = Bounds(search.objective, seen, tables)
+            bounds = Bounds(search.objective, tables)
             nodes = [bounds.of_nodes(k, np.arange(4)) for k in range(len(tables.lightings))]
             for row in range(4):
                 best = known(name).least(camera=camera[row], lens=lens[row], port=ports)
@@ -275,7 +275,7 @@ def test_a_group_of_pairs_is_bounded_by_its_best(name: str) -> None:
         rows = OutlineRows(camera, lens, np.ones(len(lens), bool), np.zeros(len(lens), int))
         seen = level.imagers(rows)
         passes = np.logical_and.reduce([ok for _, ok in level.rules(rows, seen)])
-        bounds = Bounds(search.objective, seen, OutlineTables(level, rows, seen, like))
+        bounds = Bounds(search.objective, OutlineTables(level, rows, seen, like))
         nodes = [bounds.of_nodes(k, np.arange(len(lens))) for k in range(len(like.lightings))]
         row, one, other = pairs.parted(camera, lens)
         for at, own, its in zip(row, one, other, strict=True):

@@ -23,7 +23,7 @@ from uwopt.solvers.exact import lamp_choices, large, port_groups, tree
 from uwopt.solvers.exact import search as exact_search
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.audit import audit
-from uwopt.solvers.exact.candidates import Candidates
+from uwopt.solvers.exact.bounds import Bounds
 from uwopt.solvers.exact.imagers import Imagers, enumerate_imagers, fitting_pairs
 from uwopt.solvers.exact.lamp_choices import Corner
 from uwopt.solvers.exact.outline import Level, OutlineRows, OutlineScene
@@ -309,7 +309,7 @@ def test_interrupted_while_only_what_cannot_win_waits(monkeypatch: pytest.Monkey
     full, search = case_.solve(top=1)[1], case_.searcher(top=1)
     honest, searched = large.PairTree.handed_over, []
 
-    def stopping(self: large.PairTree, rows: OutlineRows) -> tuple[Candidates, Array]:
+    def stopping(self: large.PairTree, rows: OutlineRows) -> tuple[Bounds, Array]:
         searched.append(1)
         if len(searched) == 2:
             raise KeyboardInterrupt

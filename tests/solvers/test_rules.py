@@ -322,8 +322,8 @@ COLOURED = {
 def unit_rules(case_: Case) -> list[str]:
     """Rules that discard the one unit."""
     search = case_.searcher()
-    imagers = search.prepare()
-    bounds = Bounds(search.objective, imagers, search.tables)
+    search.prepare()
+    bounds = Bounds(search.objective, search.tables)
     return [NODE_RULES[int(rule)] for rule in bounds.of_nodes(0, np.arange(1)).rule if rule >= 0]
 
 

@@ -29,7 +29,7 @@ from uwopt.solvers.confidence.response import LIT, VEILED, WaterResponse, of_dec
 from uwopt.solvers.confidence.scenarios import SAME_FIELD, Scenarios
 from uwopt.solvers.confidence.sealed_focus import meant_foci_m
 from uwopt.solvers.confidence.waters import may_leave_band, over_band_of
-from uwopt.solvers.exact.candidates import Candidates
+from uwopt.solvers.exact.bounds import Bounds
 from uwopt.solvers.exact.design_rows import Narrowed, NodeRows
 from uwopt.solvers.exact.imager_rules import Behind, Tally
 from uwopt.solvers.exact.imagers import (
@@ -395,4 +395,4 @@ def node_rows(
 ) -> NodeRows:
     """What makes rows of these imagers under any lighting; `narrowed`: of each image, the pixels that count."""
     none = np.zeros(len(problem.parts.lights), bool)  # bounds of lights are not asked for
-    return NodeRows(problem, objective, Candidates.of(problem, objective, imagers, lights=none), deadline, narrowed)
+    return NodeRows(problem, objective, Bounds.of(problem, objective, imagers, lights=none), deadline, narrowed)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from uwopt.deadline import NEVER, Deadline, spend
 from uwopt.forward.detail import most_scattering_per_m, shows_detail, texture_gain
 from uwopt.forward.part_columns import FLASH, PULSED
+from uwopt.forward.problem import Problem
 from uwopt.forward.views import CORNER_FIELD, RMS_FIELD
 from uwopt.model import sensor
 from uwopt.model.aberration import field_blur
@@ -45,17 +47,16 @@ Array = NDArray[Any]
 
 
 class Bounds:
-    """Bounds of one search's imagers under its lightings."""
+    """Bounds of some imagers under all lightings, with the tables of their light: what a search chooses from."""
 
     def __init__(
-        self, objective: Objective, imagers: Imagers, tables: FieldTables, *, lights: Array | None = None,
-        like: Bounds | None = None,
-    ):  # fmt: skip
-        """`like` lends its tables of lights."""
-        self.problem, self.objective, self.imagers, self.tables = tables.problem, objective, imagers, tables
+        self, objective: Objective, tables: FieldTables, *, lights: Array | None = None, like: Bounds | None = None
+    ):
+        """Of the imagers of these tables; `lights` marks those that are searched, `like` lends its tables of them."""
+        self.problem, self.objective, self.tables, self.imagers = tables.problem, objective, tables, tables.imagers
         self.searched = np.ones(len(self.problem.parts.lights), bool) if lights is None else lights
         self.limits = self.problem.mission.limits
-        self.veils = LeastVeil(self.problem, imagers)
+        self.veils = LeastVeil(self.problem, self.imagers)
         self.light_tables: list[LampChoices] = (
             [LampChoices.of(self.problem, lighting, self.searched) for lighting in tables.lightings]
             if like is None
@@ -68,7 +69,28 @@ class Bounds:
         )
         self._needs_of: tuple[Array, dict[int, Needs]] | None = None
         self._any_lighting = AnyLighting(self)
-        self._never_sharp = NeverSharp(self.problem, imagers)
+        self._never_sharp = NeverSharp(self.problem, self.imagers)
+
+    @staticmethod
+    def of(
+        problem: Problem, objective: Objective, imagers: Imagers, *, lights: Array | None = None,
+        widest_m: Sequence[float] | None = None,
+    ) -> Bounds:  # fmt: skip
+        """Of all imagers of a small catalogue, with tables of their own; `widest_m` as of `FieldTables`."""
+        return Bounds(objective, FieldTables(problem, imagers, widest_m=widest_m), lights=lights)
+
+    def others(self, imagers: Imagers) -> Bounds:
+        """Of other imagers of the same catalogue; the tables of lights are the same."""
+        return self.over(FieldTables(self.tables.problem, imagers, like=self.tables))
+
+    def over(self, tables: FieldTables) -> Bounds:
+        """By other tables in the same lights."""
+        return Bounds(self.objective, tables, lights=self.searched, like=self)
+
+    @cached_property
+    def motorised(self) -> Array:
+        """Whether each imager's lens is."""
+        return self.problem.lenses.motorised[self.imagers.lens] if len(self.imagers) else np.empty(0, bool)
 
     @property
     def sizes(self) -> Array:
@@ -96,7 +118,7 @@ class Bounds:
             return bounds
         for lamps in self.of_kinds[k]:
             bounds = bounds.better_of(self._of_kind(self.tables.lightings[k], lamps, rows, pixel_e or {}))
-        return bounds.but_for("max_white_balance", off_balance.by_water(self.tables, self.imagers, k, rows))
+        return bounds.but_for("max_white_balance", off_balance.by_water(self.tables, k, rows))
 
     def asks_of_images(self) -> bool:
         """Whether `of_pixels` may know more than `of_nodes`: pixels or colours count that lamps alone light."""
@@ -135,7 +157,7 @@ class Bounds:
         That pixel has at most the light that `likely_pixel` finds, whatever the number of lamps, and no less is needed
         of it at the farthest altitude than at any. No bound is lower than that of the mean alone.
         """
-        off = off_balance.by_image(self.tables, self.imagers, k, rows)
+        off = off_balance.by_image(self.tables, k, rows)
         bounds = NodeBounds.missing(len(rows), "max_white_balance")
         return bounds if off.all() else bounds.put(np.flatnonzero(~off), self._of_pixels(k, rows[~off]))
 

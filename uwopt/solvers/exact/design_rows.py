@@ -24,7 +24,7 @@ from uwopt.forward.sharpness import SharpRows
 from uwopt.forward.sun_light import sun_light
 from uwopt.model.image_mean import FRAME_MAY_MISS
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.exact.candidates import Candidates
+from uwopt.solvers.exact.bounds import Bounds
 from uwopt.solvers.exact.lightings import Under
 
 Array = NDArray[Any]
@@ -34,15 +34,15 @@ Narrowed = Callable[[ImageLight], ImageLight]
 
 
 class NodeRows:
-    """The rows of designs of some candidates."""
+    """The rows of designs of some imagers."""
 
     def __init__(
-        self, problem: Problem, objective: Objective, candidates: Candidates, deadline: Deadline,
+        self, problem: Problem, objective: Objective, bounds: Bounds, deadline: Deadline,
         narrowed: Narrowed | None = None,
     ):  # fmt: skip
-        """Of some candidates; `narrowed`: the pixels of an image that are kept for all rows of it."""
+        """Of the imagers of some bounds; `narrowed`: the pixels of an image that are kept for all rows of it."""
         self.problem, self.objective, self.deadline, self.narrowed = problem, objective, deadline, narrowed
-        self.imagers, self.tables, self.bounds = candidates.imagers, candidates.tables, candidates.bounds
+        self.imagers, self.tables, self.bounds = bounds.imagers, bounds.tables, bounds
 
     def rows(
         self, imager: Array, lights: list[ImageLight], light: Array, count: Array, under: Under, *,

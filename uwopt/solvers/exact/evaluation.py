@@ -20,7 +20,6 @@ from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.exact.account import NOT_REACHED, Account
 from uwopt.solvers.exact.bounds import Bounds
-from uwopt.solvers.exact.candidates import Candidates
 from uwopt.solvers.exact.design_rows import NodeRows
 from uwopt.solvers.exact.imagers import Imagers, imagers_in
 from uwopt.solvers.exact.light_tables import FieldTables
@@ -57,7 +56,7 @@ class Refusals:
 
 
 class Evaluation:
-    """Nodes of some candidates, evaluated; and the best of all that were."""
+    """Nodes of some imagers, evaluated; and the best of all that were."""
 
     def __init__(
         self, problem: Problem, objective: Objective, *, top: int, deadline: Deadline, ceiling: float,
@@ -85,37 +84,32 @@ class Evaluation:
         self.is_in_vain |= self.account.evaluated > self.most_in_vain
         return self.is_in_vain
 
-    # ------------------------------------------------------------ candidates
+    # ------------------------------------------------------------ imagers
 
-    def take_up(self, candidates: Candidates) -> None:
-        """Make these the candidates whose nodes are evaluated; the best that were found stay."""
-        self.candidates = candidates
-        self.design_rows = NodeRows(self.problem, self.objective, candidates, self.deadline)
-        self.ranking = self.ranking.among(candidates.imagers)
+    def take_up(self, bounds: Bounds) -> None:
+        """Evaluate the nodes of their imagers from now on; the best that were found stay."""
+        self.bounds = bounds
+        self.design_rows = NodeRows(self.problem, self.objective, bounds, self.deadline)
+        self.ranking = self.ranking.among(bounds.imagers)
 
     @property
     def imagers(self) -> Imagers:
-        """Those of the candidates."""
-        return self.candidates.imagers
+        """Those of the bounds."""
+        return self.bounds.imagers
 
     @property
     def tables(self) -> FieldTables:
-        """Those of the candidates."""
-        return self.candidates.tables
-
-    @property
-    def bounds(self) -> Bounds:
-        """Those of the candidates."""
-        return self.candidates.bounds
+        """Those of the bounds."""
+        return self.bounds.tables
 
     @property
     def motorised(self) -> Array:
         """Whether each imager's lens is."""
-        return self.candidates.motorised
+        return self.bounds.motorised
 
     @property
     def rows(self) -> Callable[..., list[SceneRows]]:
-        """Designs of the candidates as rows of settings; see `NodeRows.rows`."""
+        """Designs of the imagers as rows of settings; see `NodeRows.rows`."""
         return self.design_rows.rows
 
     # ------------------------------------------------------------ nodes

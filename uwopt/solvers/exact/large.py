@@ -18,7 +18,6 @@ from uwopt.model.imaging import FARTHEST
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.exact.account import Account
 from uwopt.solvers.exact.bounds import Bounds
-from uwopt.solvers.exact.candidates import Candidates
 from uwopt.solvers.exact.floor_rectangles import Rectangles
 from uwopt.solvers.exact.imager_rules import Behind, Tally, limit
 from uwopt.solvers.exact.imagers import FittingPairs, Imagers, imagers_in, landscapes
@@ -59,7 +58,7 @@ class PairTree(Tree):
         for index, scene in enumerate(problem.scenes):
             for altitude in {scene.nominal, len(scene.range_m) - 1}:
                 tables.set_widest(index, altitude, self._widest(index, altitude))
-        none = Candidates(no_imagers, tables, Bounds(objective, no_imagers, tables, lights=lights))
+        none = Bounds(objective, tables, lights=lights)
         self.begin(none, goal, account, tally, depth=len(self.levels) - 1)
         self.leaves, self.most, self.a_leaf = FIRST_LEAVES, LARGEST_LEAVES, max(1, int(ports[-1].size.mean()))
         rows = self._every_row(self.levels[0])
@@ -181,9 +180,9 @@ class PairTree(Tree):
         index = np.nonzero(alive)[0]
         if len(index) == 0:
             return rows.take(index), np.empty((0, self.n_ideals))
-        own = self.candidates.bounds
-        tables = OutlineTables(level, rows, imagers, self.candidates.tables)
-        bounds = Bounds(self.objective, imagers, tables, lights=own.searched, like=own)
+        own = self.bounds
+        tables = OutlineTables(level, rows, imagers, own.tables)
+        bounds = own.over(tables)
         dark = bounds.leaves_dark(index)
         if dark.any():
             account.charge("light", int(size[index[dark]].sum()) * self.designs)
@@ -209,7 +208,7 @@ class PairTree(Tree):
             account.charge("bound", int(weights[found[closed] < 0].sum()))
         return rows.take(index[open_]), best[open_]
 
-    def handed_over(self, rows: OutlineRows) -> tuple[Candidates, Array]:
+    def handed_over(self, rows: OutlineRows) -> tuple[Bounds, Array]:
         """As `Tree`."""
         groups, tally = self.levels[-1].groups, Tally(dict.fromkeys(self.account.discarded, 0), self.tally.samples)
         asked = []
@@ -222,11 +221,11 @@ class PairTree(Tree):
         self.charge_imagers(tally.discarded)
         return self.others(imagers), np.arange(len(imagers))
 
-    def others(self, imagers: Imagers) -> Candidates:
+    def others(self, imagers: Imagers) -> Bounds:
         """Some imagers of the catalogue, with a sample of what is discarded here."""
-        return self.candidates.others(replace(imagers, tally=self.tally))
+        return self.bounds.others(replace(imagers, tally=self.tally))
 
-    def keeping(self, best: list[Found]) -> tuple[Candidates, list[Found]]:
+    def keeping(self, best: list[Found]) -> tuple[Bounds, list[Found]]:
         """Their own imagers alone."""
         found = imagers_in(self.problem, [one.behind for one in best])
         return self.others(found), [replace(one, imager=place) for place, one in enumerate(best)]

@@ -21,7 +21,7 @@ from uwopt.deadline import NEVER, Deadline, OutOfTimeError, Progress, unheard
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.exact.account import NOT_REACHED, Outcome
-from uwopt.solvers.exact.candidates import Candidates
+from uwopt.solvers.exact.bounds import Bounds
 from uwopt.solvers.exact.evaluation import Evaluation
 from uwopt.solvers.exact.imager_rules import Sample, Tally
 from uwopt.solvers.exact.imagers import (
@@ -64,7 +64,7 @@ class Cheapest:
     """The least of one objective, as the goal of a search."""
 
     objective: Objective
-    search: Callable[[Candidates, Array], Array]
+    search: Callable[[Bounds, Array], Array]
     threshold: Callable[[], float]
 
     def ideals(self, terms: Terms) -> Array:
@@ -115,15 +115,15 @@ class Search(Evaluation):
             tree = self.tree(Cheapest(self.objective, self.among, lambda: self.ranking.threshold()))
         except OutOfTimeError:  # before they were listed
             none = imagers_in(self.problem, [])
-            self.take_up(Candidates.of(self.problem, self.objective, none, lights=self.only.get("light")))
+            self.take_up(Bounds.of(self.problem, self.objective, none, lights=self.only.get("light")))
             imagers_s, lowest = time.perf_counter() - start, float(self._camera_floor().min(initial=np.inf))
         else:
             imagers_s = time.perf_counter() - start
             complete = tree.search(self.deadline, self.progress)
             imagers_s, lowest = imagers_s + tree.groups_s, float(tree.open_ideals().min(initial=np.inf))
             interrupted = tree.interrupted
-            candidates, winners = tree.keeping(self.ranking.best)
-            self.take_up(candidates)
+            bounds, winners = tree.keeping(self.ranking.best)
+            self.take_up(bounds)
             self.ranking.best = winners
         if not complete:
             self.account.leave_the_rest()
@@ -154,9 +154,9 @@ class Search(Evaluation):
         pairs = None if self.given is not None else fitting_pairs(self.problem, cameras=self._cameras_below_ceiling())
         if pairs is None or not are_too_many(self.problem, pairs):
             self.prepare(self.deadline)
-            return Tree(self.candidates, goal, self.account, self.tally)
+            return Tree(self.bounds, goal, self.account, self.tally)
         tree = PairTree(self.problem, self.objective, pairs, goal, self.account, lights=self.only.get("light"))
-        self.take_up(tree.candidates)
+        self.take_up(tree.bounds)
         return tree
 
     def prepare(self, deadline: Deadline = NEVER) -> Imagers:
@@ -167,7 +167,7 @@ class Search(Evaluation):
             imagers = enumerate_imagers(self.problem, cameras=cameras, deadline=deadline)
             if cameras.all():
                 self.every_imager = imagers
-        self.take_up(Candidates.of(
+        self.take_up(Bounds.of(
             self.problem, self.objective, imagers, lights=self.only.get("light"), widest_m=self.widest_m
         ))  # fmt: skip
         return imagers
@@ -197,12 +197,12 @@ class Search(Evaluation):
 
     # ------------------------------------------------------------ best first
 
-    def among(self, candidates: Candidates, imagers: Array) -> Array:
+    def among(self, bounds: Bounds, imagers: Array) -> Array:
         """Search all nodes of some imagers; the least bound of what is left, (1, 1), (0, 1) where nothing is.
 
         Raises OutOfTimeError before there are bounds.
         """
-        self.take_up(candidates)
+        self.take_up(bounds)
         lowest = self._best_first(imagers)
         return np.empty((0, 1)) if lowest is None else np.array([[lowest]])
 

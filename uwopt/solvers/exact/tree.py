@@ -19,7 +19,7 @@ from uwopt.deadline import Deadline, OutOfTimeError, Progress
 from uwopt.forward.columns import Columns
 from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.account import Account
-from uwopt.solvers.exact.candidates import Candidates
+from uwopt.solvers.exact.bounds import Bounds
 from uwopt.solvers.exact.imager_rules import Tally
 from uwopt.solvers.exact.open_rows import OpenRows, WaitingRows
 from uwopt.solvers.exact.ranking import Found
@@ -46,8 +46,8 @@ class Goal(Protocol):
         """Their places, those to look at first before the others."""
 
     @property
-    def search(self) -> Callable[[Candidates, Array], Array]:
-        """Search some imagers of the candidates: ideals (n, n_objectives) of what is left when time ran out.
+    def search(self) -> Callable[[Bounds, Array], Array]:
+        """Search some imagers of these bounds: ideals (n, n_objectives) of what is left when time ran out.
 
         What raises OutOfTimeError or KeyboardInterrupt has searched none of them.
         """
@@ -63,18 +63,18 @@ class ListedRows(Columns):
 class Tree:
     """What waits, and how far it is searched; here the imagers of a small catalogue, of which all are listed."""
 
-    def __init__(self, candidates: Candidates, goal: Goal, account: Account, tally: Tally):
+    def __init__(self, bounds: Bounds, goal: Goal, account: Account, tally: Tally):
         """Imagers wait in the order of what they are at best; `account` and `tally` have what is discarded."""
-        self.begin(candidates, goal, account, tally, depth=0)
-        lightings, every = max(1, len(candidates.tables.lightings)), np.arange(len(candidates.imagers))
+        self.begin(bounds, goal, account, tally, depth=0)
+        lightings, every = max(1, len(bounds.tables.lightings)), np.arange(len(bounds.imagers))
         self.most = min(LARGEST_LISTED, max(64, MOST_NODES // lightings))
         self.leaves = min(self.most, max(1, FIRST_NODES // lightings))
-        self.charge_imagers(candidates.imagers.tally.discarded)
-        self.open = self.open.put(0, ListedRows(every), goal.ideals(candidates.bounds.without_light(every)))
+        self.charge_imagers(bounds.imagers.tally.discarded)
+        self.open = self.open.put(0, ListedRows(every), goal.ideals(bounds.without_light(every)))
 
-    def begin(self, candidates: Candidates, goal: Goal, account: Account, tally: Tally, *, depth: int) -> None:
-        """Nothing waits; so many levels stand above the leaves. The candidates' tables of lights serve all imagers."""
-        self.candidates, self.goal, self.account, self.tally, self.depth = candidates, goal, account, tally, depth
+    def begin(self, bounds: Bounds, goal: Goal, account: Account, tally: Tally, *, depth: int) -> None:
+        """Nothing waits; so many levels stand above the leaves. Their tables of lights serve all imagers."""
+        self.bounds, self.goal, self.account, self.tally, self.depth = bounds, goal, account, tally, depth
         self.open = OpenRows.none(depth + 1, goal)
         self.left = np.empty((0, 1))  # ideals of what was taken and not searched to its end
         self.leaves, self.most, self.a_leaf = 1, 1, 1  # imagers searched together, next and ever; and in a leaf, about
@@ -95,8 +95,8 @@ class Tree:
                 depth, some, rest = self.open.next(groups, rows, leaves)
                 hopeful = self._hopeful(depth, some)
                 if depth == self.depth:
-                    candidates, imagers = self.handed_over(hopeful)
-                    self.left = self.goal.search(candidates, imagers) if len(imagers) else self.left
+                    bounds, imagers = self.handed_over(hopeful)
+                    self.left = self.goal.search(bounds, imagers) if len(imagers) else self.left
                     self.leaves = min(GROWTH * self.leaves, self.most)
                 else:
                     start = time.perf_counter()
@@ -128,12 +128,12 @@ class Tree:
     @property
     def designs(self) -> int:
         """With how many lights in how many numbers each imager comes."""
-        return int(self.candidates.bounds.sizes.sum())
+        return int(self.bounds.sizes.sum())
 
     def charge_imagers(self, discarded: Mapping[str, int]) -> None:
         """Count imagers that rules discard under any light."""
         for rule, count in discarded.items():
-            self.account.charge(rule, count * self.candidates.tables.problem.illuminators)
+            self.account.charge(rule, count * self.bounds.tables.problem.illuminators)
 
     def remember(self, rule: str, depth: int, rows: Any, lost: Array) -> None:
         """Some of what a rule discards, for an audit: the first imager of each row."""
@@ -147,16 +147,16 @@ class Tree:
 
     def one_of(self, depth: int, rows: Any, row: int) -> tuple[int, int, int, bool]:
         """Camera, lens, port and orientation of the first imager of a row."""
-        return self.candidates.imagers.sample(int(rows.imager[row]), None)[:4]
+        return self.bounds.imagers.sample(int(rows.imager[row]), None)[:4]
 
     def parts_of(self, depth: int, rows: Any) -> tuple[Columns, Array]:
         """The parts of the rows of a level that its bounds leave, with what the rows are at best."""
         raise IndexError(depth)  # leaves have none
 
-    def handed_over(self, rows: Any) -> tuple[Candidates, Array]:
-        """Candidates with the imagers behind leaves that pass all rules, and which of them these are."""
-        return self.candidates, rows.imager
+    def handed_over(self, rows: Any) -> tuple[Bounds, Array]:
+        """Bounds of the imagers behind leaves that pass all rules, and which of them these are."""
+        return self.bounds, rows.imager
 
-    def keeping(self, best: list[Found]) -> tuple[Candidates, list[Found]]:
-        """Candidates that hold the best designs, and these as designs of them."""
-        return self.candidates, best
+    def keeping(self, best: list[Found]) -> tuple[Bounds, list[Found]]:
+        """Bounds of imagers that hold the best designs, and these as designs of them."""
+        return self.bounds, best

@@ -24,7 +24,7 @@ from uwopt.objectives.axes import Axes, Frame
 from uwopt.objectives.dominance import clearly, hypervolume
 from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.account import RULES, Account
-from uwopt.solvers.exact.candidates import Candidates
+from uwopt.solvers.exact.bounds import Bounds
 from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.lightings import Under
 from uwopt.solvers.exact.node_bounds import by_rule, first_missed
@@ -107,19 +107,19 @@ class FrontSearch:
             self.account.leave_the_rest()
         if self.search.every_imager is None:
             self._keep()
-            self.search.take_up(tree.candidates.others(Imagers.joined(self.kept or [tree.candidates.imagers])))
+            self.search.take_up(tree.bounds.others(Imagers.joined(self.kept or [tree.bounds.imagers])))
         try:
             complete = complete and self._refine()
         except KeyboardInterrupt:
             complete, self.interrupted = False, True
         return self._front(complete, left)
 
-    def among(self, candidates: Candidates, imagers: Array) -> Array:
+    def among(self, bounds: Bounds, imagers: Array) -> Array:
         """Nodes of some imagers layer by layer; the ideals of those that are left when time ran out, or a person wants
         no more."""
-        if candidates is not self.search.candidates:
+        if bounds is not self.search.bounds:
             self._keep()
-            self.search.take_up(candidates)
+            self.search.take_up(bounds)
         ideal, lighting, imager = self._nodes(imagers)
         left = np.ones(len(ideal), bool)
         try:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from uwopt.objectives.axes import Axes
 from uwopt.objectives.dominance import BestPoints, nondominated
 from uwopt.objectives.objective import Terms
-from uwopt.solvers.exact.candidates import Candidates
+from uwopt.solvers.exact.bounds import Bounds
 
 Array = NDArray[Any]
 WITHOUT_BOUND = 1e300  # in place of infinity, which has no differences
@@ -28,7 +28,7 @@ class Undominated:
 
     axes: Axes
     archive: BestPoints
-    search: Callable[[Candidates, Array], Array]
+    search: Callable[[Bounds, Array], Array]
 
     def ideals(self, terms: Terms) -> Array:
         """The best of each objective, (n, n_axes)."""
