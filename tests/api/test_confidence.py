@@ -281,7 +281,7 @@ def test_parts_to_be_made_are_asked_only_where_they_may_be_surer() -> None:
         sold = holding_in(held)
         tried: list[float] = []
 
-        def of_all_parts(*_: Any) -> Any:
+        def of_all_parts(*_: Any, **__: Any) -> Any:
             tried.append(1.0)
             raise OutOfTimeError
 

@@ -37,7 +37,6 @@ class Recommendation:
 
     mission: Mission  # with what of good practice has given way
     sought: Sought  # with what is recommended at its head
-    alternative: Sought | None  # with parts to be made
     proven: Outcome  # of the search by central numbers
     design: Design
     others: list[Design]
@@ -54,8 +53,7 @@ class Recommendation:
     @property
     def is_cut_short(self) -> bool:
         """Whether a person wants no more, of this or of a search for it."""
-        searches = [one for one in (self.sought, self.alternative) if one is not None]
-        return self.cut or any(one.outcome.interrupted for one in searches)
+        return self.cut or self.sought.outcome.interrupted
 
     @property
     def counted(self) -> Confidence | None:
@@ -83,11 +81,8 @@ def chosen_of(searched: Searched, watch: Watch, before: Counts | None = None) ->
 
     before : what was counted for a mission that differs in a few keys
     """
-    mission, sought, alternative, given_way = (
-        searched.mission, searched.sought, searched.alternative, searched.given_way
-    )  # fmt: skip
-    deadline = watch.deadline
-    cut = alternative is not None and alternative.outcome.interrupted
+    mission, sought, given_way = searched.mission, searched.sought, searched.given_way
+    deadline, cut = watch.deadline, False
     others: list[Design] = []
     central, winner = mission.confidence == CENTRAL, None
     with watch.timed("evaluation"):
@@ -103,14 +98,12 @@ def chosen_of(searched: Searched, watch: Watch, before: Counts | None = None) ->
         try:
             sure = with_confidence(sought, winner, watch, before)
             if sure.of_all_parts:
-                alternative, others = None, []
-            return Recommendation(
-                mission, sure.sought, alternative, sure.proven, sure.design, others, sure, given_way=given_way
-            )
+                others = []
+            return Recommendation(mission, sure.sought, sure.proven, sure.design, others, sure, given_way=given_way)
         except KeyboardInterrupt:
             cut = True
     winner = winner or design_of(sought, sought.outcome.best[0])
-    return Recommendation(mission, sought, alternative, sought.outcome, winner, others, given_way=given_way, cut=cut)
+    return Recommendation(mission, sought, sought.outcome, winner, others, given_way=given_way, cut=cut)
 
 
 def others_in_time(sought: Sought, deadline: Deadline) -> list[Design]:

@@ -130,7 +130,7 @@ def surer_of_all_parts(sought: Sought, sold: Looked, watch: Watch, before: Count
 
     def found() -> Counts | None:
         with watch.timed("search_generic"):
-            every = of_all_parts(sought, watch)
+            every = of_all_parts(sought, watch, whole=True)
         if not every.outcome.complete:
             raise OutOfTimeError
         with watch.stage("certainty"):

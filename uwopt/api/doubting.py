@@ -12,13 +12,15 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from uwopt.api.search_notes import cut_warnings, patience_warnings
+from uwopt.api.searching import leaves_out_generic, much_better_if_made
 from uwopt.api.watch import STAGES, Watch
 from uwopt.deadline import Deadline, PatientClock
 from uwopt.results.basis import Opinion, Price
 from uwopt.results.design import Design
 from uwopt.results.result import Result
 from uwopt.solvers.beside import side_by_side
-from uwopt.solvers.recommend import Sought
+from uwopt.solvers.exact.account import Outcome
+from uwopt.solvers.recommend import Sought, design_of
 
 if TYPE_CHECKING:
     from uwopt.api.choosing import Recommendation
@@ -45,24 +47,13 @@ class ToTell:
 def doubted(made: Result, chosen: Recommendation, wanted: ToTell, watch: Watch) -> Result:
     """A result with how firm it is, what more power and money would buy, and second opinions, in time."""
     from uwopt.solvers.explain.knee import knee
-    from uwopt.solvers.explain.prices import prices
 
-    sought, winner, cut = chosen.sought, chosen.design, False
+    sought, cut = chosen.sought, False
     clock = PatientClock()
     patient = watch.until(watch.deadline.or_after(DOUBTS_S, clock))
     try:
         if wanted.doubts and sought.goal.quality:
             made = replace(made, knee=watch.within("knee", lambda limit: knee(sought, limit), None))
-        if wanted.doubts:
-            slow = watch if wanted.solver != "exact" else patient  # what is asked for by name takes its time
-            opinions = slow.within(
-                "second_opinion", lambda limit: second_opinions(sought, wanted.solver, limit), list[Opinion]()
-            )
-            made = replace(made, solvers=opinions)
-            costs = patient.within(
-                "prices", lambda limit: prices(sought, winner, opinions, limit), list[Price]()
-            )
-            made = replace(made, prices=costs)
         if wanted.doubts:
             watch.progress(0.0, STAGES["robustness"])
         with watch.timed("robustness"):
@@ -86,13 +77,18 @@ def told_together(
     doubts = doubts_of(sought, chosen.design, patience, choice) if wanted.doubts else {}
     works: dict[str, Callable[[], Any]] = {}
     counted = made.confidence
+    costs = "second_opinion" if wanted.doubts else "ranges"  # what it begins with
+    if wanted.doubts or wanted.ranges:
+        works[costs] = partial(costed, made, chosen, wanted, deadline, patience, clock)
+    if sought.outcome.complete and leaves_out_generic(sought):
+        works["search_generic"] = partial(
+            deadline.within, STAGES["search_generic"], lambda: if_made(sought, chosen.proven, deadline), None
+        )
     if wanted.doubts and counted is not None and choice is not None and not counted.enough:
         from uwopt.api.certainty import eased
 
         works["eased"] = partial(eased, sought.problem, sought.goal, counted, choice, deadline)
-    if wanted.ranges and sought.outcome.complete:
-        works["ranges"] = partial(ranged, made, sought, deadline)
-    works = {name: partial(clock.stand_still, work) for name, work in works.items()}
+    works = {name: work if name == costs else partial(clock.stand_still, work) for name, work in works.items()}
     works |= doubts
     if wanted.alternatives and sought.outcome.complete:
         works["alternatives"] = partial(beside_it, made, sought, deadline)
@@ -103,14 +99,40 @@ def told_together(
 
     made_of_each = side_by_side([partial(clocked, work) for work in works.values()], lists=lists, begins=begins)
     answers = dict(zip(works, made_of_each, strict=True))
-    watch.timing_s.update({name: answers[name][1] for name in ("eased", "ranges", "alternatives") if name in answers})
     told = {name: value for name, (value, _) in answers.items()}
+    opinions, prices, lasted_s = told.get(costs, (made.solvers, made.prices, {}))
+    lasted_s |= {name: answers[name][1] for name in ("search_generic", "eased", "alternatives") if name in answers}
+    for name, seconds in lasted_s.items():
+        watch.timing_s[name] = watch.timing_s.get(name, 0.0) + seconds
     firm = told.get("robustness")
     return replace(
-        made, confidence=told.get("eased", counted), prices=told.get("ranges", made.prices),
-        alternatives=told.get("alternatives", made.alternatives),
+        made, confidence=told.get("eased", counted), solvers=opinions, prices=prices,
+        generic_alternative=told.get("search_generic"), alternatives=told.get("alternatives", made.alternatives),
         robustness=None if firm is None else {**firm, **{name: told[name] for name in doubts if name != "robustness"}},
     )  # fmt: skip
+
+
+def costed(
+    made: Result, chosen: Recommendation, wanted: ToTell, deadline: Deadline, patience: Deadline, clock: PatientClock
+) -> tuple[list[Opinion], list[Price], dict[str, float]]:
+    """Second opinions on the settings, what requirements cost by these too, and how long each stage takes [s]."""
+    from uwopt.solvers.explain.prices import prices
+
+    sought, watch = chosen.sought, Watch()
+
+    def asked(limit: Deadline) -> list[Opinion]:
+        own = watch.until(limit)
+        return own.within("second_opinion", lambda _: second_opinions(sought, wanted.solver, limit), [])
+
+    opinions, costs = made.solvers, made.prices
+    if wanted.doubts:
+        by_name, in_time = wanted.solver != "exact", watch.until(patience)  # what is asked for by name takes its time
+        opinions = clock.stand_still(partial(asked, deadline)) if by_name else asked(patience)
+        costs = in_time.within("prices", lambda limit: prices(sought, chosen.design, opinions, limit), costs)
+    if wanted.ranges and sought.outcome.complete:
+        with watch.timed("ranges"):
+            costs = clock.stand_still(partial(ranged, replace(made, prices=costs), sought, deadline))
+    return opinions, costs, watch.timing_s
 
 
 def clocked(work: Callable[[], Any]) -> tuple[Any, float]:
@@ -143,6 +165,15 @@ def doubts_of(
         ),
     }  # fmt: skip
     return {name: partial(deadline.within, *of) for name, of in each.items()}
+
+
+def if_made(sought: Sought, proven: Outcome, deadline: Deadline) -> Design | None:
+    """The best system with parts to be made, where it is much better than what is sold."""
+    found = much_better_if_made(sought, proven, deadline)
+    if found.outcome.interrupted:
+        raise KeyboardInterrupt
+    best = found.outcome.best
+    return design_of(found, best[0], deadline=deadline) if best else None
 
 
 def ranged(made: Result, sought: Sought, deadline: Deadline) -> list[Price]:

@@ -9,7 +9,6 @@ from uwopt.api.choosing import Recommendation
 from uwopt.api.common import base_result, selection_warnings
 from uwopt.api.search_notes import cut_warnings, gap_warnings, interruption_warnings
 from uwopt.api.yielding import yield_notes
-from uwopt.deadline import Deadline
 from uwopt.evaluation.breathing import breathing_notes
 from uwopt.evaluation.influences import influences_of
 from uwopt.forward.effects import Influence
@@ -18,18 +17,15 @@ from uwopt.objectives.goal import taken_instead
 from uwopt.results.result import Result
 from uwopt.solvers.exact.certificate import certificate
 from uwopt.solvers.explain.assumptions import assumptions
-from uwopt.solvers.recommend import BETTER_UNSETTABLE, colour_notes, design_of, hardware_of
+from uwopt.solvers.recommend import BETTER_UNSETTABLE, colour_notes, hardware_of
 from uwopt.solvers.settable.rounding import given_of
 from uwopt.tolerances import PROVEN_GAP_REL
 
 
-def recommended(chosen: Recommendation, deadline: Deadline) -> Result:
+def recommended(chosen: Recommendation) -> Result:
     """The result, before anything is told beyond the proof."""
     sought, winner, sure, mission = chosen.sought, chosen.design, chosen.made_sure, chosen.mission
-    other, generic = chosen.alternative, None
     problem, goal, best = sought.problem, sought.goal, sought.outcome.best[0]
-    if other is not None and other.outcome.best:
-        generic = design_of(other, other.outcome.best[0], deadline=deadline)
     hardware = hardware_of(best)
     influences = influences_of(problem, hardware, given_of(problem, hardware, best.settings))
     proof = certificate(sought.selection, problem, chosen.proven, goal)
@@ -45,7 +41,6 @@ def recommended(chosen: Recommendation, deadline: Deadline) -> Result:
         status=status_of(proven=chosen.is_proven, exact=exact),
         recommendation=winner,
         runners_up=chosen.others,
-        generic_alternative=generic,
         certificate=proof,
         assumptions=assumptions(problem, best),
         objective=replace(base.objective, value=winner.objective_value),

@@ -16,6 +16,7 @@ from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import Yield
 from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.objective import Objective
+from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.explain.robustness import SLOW_S
 from uwopt.solvers.made import TO_BE_MADE, fewest_made
 from uwopt.solvers.recommend import GENERIC_GAIN, Sought, seek
@@ -31,7 +32,7 @@ class Searched:
 
     mission: Mission  # with what of good practice has given way
     sought: Sought  # over parts that are sold; over all of them where only these do
-    alternative: Sought | None = None  # with parts to be made
+    alternative: Sought | None = None  # with parts to be made, where nothing that is sold fits
     given_way: tuple[Yield, ...] = ()
     in_vain: Sought | None = None  # with as little of good practice as may be: the proof that even so nothing fits
     is_in_vain: bool = False  # whether that is proven, by this or by missions before
@@ -71,7 +72,7 @@ class Searches:
         )  # fmt: skip
 
     def of(self, mission: Mission, like: Sought | None = None, scenes_of: Problem | None = None) -> Searched:
-        """The search over parts that are sold, and with parts to be made where they could matter.
+        """The search over parts that are sold, and with parts to be made where nothing that is sold fits.
 
         Where nothing that is sold fits and the gain has a cap that yields, all parts without it are asked first for any
         design that fits: where none does, nothing fits with the cap either. A search below the cap that goes long in
@@ -91,30 +92,19 @@ class Searches:
                     return Searched(mission, some)
                 sought = self.seek(mission, generic=first, **known_from(sought))
         alternative: Sought | None = None
-        if policy == "fallback" and sought.outcome.complete:
+        if policy == "fallback" and sought.outcome.complete and not sought.outcome.best:
             with self.watch.timed("search_generic"):
-                if sought.outcome.best:
-                    alternative = self._with_parts_made(mission, sought)
-                else:
-                    if capless is not mission:
-                        any_of_all = self.seek(capless, generic="allow", like=sought.problem, enough=True)
-                        if any_of_all.outcome.complete and not any_of_all.outcome.best:
-                            sought = self.seek(capless, generic=first, **known_from(sought))
-                            return Searched(mission, sought, any_of_all)
-                    alternative = self.seek(mission, generic="allow", like=sought.problem)
-                    if alternative.outcome.best:
-                        sought, alternative = of_fewest_kinds(alternative, self.seek), None
+                if capless is not mission:
+                    any_of_all = self.seek(capless, generic="allow", like=sought.problem, enough=True)
+                    if any_of_all.outcome.complete and not any_of_all.outcome.best:
+                        sought = self.seek(capless, generic=first, **known_from(sought))
+                        return Searched(mission, sought, any_of_all)
+                alternative = self.seek(mission, generic="allow", like=sought.problem)
+                if alternative.outcome.best:
+                    sought, alternative = of_fewest_kinds(alternative, self.seek), None
         if not sought.outcome.best and sought.outcome.complete and capless is not mission:  # light is out of reach
             return replace(self.of(capless, sought), mission=mission)
         return Searched(mission, sought, alternative)
-
-    def _with_parts_made(self, mission: Mission, sought: Sought) -> Sought:
-        """More parts to be made come second: searched for a gain of 10 %."""
-        best, deadline = sought.outcome.best[0].minimised, self.watch.deadline
-        if scenes_need_cells(sought.problem.scenes, self.goal):  # no closed form is slow
-            deadline = deadline.at_most(SLOW_S)
-        ceiling = best - self.goal.step(GENERIC_GAIN, best)
-        return self.seek(mission, generic="allow", top=1, deadline=deadline, ceiling=ceiling, like=sought.problem)
 
 
 def known_from(like: Sought | None) -> dict[str, Any]:
@@ -165,8 +155,19 @@ def leaves_out_generic(sought: Sought) -> bool:
     return fallback and any(rules.get("generic") for rules in sought.selection.counts.values())
 
 
-def of_all_parts(sought: Sought, watch: Watch) -> Sought:
+def of_all_parts(sought: Sought, watch: Watch, *, top: int = 0, **how: Any) -> Sought:
     """The same search with parts to be made."""
     problem = sought.problem
-    searches = Searches(sought.selection.catalog, sought.goal, sought.search.top, watch, problem.fineness)
-    return searches.seek(problem.mission, generic="allow", like=problem, whole=True)
+    searches = Searches(sought.selection.catalog, sought.goal, top or sought.search.top, watch, problem.fineness)
+    return searches.seek(problem.mission, generic="allow", like=problem, **how)
+
+
+def much_better_if_made(sought: Sought, proven: Outcome, deadline: Deadline) -> Sought:
+    """The search for what is better by 10 % with parts to be made than all that is sold.
+
+    proven : what the search of these found
+    """
+    best, goal = proven.best[0].minimised, sought.goal
+    if scenes_need_cells(sought.problem.scenes, goal):  # no closed form is slow
+        deadline = deadline.at_most(SLOW_S)
+    return of_all_parts(sought, Watch(deadline), top=1, ceiling=best - goal.step(GENERIC_GAIN, best))

@@ -159,7 +159,7 @@ def told_of(chosen: Recommendation, wanted: ToTell, watch: Watch, first: First |
 
     Unless a person wants no more.
     """
-    made = recommended(chosen, watch.deadline)
+    made = recommended(chosen)
     if chosen.is_proven and first is None:
         watch.so_far(proven_line(chosen))
     if not chosen.is_cut_short:

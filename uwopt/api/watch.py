@@ -21,6 +21,7 @@ STAGES = {
     "knee": "what more power and money would buy",
     "robustness": "how firm the answer is", "second_opinion": "second opinions",
     "prices": "what requirements cost", "ranges": "where other systems take over",
+    "search_generic": "what parts to be made would give",
     "alternatives": "what other makers offer", "accuracy": "errors of figures",
 }  # fmt: skip
 
