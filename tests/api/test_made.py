@@ -36,9 +36,17 @@ def survey(**catalog: Any) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def best_with(kinds: tuple[str, ...]) -> float | None:
+def shallow(objective: str) -> dict[str, Any]:
+    """The same from 2 m above the floor at 100 m, for which all that it takes is sold."""
+    asked = survey()
+    asked["scene"]["depth_m"], asked["vehicle"]["altitude_m"] = 100, 2.0
+    asked["requirements"] |= {"min_snr_db": 20, "min_swath_m": 0.8}
+    return asked | {"objective": objective}
+
+
+def best_with(kinds: tuple[str, ...], asked: dict[str, Any] | None = None) -> float | None:
     """The optimum with parts to be made of some kinds; None where nothing fits."""
-    mission = load_mission(survey())
+    mission = load_mission(asked or survey())
     best = seek(mission, load_catalog(mission), goal_of(mission), generic=kinds, top=1).outcome.best  # type: ignore[arg-type]
     return best[0].minimised if best else None
 
@@ -69,6 +77,21 @@ def test_more_kinds_are_made_where_they_gain_enough(
     assert result.best is not None
     assert {kind for kind, part in result.best.hardware.parts.items() if part.generic} == expected
     assert searches.Warm().best(load_mission(survey())).lower_bound == pytest.approx(result.best.objective_value)
+
+
+@pytest.mark.parametrize("objective", ["cost", "power"])
+def test_parts_to_be_made_are_told_of_where_they_are_much_better_than_all_that_is_sold(objective: str) -> None:
+    sold, every = best_with((), shallow(objective)), best_with(KINDS, shallow(objective))
+    assert sold is not None and every is not None
+    seen = list[Any]()
+    result = uwopt.solve(shallow(objective), confidence="central", quick=True, top=1, first=seen.append)
+    assert result.certificate is not None and result.certificate.lower_bound == pytest.approx(sold, rel=1e-9)
+    assert seen[0].best == result.best and seen[0].generic_alternative is None  # told later: nobody waits for it
+    made = result.generic_alternative
+    assert (made is not None) == (every < 0.9 * sold) == (objective == "cost")
+    if made is not None:
+        assert made.objective_value == pytest.approx(every, rel=1e-9)
+        assert any(part.generic for part in made.hardware.parts.values())
 
 
 def test_kinds_that_may_be_made_can_be_listed() -> None:

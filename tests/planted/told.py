@@ -177,6 +177,12 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/mission/test_as_solved.py::test_the_users_text_is_kept_and_states_what_gave_way",
     ),
     Defect(
+        name="parts to be made are told of where they are no better", file="uwopt/api/searching.py",
+        old="ceiling=best - goal.step(GENERIC_GAIN, best))", new="ceiling=best + goal.step(GENERIC_GAIN, best))",
+        test="tests/api/test_made.py::"
+        "test_parts_to_be_made_are_told_of_where_they_are_much_better_than_all_that_is_sold[power]",
+    ),
+    Defect(
         name="what gave way is not written down", file="uwopt/api/recommending.py",
         old="as_solved(mission, chosen.given_way) if chosen", new="None if chosen",
         test="tests/api/test_yielding.py::"
