@@ -27,7 +27,9 @@ from numpy.typing import NDArray
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.continuous.optimality import violations
 from uwopt.solvers.continuous.pieces import (
+    NUMBERS,
     Piece,
+    Range,
     SmoothDesign,
     SmoothScene,
     SmoothSettings,
@@ -39,7 +41,7 @@ from uwopt.solvers.continuous.program import scene_rules
 from uwopt.units import ratio_to_db
 
 Array = NDArray[Any]
-LEAST_W = 1e-9  # stands for no power, which has no logarithm
+LEAST_W, LEAST_SNR = 1e-9, 1e-12  # stand for no power and no light, which have no logarithm
 SLACK = 1e-9  # in logarithms: by which fixed quantities may be off
 ROOM = 1e-6  # added to what a rule can be missed by
 
@@ -87,60 +89,35 @@ class MixedProgram:
             if all(pieces) and room_w >= 0.0:
                 self.options += [Option(index, s, p) for s, found in enumerate(pieces) for p in found]
         self.open_to_choice = sorted({option.candidate for option in self.options})
+        self.f_number_apart = any(self.candidates[k].motorised for k in self.open_to_choice)
         self.weighs_power = bool(objective.weight("power"))
         self.weighs_snr = bool(objective.weight("snr_db"))
 
     # ------------------------------------------------------------ unknowns
 
     @cached_property
-    def ranges(self) -> dict[str, tuple[float, float]]:
+    def ranges(self) -> dict[str, Range]:
         """The continuous unknowns in logarithms: the box that holds all candidates."""
-        apart = any(self.candidates[k].motorised for k in self.open_to_choice)
-        found: dict[str, tuple[float, float]] = {}
+        found: dict[str, Range] = {}
+        watts, snrs = list[float](), list[float]()
         for option in self.options:
-            s = option.scene
-            for name, ends in self._own_ranges(option).items():
-                key = f"{name}[{s}]" if apart or name != "f_number" else name
+            scene, own = self._scene(option), option.piece.ranges(self._scene(option))
+            for name, ends in own.items():
+                key = self._key(name, option.scene)
                 low, high = found.get(key, ends)
                 found[key] = min(low, ends[0]), max(high, ends[1])
-        self.f_number_apart = apart
+            for at in option.piece.ends(own):
+                watts.append(float(option.piece.light_power_w(scene, at)))
+                snrs.append(float(scene.nominal_snr(at)))
         if self.weighs_power:
-            watts = [w for option in self.options for w in self._power_ends_w(option)]
             found["power"] = (float(np.log(max(min(watts), LEAST_W))), float(np.log(max(*watts, LEAST_W))))
         if self.weighs_snr:
-            levels = [value for option in self.options for value in self._snr_ends(option)]
-            found["snr"] = min(levels), max(levels)
+            found["snr"] = float(np.log(max(min(snrs), LEAST_SNR))), float(np.log(max(*snrs, LEAST_SNR)))
         return found
 
-    def _own_ranges(self, option: Option) -> dict[str, tuple[float, float]]:
-        scene, piece = self.candidates[option.candidate].scenes[option.scene], option.piece
-        plain = {
-            "f_number": (scene.n_low, max(scene.n_high, scene.n_low)),
-            "time_s": (piece.time_low_s, piece.time_high_s),
-            "level": (piece.level_low, piece.level_high),
-            "gain": (scene.min_gain, max(scene.max_gain, scene.min_gain)),
-        }
-        return {name: (float(np.log(low)), float(np.log(high))) for name, (low, high) in plain.items()}
-
-    def _corners(self, option: Option) -> tuple[SmoothSettings, SmoothSettings]:
-        """Dimmest and brightest settings of a piece."""
-        ends = self._own_ranges(option)
-        made = []
-        for end in (0, 1):
-            value = {
-                name: float(np.exp(pair[1 - end if name == "f_number" else end]))
-                for name, pair in ends.items()
-            }
-            made.append(SmoothSettings(**value, exposure_s=option.piece.exposure_s(value["time_s"])))
-        return made[0], made[1]
-
-    def _power_ends_w(self, option: Option) -> list[float]:
-        scene = self.candidates[option.candidate].scenes[option.scene]
-        return [float(option.piece.light_power_w(scene, at)) for at in self._corners(option)]
-
-    def _snr_ends(self, option: Option) -> list[float]:
-        scene = self.candidates[option.candidate].scenes[option.scene]
-        return [float(np.log(max(scene.nominal_snr(at), 1e-12))) for at in self._corners(option)]
+    def _scene(self, option: Option) -> SmoothScene:
+        """Where an option belongs."""
+        return self.candidates[option.candidate].scenes[option.scene]
 
     @property
     def n_continuous(self) -> int:
@@ -172,18 +149,14 @@ class MixedProgram:
         return name if name == "f_number" and not self.f_number_apart else f"{name}[{scene}]"
 
     def _settings(self, option: Option, logs: dict[str, Symbolic]) -> SmoothSettings:
-        value = {
-            name: np.exp(logs[self._key(name, option.scene)])
-            for name in ("f_number", "time_s", "level", "gain")
-        }
-        return SmoothSettings(**value, exposure_s=option.piece.exposure_s(value["time_s"]))
+        return option.piece.settings({name: logs[self._key(name, option.scene)] for name in NUMBERS})
 
     def rules_of(self, option: Option, logs: dict[str, Symbolic]) -> list[Symbolic]:
         """What must be 0 or below where this option is taken, at logarithms of the continuous unknowns."""
         candidate, s, piece = self.candidates[option.candidate], option.scene, option.piece
         scene, at = candidate.scenes[s], self._settings(option, logs)
         found = [*scene_rules(scene, at).values()]
-        for name, (low, high) in self._own_ranges(option).items():
+        for name, (low, high) in piece.ranges(scene).items():
             key = self._key(name, s)
             slack = SLACK if high - low < SLACK else 0.0
             if self.ranges[key][0] < low:
@@ -215,7 +188,7 @@ class MixedProgram:
         ends = {name: (low[i], high[i]) for i, name in enumerate(self.ranges)}
         made = []
         for option in self.options:
-            own = [self._key(name, option.scene) for name in ("f_number", "time_s", "level", "gain")]
+            own = [self._key(name, option.scene) for name in NUMBERS]
             own += [name for name in ("power", "snr", "f_number[0]") if name in ends and name not in own]
             grid = np.array(list(itertools.product(*(ends[name] for name in own)))).T
             with np.errstate(all="ignore"):
@@ -276,18 +249,8 @@ class MixedProgram:
         for s, scene in enumerate(candidate.scenes):
             mine = [i for i, o in enumerate(self.options) if o.candidate == best and o.scene == s]
             option = self.options[max(mine, key=lambda i: share[i])]
-            settings.append(self._read(option, scene, logs))
+            settings.append(option.piece.set_point(scene, self._settings(option, logs)))
         limit_w = self.power_limit_w - candidate.camera_power_w
         missed = violations(candidate.scenes, settings, motorised=candidate.motorised, light_limit_w=limit_w)
         value = candidate.value(self.objective, settings)
         return Picked(best, tuple(settings), value, max(0.0, *missed.values()))
-
-    def _read(self, option: Option, scene: SmoothScene, logs: dict[str, Symbolic]) -> SmoothSettings:
-        """Settings of one scene, rounding of the logarithms taken back at the ends of each range."""
-        value = {}
-        for name, (low, high) in self._own_ranges(option).items():
-            value[name] = float(np.exp(np.clip(logs[self._key(name, option.scene)], low, high)))
-        if not scene.dims_freely:
-            value["level"] = option.piece.level_low
-        value["time_s"] = float(np.clip(value["time_s"], option.piece.time_low_s, option.piece.time_high_s))
-        return SmoothSettings(**value, exposure_s=scene.exposure_s(value["time_s"]))

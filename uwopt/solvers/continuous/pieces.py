@@ -7,7 +7,7 @@ here takes floats, complex arrays or CasADi symbols as settings.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -25,6 +25,8 @@ from uwopt.units import ratio_to_db
 
 Array = NDArray[Any]
 Symbolic = Any  # float, complex array, or CasADi scalar
+Range = tuple[float, float]
+NUMBERS = ("f_number", "time_s", "level", "gain")  # that are set
 
 DIMMEST = 1e-9  # a lamp that dims to nothing has no logarithm there
 COPIED = (
@@ -246,6 +248,40 @@ class Piece:
     exposure_follows: bool  # the exposure grows with the time; else it is the shortest there is
     exposure_shift_s: float  # exposure minus open time, or the exposure
     flash_decay_s: float  # of a flash that is cut short; inf: the open time is the time that collects light
+
+    def ranges(self, scene: SmoothScene) -> dict[str, Range]:
+        """Natural logarithms of each number that is set, least and most."""
+        plain = {
+            "f_number": (scene.n_low, max(scene.n_high, scene.n_low)),
+            "time_s": (self.time_low_s, self.time_high_s),
+            "level": (self.level_low, self.level_high),
+            "gain": (scene.min_gain, max(scene.max_gain, scene.min_gain)),
+        }
+        return {name: (float(np.log(low)), float(np.log(high))) for name, (low, high) in plain.items()}
+
+    def settings(self, logs: Mapping[str, Symbolic]) -> SmoothSettings:
+        """Settings by the logarithms of their numbers."""
+        value = {name: np.exp(logs[name]) for name in NUMBERS}
+        return SmoothSettings(**value, exposure_s=self.exposure_s(value["time_s"]))
+
+    def ends(self, ranges: Mapping[str, Range]) -> tuple[SmoothSettings, SmoothSettings]:
+        """Dimmest and brightest settings within ranges of logarithms."""
+        dim, bright = (
+            self.settings({name: ranges[name][1 - end if name == "f_number" else end] for name in NUMBERS})
+            for end in (0, 1)
+        )
+        return dim, bright
+
+    def set_point(self, scene: SmoothScene, at: SmoothSettings) -> SmoothSettings:
+        """Settings with the rounding of logarithms taken back at the ends of each range."""
+        time_s = float(np.clip(at.time_s, self.time_low_s, self.time_high_s))
+        return SmoothSettings(
+            f_number=float(np.clip(at.f_number, scene.n_low, max(scene.n_high, scene.n_low))),
+            time_s=time_s,
+            level=float(np.clip(at.level, self.level_low, self.level_high)),
+            gain=float(np.clip(at.gain, scene.min_gain, max(scene.max_gain, scene.min_gain))),
+            exposure_s=scene.exposure_s(time_s),
+        )
 
     def exposure_s(self, time_s: Symbolic) -> Symbolic:
         """Exposure that collects light for a time, without the scene's kinks."""

@@ -13,7 +13,7 @@ complex arrays (derivatives by complex step), CasADi symbols (derivatives by Cas
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal
@@ -22,7 +22,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.solvers.continuous.pieces import (
+    NUMBERS,
     Piece,
+    Range,
     SmoothScene,
     SmoothSettings,
     Symbolic,
@@ -64,19 +66,14 @@ class Program:
     # ------------------------------------------------------------ unknowns
 
     @cached_property
-    def ranges(self) -> dict[str, tuple[float, float]]:
+    def ranges(self) -> dict[str, Range]:
         """Every quantity with its range in natural logarithms, the fixed ones too."""
-        ranges: dict[str, tuple[float, float]] = {}
-        if not self.motorised:
-            low = max(scene.n_low for scene in self.scenes)
-            ranges["f_number"] = (low, self._high(low, min(scene.n_high for scene in self.scenes)))
+        ranges: dict[str, Range] = {}
         for index, (scene, piece) in enumerate(zip(self.scenes, self.pieces, strict=True)):
-            if self.motorised:
-                ranges[f"f_number[{index}]"] = (scene.n_low, self._high(scene.n_low, scene.n_high))
-            ranges[f"time_s[{index}]"] = (piece.time_low_s, piece.time_high_s)
-            ranges[f"level[{index}]"] = (piece.level_low, piece.level_high)
-            ranges[f"gain[{index}]"] = (scene.min_gain, max(scene.max_gain, scene.min_gain))
-        ranges = {name: (float(np.log(low)), float(np.log(high))) for name, (low, high) in ranges.items()}
+            ranges |= {self._key(name, index): ends for name, ends in piece.ranges(scene).items()}
+        if not self.motorised:
+            low, high = max(scene.n_low for scene in self.scenes), min(scene.n_high for scene in self.scenes)
+            ranges["f_number"] = float(np.log(low)), float(np.log(self._high(low, high)))
         if self.goal in ("power", "sum") and any(scene.draws for scene in self.scenes):
             ranges["power"] = self._power_range()
         if self.goal in ("snr", "sum"):
@@ -87,7 +84,15 @@ class Program:
     def _high(low: float, high: float) -> float:
         return low if low * (1.0 - SLACK) <= high < low else high
 
-    def _power_range(self) -> tuple[float, float]:
+    def _key(self, name: str, index: int) -> str:
+        """A number of one scene among the unknowns."""
+        return name if name == "f_number" and not self.motorised else f"{name}[{index}]"
+
+    def _of_scene(self, values: Mapping[str, Any], index: int) -> dict[str, Any]:
+        """What is known of each number of one scene among all."""
+        return {name: values[self._key(name, index)] for name in NUMBERS}
+
+    def _power_range(self) -> Range:
         ends = []
         for scene, piece in zip(self.scenes, self.pieces, strict=True):
             if scene.draws:
@@ -99,29 +104,15 @@ class Program:
         with np.errstate(divide="ignore"):
             return float(np.log(least)), float(np.log(self._high(least, most)))
 
-    def _snr_range(self, ranges: dict[str, tuple[float, float]]) -> tuple[float, float]:
+    def _snr_range(self, ranges: dict[str, Range]) -> Range:
         """Between every quantity at its worst and at its best for light, worst scene."""
-        ends = []
-        for end in (0, 1):
-            chosen = {
-                name: float(np.exp(pair[1 - end if name.startswith("f_number") else end]))
-                for name, pair in ranges.items()
-            }
-            snr = min(scene.nominal_snr(self._pick(chosen, index)) for index, scene in enumerate(self.scenes))
-            with np.errstate(divide="ignore"):
-                ends.append(float(np.log(snr)))
-        return ends[0], ends[1]
-
-    def _pick(self, quantities: dict[str, Symbolic], index: int) -> SmoothSettings:
-        """The settings of one scene among all quantities."""
-        time_s = quantities[f"time_s[{index}]"]
-        return SmoothSettings(
-            f_number=quantities[f"f_number[{index}]" if self.motorised else "f_number"],
-            time_s=time_s,
-            level=quantities[f"level[{index}]"],
-            gain=quantities[f"gain[{index}]"],
-            exposure_s=self.pieces[index].exposure_s(time_s),
-        )
+        each = [
+            [scene.nominal_snr(at) for at in piece.ends(self._of_scene(ranges, index))]
+            for index, (scene, piece) in enumerate(zip(self.scenes, self.pieces, strict=True))
+        ]
+        with np.errstate(divide="ignore"):
+            low, high = np.log(np.min(each, axis=0))
+        return float(low), float(high)
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -175,9 +166,7 @@ class Program:
         """The program's unknowns at given settings, clipped to the ranges."""
         given: dict[str, float] = {}
         for index, at in enumerate(start):
-            for name in ("time_s", "level", "gain"):
-                given[f"{name}[{index}]"] = float(np.log(getattr(at, name)))
-            given[f"f_number[{index}]" if self.motorised else "f_number"] = float(np.log(at.f_number))
+            given |= {self._key(name, index): float(np.log(getattr(at, name))) for name in NUMBERS}
         low, high = self.bounds
         middle = 0.5 * (low + high)
         return self.complete(np.array([given.get(n, m) for n, m in zip(self.names, middle, strict=True)]))
@@ -186,24 +175,12 @@ class Program:
         """The settings of every scene at a point."""
         logs: dict[str, Symbolic] = {name: low for name, (low, _) in self.ranges.items()}
         logs.update(zip(self.names, x, strict=True))
-        values = {name: np.exp(v) for name, v in logs.items() if name not in ("power", "snr", "violation")}
-        return [self._pick(values, index) for index in range(len(self.scenes))]
+        return [piece.settings(self._of_scene(logs, index)) for index, piece in enumerate(self.pieces)]
 
     def set_points(self, x: Array) -> list[SmoothSettings]:
         """The settings at a point, rounding of the logarithms taken back at the ends of each range."""
-        result = []
-        for at, scene, piece in zip(self.settings(list(x)), self.scenes, self.pieces, strict=True):
-            time_s = float(np.clip(at.time_s, piece.time_low_s, piece.time_high_s))
-            result.append(
-                SmoothSettings(
-                    f_number=float(np.clip(at.f_number, scene.n_low, max(scene.n_high, scene.n_low))),
-                    time_s=time_s,
-                    level=float(np.clip(at.level, piece.level_low, piece.level_high)),
-                    gain=float(np.clip(at.gain, scene.min_gain, max(scene.max_gain, scene.min_gain))),
-                    exposure_s=scene.exposure_s(time_s),
-                )
-            )
-        return result
+        each = zip(self.pieces, self.scenes, self.settings(list(x)), strict=True)
+        return [piece.set_point(scene, at) for piece, scene, at in each]
 
     # ------------------------------------------------------------ rules
 
