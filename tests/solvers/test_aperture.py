@@ -61,7 +61,7 @@ def chosen_at(rows: SceneRows, f_number: float, most: float = np.inf) -> tuple[C
 def test_the_confirmed_aperture_is_the_best_of_a_plain_search(defocus_px: float) -> None:
     rows = rows_with(defocus_px, light=3.0)
     start = ApertureProgram(rows, chosen_at(rows, 4.0)[0])
-    low, high = start.box()
+    low, high = start.bounds
     tried = np.exp(np.linspace(low[0], high[0], 400))
     most = float(np.exp(high[1]))
     values = [chosen_at(rows, n, most)[1] for n in tried]

@@ -7,10 +7,13 @@ CasADi differentiates the very formulas of the model.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.model import sensor
@@ -18,29 +21,36 @@ from uwopt.model.aberration import lens_pitch
 from uwopt.model.information import TEXTURE_CONTRAST
 from uwopt.model.lateral import spread_mtf
 from uwopt.model.sharpness import Sharpness, round_mtf, sinc_mtf
+from uwopt.solvers.continuous.pieces import Symbolic
+from uwopt.solvers.continuous.program import Rules
 from uwopt.solvers.settings.cell_information import square_nodes
 from uwopt.solvers.settings.closed_form import Chosen, with_exposure
 from uwopt.solvers.settings.windows import dark_e, window
 
+Array = NDArray[Any]
 ORDERS, ORDERS_IN_COLOUR = (16, 8), (24, 16)  # of the nodes; wide lateral colour needs more
 
 
 @dataclass(frozen=True)
 class ApertureProgram:
-    """max ln information over (ln N, ln X) of one design in one scene, time and gain fixed."""
+    """max ln information over (ln N, ln X) of one design in one scene, time and gain fixed; as `program.Smooth`."""
 
     rows: SceneRows
     chosen: Chosen
+    names: tuple[str, ...] = ("f_number", "light_x")
 
-    def box(self) -> tuple[list[float], list[float]]:
+    @cached_property
+    def bounds(self) -> tuple[Array, Array]:
         """Lowest and highest of both unknowns; X as the requirements on SNR, level and saturation allow."""
         low, high = window(with_exposure(self.rows, self.chosen))
         n_low, n_high = float(self.rows.n_low[0]), float(self.rows.n_high[0])
         most = min(float(high[0]), float(np.exp(self.log_light_at(np.log(n_low)))))
-        return (
-            [float(np.log(n_low)), float(np.log(max(float(low[0]), 1e-12 * most)))],
-            [float(np.log(max(n_high, n_low))), float(np.log(most))],
-        )
+        return np.log([n_low, max(float(low[0]), 1e-12 * most)]), np.log([max(n_high, n_low), most])
+
+    def rules(self, x: Sequence[Symbolic]) -> Rules:
+        """What is minimised, and the light that does not pass."""
+        log_n, log_x = x
+        return Rules(-self.log_information(log_n, log_x), {"light": log_x - self.log_light_at(log_n)}, {})
 
     def log_light_at(self, log_n: Any) -> Any:
         """ln of the most light that passes an aperture in the chosen time; the chosen level where power binds."""
@@ -97,12 +107,10 @@ def confirmed(rows: SceneRows, chosen: Chosen) -> dict[str, Any] | None:
     from uwopt.solvers.continuous import casadi_ipopt
 
     program = ApertureProgram(rows, chosen)
-    ours = float(program.log_information(float(np.log(chosen.f_number[0])), float(np.log(chosen.light_x[0]))))
-    (log_n, _), best, residual = casadi_ipopt.maximise_in_box(
-        program.log_information, program.log_light_at, *program.box(),
-        start=[float(np.log(chosen.f_number[0])), float(np.log(chosen.light_x[0]))],
-    )  # fmt: skip
+    start = np.log([chosen.f_number[0], chosen.light_x[0]])
+    found = casadi_ipopt.solve(program, np.clip(start, *program.bounds))
+    gain = program.log_information(*found.x) - program.log_information(*start)
     return {
-        "f_number": float(np.exp(log_n)), "searched_f_number": float(chosen.f_number[0]),
-        "gain_rel": float(np.expm1(best - ours)), "kkt_residual": residual,
+        "f_number": float(np.exp(found.x[0])), "searched_f_number": float(chosen.f_number[0]),
+        "gain_rel": float(np.expm1(gain)), "kkt_residual": found.kkt_residual,
     }  # fmt: skip

@@ -8,7 +8,7 @@ from __future__ import annotations
 import io
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stdout
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +16,7 @@ import casadi
 import numpy as np
 
 from uwopt.solvers.continuous.optimality import Array, Attempt, Derivatives, derivatives, kkt_residual
-from uwopt.solvers.continuous.program import Program
+from uwopt.solvers.continuous.program import Smooth
 
 if TYPE_CHECKING:
     from uwopt.solvers.continuous.mixed import Answer, MixedProgram
@@ -57,7 +57,7 @@ BONMIN = {
 class SymbolicProgram:
     """A program's formulas in CasADi symbols."""
 
-    def __init__(self, program: Program):
+    def __init__(self, program: Smooth):
         self.program = program
         self.x = casadi.SX.sym("x", len(program.names))
         rules = program.rules([self.x[i] for i in range(len(program.names))])
@@ -95,7 +95,7 @@ class SymbolicProgram:
         )
 
 
-def solve(program: Program, start: Array, *, max_seconds: float | None = None) -> Attempt:
+def solve(program: Smooth, start: Array, *, max_seconds: float | None = None) -> Attempt:
     """One run of IPOPT from a start, with multipliers and the residual of the optimum's conditions.
 
     The residual is computed here, from CasADi's gradients and IPOPT's multipliers.
@@ -177,24 +177,3 @@ def quiet() -> Iterator[None]:
         os.dup2(kept, 1)
         os.close(nothing)
         os.close(kept)
-
-
-def maximise_in_box(
-    objective: Callable[[Any, Any], Any], ceiling: Callable[[Any], Any], low: list[float], high: list[float], *,
-    start: list[float],
-) -> tuple[tuple[float, float], float, float]:  # fmt: skip
-    """max f(x, y) with y <= g(x) in a box: the point, its value, and the residual of the optimum's conditions.
-
-    The residual is the Lagrangian's gradient, from CasADi's derivatives and IPOPT's multipliers.
-    """
-    x, y = casadi.SX.sym("x"), casadi.SX.sym("y")
-    both = casadi.vertcat(x, y)
-    value, room = -objective(x, y), y - ceiling(x)
-    options: dict[str, Any] = dict(OPTIONS)
-    solver = casadi.nlpsol("aperture", "ipopt", {"x": both, "f": value, "g": room}, options)
-    answer = solver(x0=np.clip(start, low, high), lbx=low, ubx=high, lbg=-np.inf, ubg=0.0)
-    at = answer["x"].full().reshape(-1)
-    slopes = casadi.Function("slopes", [both], [casadi.gradient(value, both), casadi.jacobian(room, both).T])
-    of_value, of_room = (part.full().reshape(-1) for part in slopes(at))
-    residual = of_value + of_room * float(answer["lam_g"]) + answer["lam_x"].full().reshape(-1)
-    return (float(at[0]), float(at[1])), -float(answer["f"]), float(np.abs(residual).max())

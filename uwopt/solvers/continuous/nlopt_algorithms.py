@@ -29,7 +29,7 @@ import nlopt
 import numpy as np
 
 from uwopt.solvers.continuous.optimality import Array, Attempt, derivatives, fitted_multipliers, kkt_residual
-from uwopt.solvers.continuous.program import Program, names_of_rules
+from uwopt.solvers.continuous.program import Program, Smooth, names_of_rules
 from uwopt.solvers.continuous.reduced import Reduced
 
 Algorithm = Literal["slsqp", "cobyla", "global", "mma", "ccsaq", "lbfgs", "isres", "ags", "direct_l", "mlsl"]
@@ -75,7 +75,7 @@ SUBSIDIARY_REL = 1e-8  # change of unknowns and objective at which such a round 
 class Evaluations:
     """A program's values for NLopt's callbacks, computed once a point."""
 
-    def __init__(self, program: Program | Reduced):
+    def __init__(self, program: Smooth):
         self.program = program
         self.n = len(program.names)
         self.count = 0

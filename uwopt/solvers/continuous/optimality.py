@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.solvers.continuous.pieces import SmoothScene, SmoothSettings
-from uwopt.solvers.continuous.program import Program, names_of_rules
-from uwopt.solvers.continuous.reduced import Reduced
+from uwopt.solvers.continuous.program import Smooth, names_of_rules
 
 Array = NDArray[Any]
 COMPLEX_STEP = 1e-30  # nothing is subtracted, so it may be as small as it likes
@@ -98,7 +97,7 @@ class Derivatives:
     n_equalities: int
 
 
-def derivatives(program: Program | Reduced, x: Array) -> Derivatives:
+def derivatives(program: Smooth, x: Array) -> Derivatives:
     """Values and gradients of a program by complex step, all unknowns in one evaluation."""
     n = len(x)
     steps = np.concatenate([np.zeros((n, 1)), np.eye(n)], axis=1)
@@ -126,7 +125,7 @@ def derivatives(program: Program | Reduced, x: Array) -> Derivatives:
     )
 
 
-def rule_names(program: Program) -> list[str]:
+def rule_names(program: Smooth) -> list[str]:
     """Names of a program's rules in the order of `Derivatives.values`."""
     inequalities, equalities = names_of_rules(program)
     low = [f"{name} at least" for name in program.names]

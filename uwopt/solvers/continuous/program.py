@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,6 +49,21 @@ class Rules:
     objective: Symbolic
     inequalities: dict[str, Symbolic]
     equalities: dict[str, Symbolic]
+
+
+class Smooth(Protocol):
+    """A program as solvers see it: whoever has these."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The unknowns."""
+
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """Lowest and highest of each."""
+
+    def rules(self, x: Sequence[Symbolic]) -> Rules:
+        """Objective and rules at a point: floats, complex arrays or symbols."""
 
 
 @dataclass(frozen=True)
@@ -256,7 +271,7 @@ def scene_rules(scene: SmoothScene, at: SmoothSettings) -> dict[tuple[str, str],
     return rules
 
 
-def names_of_rules(program: Any) -> tuple[list[str], list[str]]:
+def names_of_rules(program: Smooth) -> tuple[list[str], list[str]]:
     """Names of a program's inequalities and equalities, which are the same at every point."""
     low, high = program.bounds
     with np.errstate(all="ignore"):

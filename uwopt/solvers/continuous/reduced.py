@@ -5,7 +5,7 @@ no gain can be turned: in logarithms both stand alone in it. Where neither is fr
 pair of inequalities, a little apart. Without derivatives the worst scene's power and SNR need no unknown
 of their own either: they are worked out from the others.
 
-Looks like a `Program` to whoever asks for `names`, `bounds` and `rules`.
+Looks like a `Program` to solvers, which ask for what `program.Smooth` has.
 """
 
 from __future__ import annotations
