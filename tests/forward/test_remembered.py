@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,7 +11,7 @@ import numpy as np
 import pytest
 from random_cases import case
 
-from uwopt.forward.floor_light import most_uniformities, uniformity
+from uwopt.forward.floor_light import even_enough, most_uniformities, uniformity
 from uwopt.forward.lamp_light import image_light
 from uwopt.forward.pixels import decisive_pixels
 from uwopt.forward.remembered import RememberedSunField, once_an_image
@@ -125,6 +126,23 @@ def test_few_places_bound_the_uniformity() -> None:
                 assert most >= true
                 close.append(most < 1.01 * true)
     assert any(close)
+
+
+def test_few_places_refuse_no_even_floor_and_the_whole_of_it_decides() -> None:
+    apart = 0
+    for search in searches():
+        problem, port = search.tables.problem, search.imagers.port[:1]
+        view = search.imagers.scenes[0].view.take(np.array([0]))
+        for lighting in search.tables.lightings[:3]:
+            lamps: dict[str, Any] = dict(optics=lighting.optics, mount=lighting.mount, count=1)
+            least = uniformity(problem, 0, view, port_index=int(port[0]), **lamps).min()
+
+            kept = partial(even_enough, problem, 0, view, port=port, **lamps)
+            assert kept(wanted=0.9995 * least, whole=True) and kept(wanted=0.9995 * least, whole=False)
+            assert not kept(wanted=1.0005 * least, whole=True)  # few places may tell of it, or not
+            apart += int(kept(wanted=1.0005 * least, whole=False)[0])
+            assert not kept(wanted=1.5 * least, whole=True)
+    assert apart
 
 
 def test_pixels_that_never_decide_are_left_out() -> None:

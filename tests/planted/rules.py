@@ -7,8 +7,23 @@ from planted.defect import Defect
 SCENE_ORDER = "tests/solvers/test_scene_order.py"
 ONE_SET = "tests/api/test_one_set_of_rules.py"
 FOCUS = "tests/forward/test_focus.py"
+EVEN = "tests/forward/test_remembered.py"
 
 DEFECTS: tuple[Defect, ...] = (
+    Defect(
+        name="few places of the floor stand for the whole of it",
+        file="uwopt/forward/floor_light.py",
+        old='("even", judged) if whole else',
+        new='("even", judged) if False else',
+        test=f"{EVEN}::test_few_places_refuse_no_even_floor_and_the_whole_of_it_decides",
+    ),
+    Defect(
+        name="few places of the floor refuse even ones",
+        file="uwopt/forward/floor_light.py",
+        old="new, **hardware) >= least",
+        new="new, **hardware) >= 1.01 * least",
+        test=f"{EVEN}::test_few_places_refuse_no_even_floor_and_the_whole_of_it_decides",
+    ),
     Defect(
         name="beams of all scenes bent in the first scene's water",
         file="uwopt/forward/problem.py",

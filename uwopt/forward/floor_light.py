@@ -16,6 +16,7 @@ from uwopt.forward.lamps import (
 from uwopt.forward.problem import Problem
 from uwopt.forward.remembered import once_an_image
 from uwopt.forward.views import Views
+from uwopt.model.beam import has_sharp_edge
 from uwopt.model.footprint import footprint_illuminance_per_lm, most_uniformity
 
 Array = NDArray[Any]
@@ -74,25 +75,34 @@ def most_uniformities(
 
 def even_enough(
     problem: Problem, scene_index: int, view: Views, *, port: Array, optics: int, mount: Mount, count: int,
-    wanted: float, deadline: Deadline = NEVER,
+    wanted: float, deadline: Deadline = NEVER, whole: bool = True,
 ) -> Array:  # fmt: skip
     """Whether lamps light each image's floor evenly enough at every altitude, (n,).
 
-    Images that are alike are integrated once a scene, and few places of the floor tell most of the uneven ones.
+    Images that are alike are judged once a scene, and few places of the floor tell most of the uneven ones.
     Raises OutOfTimeError past the deadline.
+
+    whole : the whole floor is looked at; else only few places of it, which refuse no even one, where they tell anything
     """
+    if wanted <= 0.0:
+        return np.ones(len(port), bool)
     scene, beam, lamps = problem.scenes[scene_index], problem.beam(scene_index, optics), mount.lamps(count)
     item = problem.optics[optics]
     least = wanted * (1 - 1e-9)
     even = np.ones(len(port), bool)
+    whole = whole or has_sharp_edge(beam)  # of these few places say nothing
     for one in np.unique(port):
         mine = np.nonzero(port == one)[0]
         shape = problem.shape(int(one), scene_index)
-        key = ("even", problem.effects.multiple_scattering, beam, item.spectrum_id, item.spectrum, lamps, shape, least)
+        key = (problem.effects.multiple_scattering, beam, item.spectrum_id, item.spectrum, lamps, shape, least)
+        hardware: dict[str, Any] = dict(port_index=int(one), optics=optics, mount=mount, count=count)
 
-        def judged(new: Views, one: int = int(one)) -> Array:
-            hardware: dict[str, Any] = dict(port_index=one, optics=optics, mount=mount, count=count)
-            even = most_uniformities(problem, scene_index, new, **hardware) >= least
+        def not_uneven(new: Views, hardware: dict[str, Any] = hardware) -> Array:
+            deadline.check()
+            return most_uniformities(problem, scene_index, new, **hardware) >= least
+
+        def judged(new: Views, hardware: dict[str, Any] = hardware, key: Any = key) -> Array:
+            even = once_an_image(scene.cache.setdefault(("not uneven", *key), {}), new, not_uneven)
             for row in np.nonzero(even)[0]:
                 deadline.check()
                 image = new.take(np.array([row]))
@@ -102,5 +112,6 @@ def even_enough(
                 )
             return even
 
-        even[mine] = once_an_image(scene.cache.setdefault(key, {}), view.take(mine), judged)
+        what, judge = ("even", judged) if whole else ("not uneven", not_uneven)
+        even[mine] = once_an_image(scene.cache.setdefault((what, *key), {}), view.take(mine), judge)
     return even

@@ -125,25 +125,32 @@ class NodeRows:
         """Whether one scene asks for what takes integrals over the image beside its mean."""
         return self.problem.scenes[scene_index].at_worst or self.has_rules(scene_index)
 
-    def keep_rules(self, imager: Array, light: Array, count: Array, under: Under) -> Array:
-        """Whether designs keep in all scenes the rules that no setting can mend: even light, no lamp in the view."""
+    def keep_rules(
+        self, imager: Array, light: Array, count: Array, under: Under, *, whole: bool = True
+    ) -> Array:
+        """Whether designs keep in all scenes the rules that no setting can mend: even light, no lamp in the view.
+
+        whole : the whole floor is looked at; else few places of it, which refuse none that keeps the rules
+        """
         kept = np.ones(len(imager), bool)
         for index in range(len(self.problem.scenes)):
             if self.has_rules(index):
                 self.deadline.check()
-                kept &= self.keep_rules_in(index, imager, light, count, under)
+                kept &= self.keep_rules_in(index, imager, light, count, under, whole=whole)
         return kept
 
     def keep_rules_in(
-        self, scene_index: int, imager: Array, light: Array, count: Array, under: Under
+        self, scene_index: int, imager: Array, light: Array, count: Array, under: Under, *, whole: bool = True
     ) -> Array:
         """The same in one scene; no lamp is none in the view, and its light is even."""
         kept = np.array([self.problem.unlit(one) for one in range(len(self.problem.parts.lights))])[light]
         lit = np.nonzero(~kept)[0]
-        kept[lit] = self.lamps_keep_rules(scene_index, imager[lit], count[lit], under.take(lit))
+        kept[lit] = self.lamps_keep_rules(scene_index, imager[lit], count[lit], under.take(lit), whole=whole)
         return kept
 
-    def lamps_keep_rules(self, scene_index: int, imager: Array, count: Array, under: Under) -> Array:
+    def lamps_keep_rules(
+        self, scene_index: int, imager: Array, count: Array, under: Under, *, whole: bool = True
+    ) -> Array:
         """The same of lamps that burn."""
         wanted = self.problem.scenes[scene_index].view.requirements.min_uniformity
         kept = np.empty(len(imager), bool)
@@ -157,7 +164,7 @@ class NodeRows:
             if wanted is not None and fine.any():
                 fine[fine] = even_enough(
                     self.problem, scene_index, view.take(fine), port=port[fine], optics=lighting.optics,
-                    wanted=wanted, deadline=self.deadline, **lamps,
+                    wanted=wanted, deadline=self.deadline, whole=whole, **lamps,
                 )  # fmt: skip
             kept[mine] = fine
         return kept

@@ -175,7 +175,7 @@ class Evaluation:
             return
         sunlit = any(self.bounds.is_sunlit(index) for index in range(len(lights)))
         if sunlit or self.refusals.are_most:  # bounds of settings cost more than rules
-            pairs = self._keeping_rules(pairs)
+            pairs = self._keeping_rules(pairs, whole=False)
             if len(pairs) == 0:
                 return
         found, bound = 0, np.full(len(pairs.node), -np.inf)
@@ -207,12 +207,14 @@ class Evaluation:
             for item in np.unique(table.count, return_index=True)[1]:
                 mine = rows[~kept[rows]]
                 lamps = np.full(len(mine), table.light[item]), np.full(len(mine), table.count[item])
-                kept[mine] = self.design_rows.keep_rules(imager[mine], *lamps, Under.one(lighting, len(mine)))
+                kept[mine] = self.design_rows.keep_rules(
+                    imager[mine], *lamps, Under.one(lighting, len(mine)), whole=False
+                )
         return kept
 
-    def _keeping_rules(self, pairs: NodeDesigns) -> NodeDesigns:
-        """Those designs that keep the rules which no setting can mend."""
-        kept = self.design_rows.keep_rules(pairs.row, pairs.light, pairs.count, pairs.lit)
+    def _keeping_rules(self, pairs: NodeDesigns, *, whole: bool = True) -> NodeDesigns:
+        """Those designs that keep the rules which no setting can mend, as few or all places of the floor tell."""
+        kept = self.design_rows.keep_rules(pairs.row, pairs.light, pairs.count, pairs.lit, whole=whole)
         self.refusals.count(kept)
         return pairs.take(np.nonzero(kept)[0])
 
