@@ -1122,10 +1122,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="an interruption loses what would help",
         file="uwopt/solvers/infeasible/singles.py",
-        old="                    known.append(name)\n            except KeyboardInterrupt:\n"
-        "                trials.interrupted = True\n",
-        new="                    known.append(name)\n            except KeyboardInterrupt:\n"
-        "                trials.interrupted, self.helpful = True, []\n",
+        old="        self.left = {name: limit for name, limit in self.left.items() if name not in known}\n",
+        new="        self.helpful = [] if trials.interrupted else self.helpful\n",
         test="tests/test_deadline.py::test_an_interrupted_explanation_keeps_what_helps",
     ),
     Defect(

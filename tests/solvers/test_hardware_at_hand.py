@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from types import SimpleNamespace
 
 import pytest
@@ -90,7 +91,7 @@ def test_what_helps_is_drawn_in_by_its_hardware_before_all_else_is_asked() -> No
         given_s.append(turn.left_s)
 
     far, near = (SimpleNamespace(gap=gap, step=step) for gap in (1.0, 0.4))
-    trials = SimpleNamespace(deadline=Deadline(9.0, lambda: 0.0), over=False, interrupted=False)
+    trials = SimpleNamespace(deadline=Deadline(9.0, lambda: 0.0), over=False, until_interrupted=nullcontext)
     singles = SimpleNamespace(trials=trials, changes=lambda: [far, near])
     mover = SimpleNamespace(changes=lambda: [SimpleNamespace(drawn=far)])
     draw_by_hardware(singles, mover)

@@ -17,7 +17,6 @@ from uwopt.mission.mission import Mission
 from uwopt.mission.strictness import Asking
 from uwopt.mission.yielding import Yield
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.exact.search import Search
 from uwopt.solvers.recommend import Sought
 from uwopt.solvers.warm.parts import PartIds, ids_of, only
 
@@ -76,5 +75,4 @@ def on_hardware(ids: PartIds, mission: Mission, catalog: Catalog, goal: Objectiv
     if not (few.completes if "complete" in ids else few.cameras and few.lenses and few.ports):
         return None
     problem = build_problem(mission, few, scenes=like.scenes_for(mission))
-    search = Search(problem, goal, top=1, enough=True)
-    return Sought(few, problem, search, search.whole())
+    return Sought.of(few, problem, goal, enough=True, whole=True)

@@ -64,7 +64,7 @@ def subjects(missions: Sequence[str]) -> Iterator[Subject]:
     sources: Sequence[str | None] = missions or (None,)
     for source in sources:
         mission = mission_of(source, "full")
-        sought = seek(mission, load_catalog(mission), goal_of(mission), generic="never", top=1)
+        sought = seek(mission, load_catalog(mission), goal_of(mission), generic="never")
         if not sought.outcome.best:
             continue
         found = sought.outcome.best[0]

@@ -9,13 +9,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import Selection, ToBeMade
 from uwopt.catalog.compatibility import explain_pair
-from uwopt.deadline import NEVER, Deadline, Progress
+from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import SolverError
 from uwopt.evaluation.design import evaluate_design
 from uwopt.evaluation.leaning import TILT_RESERVE, settings_of, tilt_notes
@@ -28,7 +29,6 @@ from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.objective import Objective
 from uwopt.results.design import COLOUR_LEFT_OPEN, NOT_SETTABLE, Design, Note, SettableCheck
 from uwopt.solvers.exact.account import Outcome
-from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.lightings import Under
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
@@ -58,26 +58,27 @@ class Sought:
         """What it searched the best of."""
         return self.search.objective
 
+    @staticmethod
+    def of(
+        selection: Selection, problem: Problem, goal: Objective, *, top: int = 1, whole: bool = False, **how: Any
+    ) -> Sought:
+        """What a search of tables finds; whole : as `Search.whole`; how : as `Search` takes it."""
+        search = Search(problem, goal, top=top, **how)
+        return Sought(selection, problem, search, search.whole() if whole else search.run())
+
 
 def seek(
-    mission: Mission, catalog: Catalog, objective: Objective, *, generic: ToBeMade, top: int,
-    deadline: Deadline = NEVER, progress: Progress | None = None, ceiling: float = math.inf,
-    depth_m: float | None = None, fineness: Fineness = DEFAULT, like: Problem | None = None,
-    enough: bool = False, imagers: Imagers | None = None, most_in_vain: float = math.inf, whole: bool = False,
+    mission: Mission, catalog: Catalog, objective: Objective, *, generic: ToBeMade, depth_m: float | None = None,
+    fineness: Fineness = DEFAULT, like: Problem | None = None, **how: Any,
 ) -> Sought:  # fmt: skip
     """Select, tabulate and search; light that another search in these scenes has worked out is not worked out again.
 
-    imagers : all that pass their rules, where another search has enumerated them
-    whole : as `Search.whole`
+    how : as `Sought.of` takes it
     """
     selection = selected(mission, catalog, generic=generic, depth_m=depth_m)
     scenes = None if like is None or like.fineness != fineness else like.scenes_for(mission)
     problem = build_problem(mission, selection, fineness=fineness, scenes=scenes)
-    search = Search(
-        problem, objective, top=top, deadline=deadline, progress=progress, ceiling=ceiling, enough=enough,
-        imagers=imagers, most_in_vain=most_in_vain,
-    )  # fmt: skip
-    return Sought(selection, problem, search, search.whole() if whole else search.run())
+    return Sought.of(selection, problem, objective, **how)
 
 
 def hardware_of(found: Found) -> Hardware:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.deadline import Deadline, UntilFound
+from uwopt.deadline import NEVER, Deadline, UntilFound
 from uwopt.forward.columns import distinct, rows_alike
 from uwopt.forward.lamp_light import ImageLight, Veils
 from uwopt.forward.problem import Problem
@@ -59,10 +59,13 @@ class Evaluation:
     """Nodes of some imagers, evaluated; and the best of all that were."""
 
     def __init__(
-        self, problem: Problem, objective: Objective, *, top: int, deadline: Deadline, ceiling: float,
+        self, problem: Problem, objective: Objective, *, top: int, deadline: Deadline = NEVER, ceiling: float = np.inf,
         only: Mapping[str, Array] | None = None, enough: bool = False, most_in_vain: float = np.inf,
     ):  # fmt: skip
-        """The keywords are those of `Search`."""
+        """The best `top` below a ceiling; `only` marks parts by kind; `enough`: one design that fits, whichever.
+
+        most_in_vain : designs; where more are looked at and none fits, the search ends without a proof
+        """
         self.problem, self.objective, self.top, self.ceiling = problem, objective, max(1, top), ceiling
         self.only, self.enough = only or {}, enough
         self.most_in_vain, self.is_in_vain = most_in_vain, False  # it ended as none fits of so many designs

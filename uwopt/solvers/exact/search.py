@@ -10,7 +10,7 @@ it, so that the account adds up.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -85,20 +85,14 @@ class Search(Evaluation):
     """State of one search."""
 
     def __init__(
-        self, problem: Problem, objective: Objective, *, top: int, deadline: Deadline = NEVER,
-        progress: Progress | None = None, ceiling: float = np.inf,
-        only: Mapping[str, Array] | None = None, imagers: Imagers | None = None, enough: bool = False,
-        most_in_vain: float = np.inf, widest_m: Sequence[float] | None = None,
+        self, problem: Problem, objective: Objective, *, progress: Progress | None = None,
+        imagers: Imagers | None = None, widest_m: Sequence[float] | None = None, **how: Any,
     ):  # fmt: skip
-        """`imagers`: those to search, of all that there are; `enough`: one design that fits, whichever.
+        """`imagers`: those to search, of all that there are; `how` as of `Evaluation`.
 
         widest_m : by scene, how far tables of light reach whatever the imagers see; None: as far as they do
-        most_in_vain : designs; where more are looked at and none fits, the search ends without a proof
         """
-        super().__init__(
-            problem, objective, top=top, deadline=deadline, ceiling=ceiling, only=only, enough=enough,
-            most_in_vain=most_in_vain,
-        )  # fmt: skip
+        super().__init__(problem, objective, **how)
         self.given, self.widest_m = imagers, widest_m
         self.every_imager: Imagers | None = None  # of all parts, once they are listed
         self.progress = progress or unheard

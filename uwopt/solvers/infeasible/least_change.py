@@ -17,7 +17,6 @@ from typing import Protocol
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.exact.search import Search
 from uwopt.solvers.infeasible.reached import miss
 from uwopt.solvers.one_hardware import problem_of
 from uwopt.solvers.recommend import Sought
@@ -199,5 +198,4 @@ def same_hardware(found: Sought, mission: Mission) -> Sought:
     """The best settings of a design's hardware for a mission."""
     scenes = found.problem.scenes_for(mission)
     problem = problem_of(found.problem, found.outcome.best[0], mission=mission, scenes=scenes)
-    search = Search(problem, Objective.of("power"), top=1)
-    return Sought(found.selection, problem, search, search.whole())
+    return Sought.of(found.selection, problem, Objective.of("power"), whole=True)

@@ -7,6 +7,7 @@ drawn back as near as something still fits (`least_change`). Whatever is told ha
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 
@@ -208,12 +209,8 @@ class Mover:
         for one in self.left:
             if self.trials.interrupted or phase.left_s <= LEAST_S or (one_is_enough and self.far):
                 break
-            try:
+            with suppress(OutOfTimeError), self.trials.until_interrupted():
                 self._try_far(one, phase)
-            except OutOfTimeError:
-                continue
-            except KeyboardInterrupt:
-                self.trials.interrupted = True
 
     @property
     def left(self) -> list[Try]:

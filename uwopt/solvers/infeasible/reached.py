@@ -49,7 +49,7 @@ def deepest(
     """Of designs whose parts are not rated deep enough, one whose are rated deepest."""
     while (rated := rated_depth(found)) is not None and not deadline.passed():
         deeper = seek(
-            mission, catalog, goal, generic=generic, top=1, depth_m=rated * (1 + 1e-6), deadline=deadline,
+            mission, catalog, goal, generic=generic, depth_m=rated * (1 + 1e-6), deadline=deadline,
             like=found.problem, whole=True,
         )  # fmt: skip
         if not deeper.outcome.best or (rated_depth(deeper) or 0.0) <= rated:

@@ -31,7 +31,7 @@ from uwopt.solvers.exact.imagers import (
     landscapes,
 )
 from uwopt.solvers.exact.never_sharp import MAY_SHOW
-from uwopt.solvers.exact.search import Search, are_too_many
+from uwopt.solvers.exact.search import are_too_many
 from uwopt.solvers.infeasible.broken_rules import Broken
 from uwopt.solvers.infeasible.freed_rules import (
     FREES,
@@ -108,35 +108,33 @@ class Relaxer:
             if few_first and (soon := fitting(self.among_few(mission, goal, freed, deadline))) is not None:
                 return soon
             return seek(
-                mission, self.catalog, goal, generic=self.generic, top=1, deadline=deadline, like=self.problem,
+                mission, self.catalog, goal, generic=self.generic, deadline=deadline, like=self.problem,
                 enough=enough, ceiling=ceiling,
             )  # fmt: skip
         few_first &= enough and (likely or not self.is_soon_known(freed))
         if few_first and (soon := fitting(self.among_few(mission, goal, freed, deadline))) is not None:
             return soon
         problem = self.asking(mission)
-        search = Search(
-            problem, goal, top=1, deadline=deadline, ceiling=ceiling, enough=enough,
-            imagers=self.imagers_in_time(problem, freed, deadline, one_housing=enough),
-        )  # fmt: skip
-        return Sought(self.selection, problem, search, search.run())
+        imagers = self.imagers_in_time(problem, freed, deadline, one_housing=enough)
+        return Sought.of(
+            self.selection, problem, goal, deadline=deadline, ceiling=ceiling, enough=enough, imagers=imagers
+        )
 
     def among_few(
         self, mission: Mission, goal: Objective, freed: Collection[str], deadline: Deadline = NEVER, *,
-        enough: bool = True, ceiling: float = math.inf, number: int | None = None,
+        enough: bool = True, number: int | None = None, **how: Any,
     ) -> Sought | None:  # fmt: skip
         """A search of a few imagers from all over the catalogue; None where that is of no use.
 
-        Where none of them fits, that proves nothing. `mission` differs in these requirements, which ask for less.
+        Where none of them fits, that proves nothing. `mission` differs in these requirements, which ask for less;
+        `how` as `Search` takes it.
         """
         if not set(freed) <= FREES.keys() or deadline.passed():
             return None
         if self.are_too_many:
             pairs = FEW_PAIRS * (number or FEW_IMAGERS) // FEW_IMAGERS
             asked = self.asking(mission)
-            return self._soon(
-                self.selection, asked, self.pairs, deadline, pairs, goal, enough=enough, ceiling=ceiling
-            )
+            return self._soon(self.selection, asked, self.pairs, deadline, pairs, goal, enough=enough, **how)
         known, problem = self.known_in_best_housing, self.asking(mission)
         if known is not None and OF_LIGHT.issuperset(freed):
             share = len(known) // (number or FEW_IMAGERS)
@@ -156,7 +154,7 @@ class Relaxer:
             if set(freed) == {"cost"}:
                 few = self._with_cheapest(few, freed_pairs)
             imagers = self._imagers_of(problem, few, NEVER, one_housing=True)
-        return found_among(self.selection, problem, goal, imagers, deadline, enough=enough, ceiling=ceiling)
+        return Sought.of(self.selection, problem, goal, imagers=imagers, deadline=deadline, enough=enough, **how)
 
     def cheapest(
         self, mission: Mission, freed: Collection[str], *, deadline: Deadline = NEVER, ceiling: float = math.inf
@@ -166,8 +164,7 @@ class Relaxer:
         imagers: Imagers | None = None
         if set(freed) <= MAY_PASS.keys() and not self.are_too_many:
             imagers = self.imagers_in_time(problem, freed, deadline, one_housing=mission.limits.mass_kg is None)
-        search = Search(problem, CHEAPEST, top=1, deadline=deadline, ceiling=ceiling, imagers=imagers)
-        return Sought(self.selection, problem, search, search.run())
+        return Sought.of(self.selection, problem, CHEAPEST, deadline=deadline, ceiling=ceiling, imagers=imagers)
 
     def any_design(
         self, mission: Mission, deadline: Deadline, depth_m: float | None = None, *, few_first: bool = True,
@@ -191,8 +188,7 @@ class Relaxer:
             imagers = enumerate_imagers(problem, deadline=deadline) if few else None
         except OutOfTimeError:
             return None
-        search = Search(problem, ANY, top=1, deadline=deadline, enough=True, imagers=imagers)
-        return Sought(selection, problem, search, search.run())
+        return Sought.of(selection, problem, ANY, deadline=deadline, enough=True, imagers=imagers)
 
     def few_designs(
         self, mission: Mission, deadline: Deadline, moved: str = "", number: int | None = None,
@@ -223,11 +219,12 @@ class Relaxer:
         if few and (share < 2 or deadline.passed()):
             return None
         imagers = known.take(np.arange(0, len(known), share)) if few else known
-        return found_among(self.selection, build_problem(mission, self.selection), ANY, imagers, deadline)
+        problem = build_problem(mission, self.selection)
+        return Sought.of(self.selection, problem, ANY, imagers=imagers, deadline=deadline, enough=True)
 
     def _soon(
         self, selection: Selection, problem: Problem, pairs: FittingPairs, deadline: Deadline,
-        number: int | None = None, goal: Objective = ANY, *, enough: bool = True, ceiling: float = math.inf,
+        number: int | None = None, goal: Objective = ANY, *, enough: bool = True, **how: Any,
     ) -> Sought | None:  # fmt: skip
         """A search of a few pairs of camera and lens behind all ports."""
         every = [(int(ports[0]), landscape) for ports in problem.port_groups for landscape in landscapes(problem)]
@@ -241,7 +238,7 @@ class Relaxer:
             for start, place in enumerate(places)
         }
         imagers = imagers_of(problem, some, lambda block: in_best_housing(problem, block))
-        return found_among(selection, problem, goal, imagers, deadline, enough=enough, ceiling=ceiling)
+        return Sought.of(selection, problem, goal, imagers=imagers, deadline=deadline, enough=enough, **how)
 
     def asking(self, mission: Mission) -> Problem:
         """The tables for a mission that asks for less of the same parts in the same scenes."""
@@ -403,17 +400,6 @@ class Relaxer:
         alike = known.lens, known.camera, optics[known.port], known.landscape
         rows = best_housings(self.problem, known.port, *alike)
         return known if rows is None else known.take(rows)
-
-
-def found_among(
-    selection: Selection, problem: Problem, goal: Objective, imagers: Imagers, deadline: Deadline, *,
-    enough: bool = True, ceiling: float = math.inf,
-) -> Sought:  # fmt: skip
-    """A search of some imagers alone."""
-    search = Search(
-        problem, goal, top=1, deadline=deadline, enough=enough, imagers=imagers, ceiling=ceiling
-    )
-    return Sought(selection, problem, search, search.run())
 
 
 def few_places(places: Iterable[tuple[int, bool]]) -> list[tuple[int, bool]]:

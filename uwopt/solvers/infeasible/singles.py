@@ -93,14 +93,12 @@ class Singles:
         Else the time is kept for what else may help.
         """
         trials = self.trials
-        try:
+        with trials.until_interrupted():
             if name in MAY_PASS:
                 self._try_among(name, FEW_IMAGERS, trials.deadline.at_most(share * trials.deadline.left_s))
             is_asked = name in self.hopes and not trials.relaxer.is_soon_known()  # else there may be hardly more
             if name in self._open(trials.limits) and not (is_asked or trials.interrupted):
                 self._is_known(name, trials.deadline.at_most(share * trials.deadline.left_s))
-        except KeyboardInterrupt:
-            trials.interrupted = True
 
     def _ask_all_but(self, name: str) -> None:
         """Drop all others at once, or those that leave the imagers as they are where else there are many to look at."""
@@ -304,7 +302,7 @@ class Singles:
             if phase.passed() or trials.interrupted:
                 break
             trials.say(0.5 * number / len(self.left), f"why nothing fits: without {name}")
-            try:
+            with trials.until_interrupted():
                 one = phase.at_most(share * phase.left_s if share else trials.turn().left_s)
                 if one.left_s < IMAGER_S * self._imagers_without(name):
                     if self._helps_among_few(name, one):  # all its imagers alone would take longer
@@ -312,8 +310,6 @@ class Singles:
                     continue
                 if self._is_known(name, one):
                     known.append(name)
-            except KeyboardInterrupt:
-                trials.interrupted = True
         self.left = {name: limit for name, limit in self.left.items() if name not in known}
 
     def _helps_among_few(self, name: str, turn: Deadline) -> bool:
@@ -388,10 +384,8 @@ class Singles:
     def draw_in(self) -> None:
         """Draw in those that are known to help, in a share of the time left."""
         trials = self.trials
-        try:
+        with trials.until_interrupted():
             in_rounds(self.changes(), trials.deadline.at_most(DRAW_SHARE * trials.deadline.left_s))
-        except KeyboardInterrupt:
-            trials.interrupted = True
 
     def changes(self) -> list[LeastLimit]:
         """Those that help, as far as they are drawn in."""

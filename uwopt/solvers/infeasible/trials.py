@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -52,6 +53,14 @@ class Trials:
     def over(self) -> bool:
         """Whether nothing more is to be tried."""
         return self.interrupted or self.deadline.passed()
+
+    @contextmanager
+    def until_interrupted(self) -> Iterator[None]:
+        """What a person ends here; what is known by then stays."""
+        try:
+            yield
+        except KeyboardInterrupt:
+            self.interrupted = True
 
     def go_on(self) -> None:
         """Take the time that is left for who would else be told nothing."""

@@ -17,7 +17,7 @@ from uwopt.solvers.exact.node_bounds import NODE_RULES
 from uwopt.solvers.infeasible.contradiction import Contradiction, contradiction
 from uwopt.solvers.infeasible.freed_rules import MAY_PASS
 from uwopt.solvers.infeasible.joint_changes import CommonFit, CommonShare, Giving, least_set
-from uwopt.solvers.infeasible.least_change import in_rounds
+from uwopt.solvers.infeasible.least_change import Stepwise, in_rounds
 from uwopt.solvers.infeasible.least_limit import Relaxation
 from uwopt.solvers.infeasible.moves import SHARE, Mover
 from uwopt.solvers.infeasible.nearest_fit import nearest_fit
@@ -102,11 +102,9 @@ def try_hardware(singles: Singles, mover: Mover) -> None:
     known = [one.found for one in singles.changes()] + [far.found for far in mover.far]
     for found in known:
         trials.say(0.0, "what the hardware of a change does beside")
-        try:
+        with trials.until_interrupted():
             mover.try_hardware(found, phase)
             singles.try_hardware(found, phase)
-        except KeyboardInterrupt:
-            trials.interrupted = True
 
 
 def first_that_help(trials: Trials, singles: Singles, mover: Mover, *, is_quick: bool) -> CommonFit | None:
@@ -173,12 +171,10 @@ def least_changes(trials: Trials, singles: Singles, mover: Mover) -> tuple[list[
 def draw_by_hardware(singles: Singles, mover: Mover) -> None:
     """Draw in what helps as far as its own hardware reaches, which takes no search: far values are of little use."""
     trials = singles.trials
-    try:
-        for change in [*singles.changes(), *(move.drawn for move in mover.changes())]:
+    with trials.until_interrupted():
+        for change in changes_of(singles, mover):
             if change.gap >= 1.0 and not trials.over:
                 change.step(trials.deadline.at_most(HARDWARE_S))
-    except KeyboardInterrupt:
-        trials.interrupted = True
 
 
 def draw_in(singles: Singles, mover: Mover, share: float = LEAST_SHARE) -> None:
@@ -186,11 +182,13 @@ def draw_in(singles: Singles, mover: Mover, share: float = LEAST_SHARE) -> None:
     trials = singles.trials
     if trials.interrupted:
         return
-    try:
-        phase = trials.deadline.at_most(share * trials.deadline.left_s)
-        in_rounds([*singles.changes(), *(move.drawn for move in mover.changes())], phase)
-    except KeyboardInterrupt:
-        trials.interrupted = True
+    with trials.until_interrupted():
+        in_rounds(changes_of(singles, mover), trials.deadline.at_most(share * trials.deadline.left_s))
+
+
+def changes_of(singles: Singles, mover: Mover) -> list[Stepwise]:
+    """All that help, requirements first."""
+    return [*singles.changes(), *(move.drawn for move in mover.changes())]
 
 
 def ask_open(singles: Singles, mover: Mover) -> None:
