@@ -10,7 +10,9 @@ import pytest
 import uwopt
 from uwopt.api import searching
 from uwopt.evaluation.recompute import replay
+from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import load_mission
+from uwopt.objectives.goal import goal_of
 from uwopt.report.order.tender_lines import lines_of
 from uwopt.solvers import recommend
 
@@ -91,6 +93,31 @@ def test_parts_to_be_made_are_searched_once_where_nothing_fits(fits: bool, monke
     assert asked[:2] == [(True, "never"), (False, "allow")]
     assert asked[2:] == ([(True, "allow"), (False, "never"), (False, "allow")] if fits else [(False, "never")])
     assert result.certificate.adds_up()
+
+
+@pytest.mark.parametrize("fits", [True, False])
+def test_what_is_known_to_fit_is_not_asked_about(fits: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    # Without its cap alone, so the cap is lifted as ever; what is wrongly taken to fit is not told to.
+    asked: list[bool] = []
+
+    def seek(mission: Any, *args: Any, **named: Any) -> Any:
+        asked.append(named.get("enough", False))
+        return recommend.seek(mission, *args, **named)
+
+    monkeypatch.setattr(searching, "seek", seek)
+    dark = survey(CAP_DB, dark=True)
+    dark["catalog"] = {**HARDWARE, "generic": "fallback", "lights": [LIGHT]}
+    if not fits:
+        dark["requirements"]["min_snr_db"] = 200.0
+    mission = load_mission(dark)
+    searches = searching.Searches(load_catalog(mission), goal_of(mission))
+    plain = searches.of(mission)
+    assert any(asked)
+    asked.clear()
+    known = searches.of(mission, fits=True)
+    assert not any(asked) and known.fits == plain.fits == fits
+    if fits:
+        assert known.sought.outcome.best[0].minimised == plain.sought.outcome.best[0].minimised
 
 
 @pytest.mark.parametrize(("dark", "min_snr_db"), [(True, 200.0), (True, 10.0), (False, 10.0)])

@@ -9,6 +9,7 @@ import pytest
 
 import uwopt
 from uwopt.api import searching
+from uwopt.api.watch import Watch
 from uwopt.errors import MissionError
 from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import load_mission
@@ -64,6 +65,22 @@ def test_a_port_that_is_sold_stays_where_only_lamps_have_to_be_made() -> None:
     assert result.best.objective_value == pytest.approx(some, rel=1e-9)
     assert result.certificate.adds_up()
     assert searches.Warm().best(load_mission(survey())).lower_bound == pytest.approx(some, rel=1e-9)
+
+
+def test_what_was_searched_with_parts_of_all_kinds_is_not_searched_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    mission = load_mission(survey())
+    asked = list[Any]()
+
+    def counted(*args: Any, **named: Any) -> Any:
+        asked.append(named["generic"])
+        return seek(*args, **named)
+
+    monkeypatch.setattr(searching, "seek", counted)
+    found = searching.Searches(load_catalog(mission), goal_of(mission)).of(mission)
+    assert asked.count("allow") == 1
+    every = searching.of_all_parts(found.sought, Watch())
+    assert asked.count("allow") == 1
+    assert every.outcome.best[0].minimised == pytest.approx(best_with(KINDS), rel=1e-9)
 
 
 @pytest.mark.parametrize(("gain", "expected"), [(0.1, {"light"}), (0.03, {"light", "port"})])

@@ -9,6 +9,13 @@ YIELDING = "tests/api/test_yielding.py"
 
 DEFECTS = (
     Defect(
+        name="it is asked whether anything fits where that is known",
+        file="uwopt/api/searching.py",
+        old="if capless is not mission and not fits:",
+        new="if capless is not mission:",
+        test=f"{CAP}::test_what_is_known_to_fit_is_not_asked_about[True]",
+    ),
+    Defect(
         name="what fits above the cap of gain alone is taken for nothing",
         file="uwopt/api/searching.py",
         old="any_of_all = self.seek(capless,",
@@ -235,8 +242,8 @@ DEFECTS = (
     Defect(
         name="light is worked out again where more gives way",
         file="uwopt/api/choosing.py",
-        old="found = searches.of(with_yields(asked, given_way), scenes_of=first.sought.problem)",
-        new="found = searches.of(with_yields(asked, given_way))",
+        old="found = searches.of(with_yields(asked, given_way), scenes_of=first.sought.problem, fits=True)",
+        new="found = searches.of(with_yields(asked, given_way), fits=True)",
         test=f"{YIELDING}::test_practice_gives_way_so_that_what_is_recommended_holds_as_often_as_asked",
     ),
     Defect(

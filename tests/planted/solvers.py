@@ -117,6 +117,20 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/api/test_made.py::test_a_port_that_is_sold_stays_where_only_lamps_have_to_be_made",
     ),
     Defect(
+        name="what was searched with parts of all kinds is forgotten",
+        file="uwopt/api/searching.py",
+        old="return replace(found, of_all_kinds=every) if",
+        new="return found if",
+        test="tests/api/test_made.py::test_what_was_searched_with_parts_of_all_kinds_is_not_searched_again",
+    ),
+    Defect(
+        name="a search of few kinds is taken for one of all",
+        file="uwopt/api/searching.py",
+        old="return replace(found, of_all_kinds=every) if",
+        new="return replace(found, of_all_kinds=found) if",
+        test="tests/api/test_made.py::test_what_was_searched_with_parts_of_all_kinds_is_not_searched_again",
+    ),
+    Defect(
         name="what if takes every part to be made where one kind does",
         file="uwopt/solvers/warm/searches.py",
         old="return answers.get(fewest_made(serves), every)",

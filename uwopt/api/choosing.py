@@ -131,7 +131,7 @@ def held_by_yielding(
         return first
 
     def with_given_way(given_way: tuple[Yield, ...], counts: Counts, before: Recommendation) -> Recommendation:
-        found = searches.of(with_yields(asked, given_way), scenes_of=first.sought.problem)
+        found = searches.of(with_yields(asked, given_way), scenes_of=first.sought.problem, fits=True)
         if not found.fits or not found.sought.outcome.complete:
             return before
         made = chosen_of(replace(found, given_way=given_way), watch, before=counts)
@@ -178,7 +178,7 @@ def counted_with(
     with watch.stage("practice"):
         reached = most_held(counts, weaker, known)
     if halfway(counted.held, counted.asked) <= reached < share_to_hold(counts):  # other hardware may do better
-        found = searches.of(weaker, scenes_of=counts.sought.problem)
+        found = searches.of(weaker, scenes_of=counts.sought.problem, fits=True)
         if found.fits and found.sought.outcome.complete:
             patient = watch.until(watch.deadline.or_after(CERTAINTY_S, effort_s))
             counts = counts_of(found.sought, patient, counts) or counts

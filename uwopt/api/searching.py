@@ -71,14 +71,16 @@ class Searches:
             progress=self.watch.progress, fineness=self.fineness, **how,
         )  # fmt: skip
 
-    def of(self, mission: Mission, like: Sought | None = None, scenes_of: Problem | None = None) -> Searched:
+    def of(
+        self, mission: Mission, like: Sought | None = None, scenes_of: Problem | None = None, *, fits: bool = False
+    ) -> Searched:
         """The search over parts that are sold, and with parts to be made where nothing that is sold fits.
 
         Where nothing that is sold fits and the gain has a cap that yields, all parts without it are asked first for any
         design that fits: where none does, nothing fits with the cap either. A search below the cap that goes long in
         vain is left for that question, and goes on where the answer is that something fits. `like` is a search of the
         same parts in the same scenes that differs in the cap of gain alone, `scenes_of` a problem whose scenes may be
-        the same.
+        the same, `fits`: of all parts something is known to, without the cap at least.
         """
         policy, capless = mission.catalog.generic, mission.without_gain_cap
         first = mission.catalog.generic_at_first
@@ -94,7 +96,7 @@ class Searches:
         alternative: Sought | None = None
         if policy == "fallback" and sought.outcome.complete and not sought.outcome.best:
             with self.watch.timed("search_generic"):
-                if capless is not mission:
+                if capless is not mission and not fits:
                     any_of_all = self.seek(capless, generic="allow", like=sought.problem, enough=True)
                     if any_of_all.outcome.complete and not any_of_all.outcome.best:
                         sought = self.seek(capless, generic=first, **known_from(sought))
@@ -138,7 +140,7 @@ def of_fewest_kinds(every: Sought, look: Callable[..., Sought]) -> Sought:
     if set(kinds) == set(TO_BE_MADE):
         return every
     found = look(mission, generic=kinds, like=like)
-    return found if found.outcome.best else every
+    return replace(found, of_all_kinds=every) if found.outcome.best else every
 
 
 def kinds_made(sought: Sought) -> set[Kind]:
@@ -156,7 +158,9 @@ def leaves_out_generic(sought: Sought) -> bool:
 
 
 def of_all_parts(sought: Sought, watch: Watch, *, top: int = 0, **how: Any) -> Sought:
-    """The same search with parts to be made."""
+    """The same search with parts to be made, of all kinds."""
+    if sought.of_all_kinds is not None and not top:
+        return sought.of_all_kinds
     problem = sought.problem
     searches = Searches(sought.selection.catalog, sought.goal, top or sought.search.top, watch, problem.fineness)
     return searches.seek(problem.mission, generic="allow", like=problem, **how)

@@ -150,7 +150,7 @@ def with_less_practice(
         return replace(nothing, cut=True)
     if not given_way.yields:
         return replace(nothing, in_vain=given_way.in_vain, is_in_vain=given_way.is_in_vain)
-    found = searches.of(with_yields(mission, given_way.yields), scenes_of=nothing.widest.problem)
+    found = searches.of(with_yields(mission, given_way.yields), scenes_of=nothing.widest.problem, fits=True)
     return replace(found, given_way=given_way.yields, in_vain=given_way.in_vain)
 
 

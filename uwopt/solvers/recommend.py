@@ -52,6 +52,7 @@ class Sought:
     problem: Problem
     search: Search
     outcome: Outcome
+    of_all_kinds: Sought | None = None  # the same search with parts to be made of all kinds, where this has some of few
 
     @property
     def goal(self) -> Objective:
