@@ -353,6 +353,13 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{BOUNDS}test_bits_of_a_pixel_are_bounded_by_the_pixel_alone",
     ),
     Defect(
+        name="sensors of other sizes see alike",
+        file="uwopt/solvers/exact/seen.py",
+        old="rows_alike(cameras.resolution_x_px, cameras.resolution_y_px, cameras.pixel_pitch_m)",
+        new="rows_alike(cameras.pixel_pitch_m)",
+        test="tests/solvers/test_seen.py::test_each_pair_of_the_catalogue_sees_what_it_sees_alone[full]",
+    ),
+    Defect(
         name="lenses of any mount are taken",
         file="uwopt/solvers/exact/imagers.py",
         old='("mount", fits)',

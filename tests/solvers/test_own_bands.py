@@ -13,7 +13,8 @@ from uwopt.forward.remembered import RememberedSunField
 from uwopt.forward.sharpness import spread_of
 from uwopt.forward.sun_light import sun_light
 from uwopt.solvers.confidence.waters import over_band, over_band_of
-from uwopt.solvers.exact.imagers import focused_behind, seen_behind, stands
+from uwopt.solvers.exact.imagers import focused_behind, stands
+from uwopt.solvers.exact.seen import seen_behind
 
 BEYOND = np.array([0.3, 0.05, 0.3, 0.8, 0.05, 40.0])  # of the tolerance; the last would be below the floor
 CAMERA = np.array([5, 0, 1, 2, 2, 3, 4])

@@ -95,7 +95,6 @@ def views(
     has some twenty pairs of each kind.
     """
     pitch, (along, across, effective) = cameras.pixel_pitch_m, field_of_view(scene, cameras, lenses, shape, landscape)
-    transmission = lenses.transmission * (1.0 if scene.paper else port_transmission(shape))
     alike, ranges = (along, across, pitch, effective), altitudes_m(scene)
     if len(along) > 1:
         first, back = groups_alike(*alike, *own_ranges(ranges))
@@ -107,8 +106,14 @@ def views(
     axis = np.broadcast_to(image_places(scene, shape, None, 1), (len(along), 2, 3))
     return Views(
         tan_along=along, tan_across=across, **seen, axis_image=axis, coc_m=circle_of_confusion_m(scene, cameras),
-        focal_length_m=effective, collecting_m2=np.square(pitch) * transmission * cameras.qe_scale,
+        focal_length_m=effective, collecting_m2=collecting_m2(scene, cameras, lenses, shape),
     )  # fmt: skip
+
+
+def collecting_m2(scene: SceneOptics, cameras: Cameras, lenses: Lenses, shape: PortShape) -> Array:
+    """What a pixel gathers light with, (n,) [m^2]: its area times what lens, port and quantum efficiency leave."""
+    transmission = lenses.transmission * (1.0 if scene.paper else port_transmission(shape))
+    return np.asarray(np.square(cameras.pixel_pitch_m) * transmission * cameras.qe_scale)
 
 
 def own_ranges(ranges: Array) -> tuple[Array, ...]:

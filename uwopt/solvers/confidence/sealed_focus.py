@@ -20,8 +20,9 @@ from uwopt.forward.views import Views, focus_map
 from uwopt.model.port import FocusMap, water_distance_m
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.waters import over_band_of
-from uwopt.solvers.exact.imagers import seen_behind, stands
+from uwopt.solvers.exact.imagers import stands
 from uwopt.solvers.exact.ranking import Found
+from uwopt.solvers.exact.seen import seen_behind
 
 Array = NDArray[Any]
 MOST = 0.9  # of the scenarios, within whose ends it is sharp

@@ -21,15 +21,12 @@ from uwopt.catalog.compatibility import (
     rated_pitch_um,
 )
 from uwopt.deadline import NEVER, Deadline, spend
-from uwopt.forward.breathing import at_focus
 from uwopt.forward.columns import Columns
-from uwopt.forward.focus import Focused, common_dioptre, depth_f_number, working_factor
+from uwopt.forward.focus import Focused, depth_f_number, working_factor
 from uwopt.forward.motion import blur_time_s, required_rate_hz, shutter_skew_px
 from uwopt.forward.problem import Problem
 from uwopt.forward.sharpness import SharpRows, sharpness_of
-from uwopt.forward.spacers import needed_spacer_m
-from uwopt.forward.views import Views, focus_map, views, widest_corner
-from uwopt.model.port import lens_dioptre_per_m
+from uwopt.forward.views import Views, focus_map, widest_corner
 from uwopt.solvers.exact.imager_rules import (
     Behind,
     Sample,
@@ -40,6 +37,7 @@ from uwopt.solvers.exact.imager_rules import (
     totals,
     view_rules,
 )
+from uwopt.solvers.exact.seen import seen_behind
 
 Array = NDArray[Any]
 PAIR_SAMPLES = 256  # discarded pairs of camera and lens remembered per rule, about
@@ -283,29 +281,6 @@ def housed(problem: Problem, sharp: SharpPairs, behind: Behind, tally: Tally) ->
     row, of = np.nonzero(alive)
     kept = [scene.take(row) for scene in sharp.scenes]
     return PortBlock(sharp.camera[row], sharp.lens[row], ports[of], np.full(len(row), behind.landscape), kept)
-
-
-def seen_behind(
-    problem: Problem, camera: Array, lens: Array, port: int, landscape: bool
-) -> tuple[list[Views], Array, Array]:
-    """What these pairs see of every scene behind a port, their common focus [1/m] and the rings that it needs [m]."""
-    cameras, lenses, scenes = problem.cameras.take(camera), problem.lenses.take(lens), problem.scenes_of(camera)
-    shapes = [problem.shape(port, index) for index in range(len(scenes))]
-    seen = [
-        views(scene, cameras, lenses, shape, landscape=landscape) for scene, shape in zip(scenes, shapes, strict=True)
-    ]
-    maps = [focus_map(scene, shape) for scene, shape in zip(scenes, shapes, strict=True)]
-    meant_m = problem.meant_m
-    if meant_m is None:
-        dioptre = common_dioptre(scenes, maps, seen)
-    else:
-        distance_m = meant_m(camera, lens) if callable(meant_m) else np.full(len(camera), meant_m)
-        dioptre = np.asarray(lens_dioptre_per_m(distance_m, focus_map=maps[0]))
-    seen = [
-        at_focus(scene, shape, view, cameras.pixel_pitch_m, dioptre)
-        for scene, shape, view in zip(scenes, shapes, seen, strict=True)
-    ]
-    return seen, dioptre, needed_spacer_m(problem.lenses, dioptre, rows=lens)
 
 
 def stands(problem: Problem, camera: Array, lens: Array, dioptre_per_m: Array) -> Array:

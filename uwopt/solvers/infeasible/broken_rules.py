@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from uwopt.forward.problem import Problem
 from uwopt.solvers.exact.imager_rules import focus_rules, view_rules
-from uwopt.solvers.exact.imagers import FittingPairs, fitting_pairs, focused_behind, landscapes, seen_behind
+from uwopt.solvers.exact.imagers import FittingPairs, fitting_pairs, focused_behind, landscapes
+from uwopt.solvers.exact.seen import seen_behind
 
 Array = NDArray[Any]
 
