@@ -1315,6 +1315,14 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/solvers/test_cells.py::test_cells_are_halved_no_longer_than_there_is_time",
     ),
     Defect(
+        name="what cannot fit under the sun is asked what it would show",
+        file="uwopt/solvers/settings/best.py",
+        old="(best_of_what_fits if unknown",
+        new="(best_by_cells if unknown",
+        test="tests/solvers/test_cells.py::"
+        "test_what_cannot_fit_under_the_sun_is_not_asked_what_it_would_show",
+    ),
+    Defect(
         name="a search hands its deadline to no cells",
         file="uwopt/solvers/settings/best.py",
         old="best_by_cells)(question)",

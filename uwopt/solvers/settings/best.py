@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from uwopt.forward.columns import put_into
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.setting_rows import SceneRows
-from uwopt.objectives.objective import Objective
+from uwopt.objectives.objective import MAXIMISED, Objective
 from uwopt.solvers.settings import closed_form, dark, windows
 from uwopt.solvers.settings.few_pixels import deciding_pixels
 from uwopt.solvers.settings.joint import is_bounded, joint_bound
@@ -23,6 +23,7 @@ Array = NDArray[Any]
 DARK_ROUNDS = 25
 SetWithDark = tuple[list[closed_form.Chosen], Array, Array]  # settings, whether there are any, and their SNR [dB]
 NO_RELATIVE_GAP = 0.1  # of an objective near 0, which has none
+LEAST_POWER = Objective.of("power")
 FAINTEST = 1e-6  # of the highest SNR: where a weighing starts when nothing asks for light
 
 
@@ -59,7 +60,11 @@ def best_settings(question: Question, *, closed_alone: bool = False) -> Best:
     if objective.weight("information") or any(r.sunlit or (weighs and r.switched) for r in rows):
         from uwopt.solvers.settings.cells import best_by_cells  # no closed form needs it
 
-        return (best_joint if is_bounded(rows, objective) else best_by_cells)(question)
+        if is_bounded(rows, objective):
+            return best_joint(question)
+        counts = any(objective.weight(name) for name in MAXIMISED)
+        unknown = counts and any(r.sunlit for r in rows) and np.isinf(question.cutoff).all()
+        return (best_of_what_fits if unknown else best_by_cells)(question)
     return best_where_sharp(question, closed_alone=closed_alone)
 
 
@@ -68,14 +73,28 @@ def best_joint(question: Question) -> Best:
 
     Rows for bounds are answered with these bounds alone.
     """
-    n, rows = len(question), question.rows
+    rows = question.rows
     bound = joint_bound(rows, question.objective, question.light_limit_w, question.constant)
-    nothing = np.full(n, np.nan)
-    chosen = [closed_form.Chosen(*(nothing.copy() for _ in range(7))) for _ in rows]
-    none = Best(chosen, np.zeros(n, bool), nothing, nothing, np.zeros(n), bound)
+    none = unsettled(question, bound)
     if rows[0].optimistic:
         return none
     return searched_where(np.isfinite(bound) & (bound <= question.cutoff), none, question)
+
+
+def best_of_what_fits(question: Question) -> Best:
+    """Best settings over cells of the designs that have any, which is asked first, without what they show: any do."""
+    from uwopt.solvers.settings.cells import best_by_cells
+
+    lower = best_by_cells(replace(question, objective=LEAST_POWER, gap_rel=np.inf)).lower_bound
+    assert lower is not None
+    return searched_where(np.isfinite(lower), unsettled(question, lower), question)
+
+
+def unsettled(question: Question, bound: Array) -> Best:
+    """No settings, with bounds."""
+    nothing = np.full(len(question), np.nan)
+    chosen = [closed_form.Chosen(*(nothing.copy() for _ in range(7))) for _ in question.rows]
+    return Best(chosen, np.zeros(len(question), bool), nothing, nothing, np.zeros(len(question)), bound)
 
 
 def best_where_sharp(question: Question, *, closed_alone: bool = False) -> Best:
