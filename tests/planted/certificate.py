@@ -12,21 +12,21 @@ RULES = "tests/solvers/test_rules.py::"
 DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="the SNR is thought to need more light than its veil asks for",
-        file="uwopt/solvers/exact/bounds.py",
+        file="uwopt/solvers/exact/needs.py",
         old="veil_ratio=veil,\n                prnu",
         new="veil_ratio=2.0 * veil,\n                prnu",
         test="tests/solvers/test_bounds.py::test_a_unit_is_bounded_by_its_best[light mostly veil]",
     ),
     Defect(
         name="a well is thought to hold more veil than it must",
-        file="uwopt/solvers/exact/bounds.py",
+        file="uwopt/solvers/exact/needs.py",
         old="most_held_e(cameras, scene) / (1.0 + veil[:, 1]) * ROUND",
         new="most_held_e(cameras, scene) / np.square(1.0 + veil[:, 1]) * ROUND",
         test="tests/solvers/test_bounds.py::test_a_unit_is_bounded_by_its_best[a well nearly full of veil]",
     ),
     Defect(
         name="the veil of the farthest altitude counts at all",
-        file="uwopt/solvers/exact/bounds.py",
+        file="uwopt/solvers/exact/needs.py",
         old="for altitude in (-1, None)]",
         new="for altitude in (-1, -1)]",
         test="tests/solvers/test_bounds.py::test_the_veil_is_bounded_at_each_altitude_by_that_of_the_image",

@@ -283,7 +283,7 @@ DEFECTS = (
     ),
     Defect(
         name="a mean beside its frame is bounded too high",
-        file="uwopt/solvers/exact/bounds.py",
+        file="uwopt/solvers/exact/needs.py",
         old="sensor.electrons_for_snr(scene.least_mean_snr, **noise))",
         new="1.5 * sensor.electrons_for_snr(scene.least_mean_snr, **noise))",
         test="tests/solvers/test_bounds.py::test_the_pixel_that_decides_bounds_a_unit_more_sharply",

@@ -263,28 +263,28 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="light for the gain bounded 50 % too high",
-        file="uwopt/solvers/exact/bounds.py",
+        file="uwopt/solvers/exact/needs.py",
         old="np.where(need.by_gain_e > 0, need.by_gain_e / signal_e[:, -1], 0.0)",
         new="np.where(need.by_gain_e > 0, 1.5 * need.by_gain_e / signal_e[:, -1], 0.0)",
         test=f"{BOUNDS}test_a_unit_is_bounded_by_its_best[a wanted level]",
     ),
     Defect(
         name="saturation bounded 10 % too low",
-        file="uwopt/solvers/exact/node_bounds.py",
+        file="uwopt/solvers/exact/needs.py",
         old="np.minimum(cameras.saturation_e / needs.highlight_ratio, by_level)",
         new="np.minimum(0.9 * cameras.saturation_e / needs.highlight_ratio, by_level)",
         test=f"{BOUNDS}test_a_unit_is_bounded_by_its_best[best signal of a full well]",
     ),
     Defect(
         name="longest time of light bounded 2 % too short",
-        file="uwopt/solvers/exact/bounds.py",
+        file="uwopt/solvers/exact/needs.py",
         old="focused.blur_time_s))",
         new="0.98 * focused.blur_time_s))",
         test=f"{BOUNDS}test_a_unit_is_bounded_by_its_best[least power]",
     ),
     Defect(
         name="bounds take the wider f-number for granted",
-        file="uwopt/solvers/exact/bounds.py",
+        file="uwopt/solvers/exact/needs.py",
         old="np.square(focused.n_low * focused.working_factor)",
         new="np.square(1.05 * focused.n_low * focused.working_factor)",
         test=f"{BOUNDS}test_a_unit_is_bounded_by_its_best[pulses]",
@@ -298,7 +298,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="bound of the electrons for the SNR loosened by a tenth",
-        file="uwopt/solvers/exact/bounds.py",
+        file="uwopt/solvers/exact/needs.py",
         old="np.where(need.by_snr_e > 0, need.by_snr_e / signal_e, 0.0)",
         new="np.where(need.by_snr_e > 0, 0.9 * need.by_snr_e / signal_e, 0.0)",
         test=f"{BOUNDS}test_the_bound_of_a_unit_is_tight[least power]",
@@ -341,8 +341,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="bound of contrast a tenth too low",
         file="uwopt/solvers/exact/bounds.py",
-        old="best = np.minimum(best, self._most_contrast(index, [lighting], rows))",
-        new="best = np.minimum(best, 0.5 * self._most_contrast(index, [lighting], rows))",
+        old="best = np.minimum(best, self.needs.most_contrast(index, [lighting], rows))",
+        new="best = np.minimum(best, 0.5 * self.needs.most_contrast(index, [lighting], rows))",
         test=f"{BOUNDS}test_contrast_is_bounded_by_the_image_itself[None]",
     ),
     Defect(
@@ -985,7 +985,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a mean as bright as what most pixels reach",
-        file="uwopt/solvers/exact/node_bounds.py",
+        file="uwopt/solvers/exact/needs.py",
         old="return FRAME_SHARE * LATTICE_MARGIN if",
         new="return 1.0 if",
         test=f"{FRAME}test_the_mean_may_be_darker_than_what_most_of_the_image_has[frame-0.95]",

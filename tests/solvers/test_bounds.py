@@ -389,7 +389,7 @@ def test_the_veil_is_bounded_at_each_altitude_by_that_of_the_image() -> None:
     light = search.tables.exact(0, search.tables.lightings[0], rows)
     assert light.forward_e is not None
     veil = (light.forward_e / light.signal_e)[:, [-1, search.problem.scenes[0].nominal]]
-    bound = search.bounds._least_veil(0, rows)
+    bound = search.bounds.needs.least_veil(0, rows)
     assert (bound <= veil).all() and (veil <= 1.5 * bound).all()
 
 

@@ -52,7 +52,7 @@ def found(search: Search) -> tuple[Array, Array]:
             ratio = np.where(light.signal_e > 0.0, light.forward_e / light.signal_e, np.inf)
         veils.append(ratio[:, [-1, nominal]])
         bounds.append(np.stack(
-            [search.bounds.veils.least(0, [lighting], rows, at) for at in (-1, nominal)], axis=1
+            [search.bounds.needs.veils.least(0, [lighting], rows, at) for at in (-1, nominal)], axis=1
         ))  # fmt: skip
     return np.array(veils), np.array(bounds)
 

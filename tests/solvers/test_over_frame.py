@@ -21,7 +21,7 @@ from uwopt.model.image_mean import (
     needed_by_most,
     reached_by_most,
 )
-from uwopt.solvers.exact.node_bounds import least_mean_frac
+from uwopt.solvers.exact.needs import least_mean_frac
 from uwopt.solvers.settings import windows
 from uwopt.solvers.settings.windows import Sun
 

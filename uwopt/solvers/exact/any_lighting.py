@@ -71,7 +71,7 @@ class AnyLighting:
             enough = np.ones(n, bool)
             for index, by_optics in enumerate(signals):
                 signal = np.max([by_optics[optics] for optics in ablest.optics], axis=0)
-                wanted = bounds.capacity_needed(bounds.needs(index, rows), signal, kind, ablest.light)
+                wanted = bounds.capacity_needed(bounds.needs.of(index, rows), signal, kind, ablest.light)
                 enough &= wanted * (1.0 - ROUNDING) <= ablest.most
             dark &= ~enough
         return dark

@@ -27,19 +27,11 @@ from uwopt.solvers.exact.any_lighting import AnyLighting
 from uwopt.solvers.exact.imager_rules import limit
 from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.lamp_choices import LampChoices, LampsOfKind, quickest
-from uwopt.solvers.exact.least_veil import LeastVeil
 from uwopt.solvers.exact.light_tables import FieldTables
 from uwopt.solvers.exact.lightings import Lighting
+from uwopt.solvers.exact.needs import ImagerNeeds, Needs, light_for_signal, light_times, most_held_e
 from uwopt.solvers.exact.never_sharp import NeverSharp
-from uwopt.solvers.exact.node_bounds import (
-    NODE_RULES,
-    Needs,
-    NodeBounds,
-    bit_per_px_bound,
-    first_missed,
-    least_mean_frac,
-    most_held_e,
-)
+from uwopt.solvers.exact.node_bounds import NODE_RULES, NodeBounds, bit_per_px_bound, first_missed
 from uwopt.tolerances import ROUND
 from uwopt.units import ratio_to_db
 
@@ -56,7 +48,7 @@ class Bounds:
         self.problem, self.objective, self.tables, self.imagers = tables.problem, objective, tables, tables.imagers
         self.searched = np.ones(len(self.problem.parts.lights), bool) if lights is None else lights
         self.limits = self.problem.mission.limits
-        self.veils = LeastVeil(self.problem, self.imagers)
+        self.needs = ImagerNeeds(tables)
         self.light_tables: list[LampChoices] = (
             [LampChoices.of(self.problem, lighting, self.searched) for lighting in tables.lightings]
             if like is None
@@ -67,7 +59,6 @@ class Bounds:
             if like is None
             else like.of_kinds
         )
-        self._needs_of: tuple[Array, dict[int, Needs]] | None = None
         self._any_lighting = AnyLighting(self)
         self._never_sharp = NeverSharp(self.problem, self.imagers)
 
@@ -184,7 +175,7 @@ class Bounds:
         snr_db, information, most_drawn = (np.full(n, np.inf) for _ in range(3))
         power_left = limit(limits.power_w) * ROUND - imagers.camera_power_w[rows]
         for index in range(len(imagers.scenes)):
-            need = self.needs(index, rows)
+            need = self.needs.of(index, rows)
             light_time, wanted, most = self.light_needed(index, lighting, need, lamps.kind, rows, pixel_e.get(index))
             light_time, wanted = self._within_pulse(lamps.lamps.light, lamps.kind, need, light_time, wanted)
             capacity_needed, rate_hz = np.maximum(capacity_needed, wanted), np.maximum(rate_hz, need.rate_hz)
@@ -196,7 +187,7 @@ class Bounds:
             mean_power += self.problem.duration.shares[index] * np.where(np.isfinite(wanted), scene_power, 0.0)
             if self.objective.weight("snr_db") or self.objective.weight("information"):
                 electrons = lamps.capacity[-1] * most + need.sun_e[:, -1]
-                reached = self._snr_bound(index, electrons, rows, self._most_contrast(index, [lighting], rows))
+                reached = self._snr_bound(index, electrons, rows, self.needs.most_contrast(index, [lighting], rows))
                 snr_db = np.minimum(snr_db, reached)
                 if self.objective.weight("information"):
                     information = np.minimum(information, self._information_bound(index, reached, rows))
@@ -257,25 +248,10 @@ class Bounds:
         if not self.problem.effects.forward_veil or not (self.objective.weight("contrast") or any(wanted)):
             return best, enough
         for index, least in enumerate(wanted):
-            best = np.minimum(best, self._most_contrast(index, [lighting], rows))
+            best = np.minimum(best, self.needs.most_contrast(index, [lighting], rows))
             if least:
-                enough &= self._most_contrast(index, [lighting], rows, altitude=-1) >= least
+                enough &= self.needs.most_contrast(index, [lighting], rows, altitude=-1) >= least
         return best, enough
-
-    def _most_contrast(
-        self, scene_index: int, lightings: Sequence[Lighting], rows: Array, altitude: int | None = None
-    ) -> Array:
-        """Most contrast in one scene under the clearest of some lightings, at the nominal altitude unless given."""
-        if not self.problem.effects.forward_veil or self.is_sunlit(scene_index):
-            return np.ones(len(rows))
-        at = self.problem.scenes[scene_index].nominal if altitude is None else altitude
-        return 1.0 / (1.0 + self.veils.least(scene_index, lightings, rows, at))
-
-    def _least_veil(self, scene_index: int, rows: Array) -> Array:
-        """Least veil over signal under any lighting, at the farthest altitude and the nominal one, (n, 2)."""
-        every = self.tables.lightings
-        clearest = [self._most_contrast(scene_index, every, rows, altitude) for altitude in (-1, None)]
-        return 1.0 / np.stack(clearest, axis=1) - 1.0
 
     def light_needed(
         self, scene_index: int, lighting: Lighting, need: Needs, kind: int, rows: Array,
@@ -326,23 +302,6 @@ class Bounds:
         known, (n,). Raises OutOfTimeError."""
         return self._any_lighting.leaves_dark(rows, deadline)
 
-    def needs(self, scene_index: int, rows: Array) -> Needs:
-        """What these imagers need in one scene, the same under every lighting."""
-        if self._needs_of is None or self._needs_of[0] is not rows:
-            self._needs_of = (rows, {})
-        known = self._needs_of[1]
-        if scene_index not in known:
-            focused = self.imagers.scenes[scene_index].focused.take(rows)
-            by_snr, by_pixel, by_gain = self._electrons_needed(scene_index, rows)
-            square, longest_s = np.square(focused.n_low * focused.working_factor), self._longest_time_s(focused, rows)
-            sun_e = self._sun_electrons(scene_index, rows, np.maximum(longest_s, 0.0) / square)
-            by_snr = np.maximum(by_snr - sun_e.max(axis=1)[:, None], 0.0)
-            known[scene_index] = Needs(
-                by_snr, by_pixel, self._red_needed(scene_index, rows), by_gain, sun_e, square, longest_s,
-                focused.rate_hz,
-            )  # fmt: skip
-        return known[scene_index]
-
     def _judged(self, bounds: NodeBounds, reachable: Array, limit_cost: Array, rows: Array) -> NodeBounds:
         """Objective of the bounds, infinite where a limit cannot be met, with the rule that says so."""
         limits = self.limits
@@ -369,55 +328,9 @@ class Bounds:
             return np.stack([far, far], axis=1)
         return np.stack([far, self.tables.bound(scene_index, lighting, scene.nominal, rows)], axis=1)
 
-    def _electrons_needed(self, scene_index: int, rows: Array) -> tuple[Array, Array, Array]:
-        """Fewest electrons that form the image for the SNR, at the farthest altitude and the nominal one, (n, 2), inf
-        where no well holds them beside their veil; those of the pixel that must reach it, at the farthest altitude; and
-        of all light for the mean level at the highest gain, at the nominal altitude. Quantisation and dark current are
-        left out."""
-        cameras = self.problem.cameras.take(self.imagers.camera[rows])
-        scene = self.problem.scenes[scene_index]
-        needs = scene.view.requirements
-        need, by_pixel = np.zeros((len(rows), 2)), np.zeros(len(rows))
-        if scene.least_snr:
-            veil = self._least_veil(scene_index, rows)
-            noise: dict[str, Any] = dict(
-                noise_variance_e2=np.square(cameras.read_noise_e)[:, None], veil_ratio=veil,
-                prnu_frac=cameras.prnu_frac[:, None],
-            )
-            need = least_mean_frac(scene) * sensor.electrons_for_snr(scene.least_snr, **noise)
-            by_pixel = need[:, 0] / least_mean_frac(scene)
-            if scene.least_mean_snr:
-                need = np.maximum(need, sensor.electrons_for_snr(scene.least_mean_snr, **noise))
-            held = need[:, 1] <= most_held_e(cameras, scene) / (1.0 + veil[:, 1]) * ROUND
-            need, by_pixel = np.where(held[:, None], need, np.inf), np.where(held, by_pixel, np.inf)
-        if needs.mean_level is None or self.problem.effects.veils or self.is_sunlit(scene_index):
-            # veils and the sun help to fill the range
-            return np.asarray(need), by_pixel, np.zeros(len(rows))
-        wanted_dn = needs.mean_level * (2.0**cameras.bits - 1.0) - cameras.black_level_dn
-        by_gain = wanted_dn / (cameras.gain_dn_per_e * self.problem.gains(scene_index, cameras.max_gain)[1])
-        longest = np.minimum(self.limits.max_exposure_ms * 1e-3, cameras.max_exposure_s)
-        return np.asarray(need), by_pixel, np.asarray(by_gain - cameras.dark_current_e_s * longest)
-
-    def _sun_electrons(self, scene_index: int, rows: Array, open_over_n2_s: Array) -> Array:
-        """The most electrons of the sun's signal at the farthest and the nominal altitude, (n, 2)."""
-        scene = self.problem.scenes[scene_index]
-        if not self.is_sunlit(scene_index):
-            return np.zeros((len(rows), 2))
-        return np.asarray(self.tables.most_sun(scene_index, rows)[:, [-1, scene.nominal]] * open_over_n2_s[:, None])
-
-    def _red_needed(self, scene_index: int, rows: Array) -> Array | None:
-        """Fewest electrons of the red channel for the SNR that is asked of it; None where none must be of a lamp."""
-        wanted = self.problem.scenes[scene_index].view.requirements.min_snr_red
-        if wanted is None or self.is_sunlit(scene_index):
-            return None
-        cameras = self.problem.cameras.take(self.imagers.camera[rows])
-        return np.asarray(sensor.electrons_for_snr(
-            wanted, noise_variance_e2=np.square(cameras.read_noise_e), prnu_frac=cameras.prnu_frac
-        ))  # fmt: skip
-
     def is_sunlit(self, scene_index: int) -> bool:
         """Whether light counts that no lamp gives."""
-        return bool(self.problem.scenes[scene_index].sunlit and self.problem.effects.sunlight)
+        return self.needs.is_sunlit(scene_index)
 
     def without_light(self, rows: Array) -> Terms:
         """What these imagers are at best, whatever lights them."""
@@ -436,7 +349,7 @@ class Bounds:
 
     def snr_ceiling(self, scene_index: int, lightings: Sequence[Lighting], rows: Array) -> Array:
         """SNR in dB that no light of these lightings exceeds: at the most electrons the sensor takes."""
-        clearest = self._most_contrast(scene_index, lightings, rows)
+        clearest = self.needs.most_contrast(scene_index, lightings, rows)
         return self._snr_bound(scene_index, np.full(len(rows), np.inf), rows, clearest)
 
     def _information_bound(self, scene_index: int, snr_db: Array, rows: Array) -> Array:
@@ -455,15 +368,6 @@ class Bounds:
             ))  # fmt: skip
         return bit_per_px_bound(snr_db, rated) * pixels / seen.view.area_m2[rows, 1]
 
-    def _longest_time_s(self, focused: Any, rows: Array) -> Array:
-        """An upper bound of the light-collecting time of any light."""
-        cameras = self.problem.cameras.take(self.imagers.camera[rows])
-        with np.errstate(divide="ignore"):
-            exposure = np.minimum(
-                np.minimum(cameras.max_exposure_s, self.limits.max_exposure_ms * 1e-3), 1.0 / focused.rate_hz
-            )
-        return np.asarray(np.minimum(exposure + cameras.exposure_offset_s, focused.blur_time_s))
-
     def _snr_bound(self, scene_index: int, electrons_e: Array, rows: Array, contrast: Array) -> Array:
         """Upper bound of the SNR in dB from the electrons that light and sensor allow at most.
 
@@ -477,19 +381,3 @@ class Bounds:
                 prnu_frac=cameras.prnu_frac,
             )  # fmt: skip
         return np.asarray(ratio_to_db(np.fmax(snr, 1e-300)))  # a mean level below black has no number
-
-
-def light_for_signal(need: Needs, signal_e: Array) -> Array:
-    """Light * time over the square of the f-number that the SNR of the mean and the gain need, (n,).
-
-    signal_e : electrons per lm s at most, at the farthest altitude and the nominal one, (n, 2)
-    """
-    light_x = np.where(need.by_snr_e > 0, need.by_snr_e / signal_e, 0.0).max(axis=1)
-    return np.asarray(np.maximum(light_x, np.where(need.by_gain_e > 0, need.by_gain_e / signal_e[:, -1], 0.0)))
-
-
-def light_times(need: Needs, light_x: Array, kind: int) -> tuple[Array, Array]:
-    """The same as light * time at the smallest f-number, and as the capacity of lamps of one kind that it takes."""
-    light_time = np.where(light_x > 0, light_x * need.square, 0.0)
-    wanted = light_time if kind == FLASH else light_time / need.longest_s
-    return light_time, np.where(need.longest_s > 0, wanted, np.inf)

@@ -14,7 +14,7 @@ from uwopt.forward.part_columns import FLASH
 from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.lamp_choices import LampsOfKind
-from uwopt.solvers.exact.node_bounds import Needs
+from uwopt.solvers.exact.needs import Needs
 from uwopt.solvers.settings.joint import (
     F_NUMBERS,
     LEVELS_DB,
@@ -51,7 +51,7 @@ def _in_scene(bounds: Bounds, k: int, rows: Array, index: int) -> Array:
     focused = bounds.imagers.scenes[index].focused.take(rows)
     ends = intervals(focused.n_low, focused.n_high, bounds.objective)
     snr_db, information = _most_quality(bounds, k, rows, index, ends)
-    need, square = bounds.needs(index, rows), np.square(ends[:, :-1] * focused.working_factor[:, None])
+    need, square = bounds.needs.of(index, rows), np.square(ends[:, :-1] * focused.working_factor[:, None])
     value = np.full(len(rows), np.inf)
     for lamps in bounds.of_kinds[k]:
         light_time, _, _ = bounds.light_needed(index, lighting, need, lamps.kind, rows)

@@ -1,4 +1,4 @@
-"""What bounds of nodes are made of: what imagers need, the bounds as columns, and the rules that they keep or miss."""
+"""What bounds of nodes are made of: the bounds as columns, and the rules that they keep or miss."""
 
 from __future__ import annotations
 
@@ -11,33 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.forward.columns import Columns
-from uwopt.forward.part_columns import Cameras
-from uwopt.forward.scene import SceneOptics
 from uwopt.model import information, sharpness
-from uwopt.model.image_mean import FRAME_SHARE
 from uwopt.objectives.objective import Terms
 from uwopt.units import db_to_ratio
 
 Array = NDArray[Any]
-LATTICE_MARGIN = 0.95  # of a share of the image that is counted at places: discs are met to 0.01 of the image
 NODE_RULES = (
     "light", "cost", "mass_kg", "power_w", "energy_wh", "max_white_balance", "min_mtf_half_nyquist", "resolve_mm",
     "bound",
 )  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Needs:
-    """What imagers need in one scene before any light is chosen."""
-
-    by_snr_e: Array  # electrons of the mean, at the farthest altitude and the nominal one, (n, 2)
-    by_pixel_e: Array  # of the pixel that must reach the SNR, at the farthest altitude
-    by_red_e: Array | None  # of the red channel, at every altitude; None: nothing is asked of it
-    by_gain_e: Array  # electrons, at the nominal altitude
-    sun_e: Array  # electrons of the sun's signal at most, at the farthest altitude and the nominal one, (n, 2)
-    square: Array  # of the smallest working f-number
-    longest_s: Array
-    rate_hz: Array
 
 
 @dataclass(frozen=True)
@@ -126,19 +108,3 @@ def bit_per_px_bound(snr_db: Array, rated_pitch_px: Array) -> Array:
     row = np.minimum(above, len(levels) - 1)
     column = np.clip(np.searchsorted(ratings, rated_pitch_px, side="right") - 1, 0, len(ratings) - 1)
     return np.where(above < len(levels), table[row, column] * (1 + 1e-4), np.inf)
-
-
-def least_mean_frac(scene: SceneOptics) -> float:
-    """Least mean signal of an image over that of the pixel that must reach the SNR.
-
-    No mean is below its darkest pixel. Where a share of the image may be dark, the mean has at least the rest's.
-    """
-    return FRAME_SHARE * LATTICE_MARGIN if scene.pixels == "frame" else 1.0
-
-
-def most_held_e(cameras: Cameras, scene: SceneOptics) -> Array:
-    """The most electrons of all light that sensors hold as a mean at the nominal altitude, (n,)."""
-    needs, full_scale = scene.view.requirements, 2.0**cameras.bits - 1.0
-    share = 1.0 / needs.highlight_ratio if needs.mean_level is None else needs.mean_level
-    by_level = (share * full_scale - cameras.black_level_dn) / cameras.gain_dn_per_e
-    return np.asarray(np.minimum(cameras.saturation_e / needs.highlight_ratio, by_level))

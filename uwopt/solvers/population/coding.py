@@ -154,7 +154,7 @@ def capacity_needed(search: Search, k: int, kind: int, rows: Array) -> Array:
     bounds, lighting = search.bounds, search.tables.lightings[k]
     wanted = np.zeros(len(rows))
     for index in range(len(search.imagers.scenes)):
-        need = bounds.needs(index, rows)
+        need = bounds.needs.of(index, rows)
         wanted = np.maximum(wanted, bounds.light_needed(index, lighting, need, kind, rows)[1])
     return wanted
 
