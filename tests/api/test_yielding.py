@@ -356,9 +356,9 @@ def test_practice_gives_way_so_that_what_is_recommended_holds_as_often_as_asked(
     monkeypatch.setattr(search, "FRESH", 128)
     mission, lines, scenes, honest = in_doubt(), list[str](), list[Any](), Searches.of
 
-    def of(self: Any, mission: Any, like: Any = None, scenes_of: Any = None) -> Any:
+    def of(self: Any, mission: Any, like: Any = None, scenes_of: Any = None, **how: Any) -> Any:
         scenes.append(like or scenes_of)
-        return honest(self, mission, like, scenes_of)
+        return honest(self, mission, like, scenes_of, **how)
 
     monkeypatch.setattr(Searches, "of", of)
     result = uwopt.solve(mission, top=1, quick=True, so_far=lines.append)
