@@ -56,6 +56,20 @@ DEFECTS = (
         test=f"{BOOK}::test_no_batteries_are_bought_where_the_vehicle_feeds_the_system",
     ),
     Defect(
+        name="a flash's own length is told to the tenth of a microsecond",
+        file="uwopt/report/card/blocks.py",
+        old="kind[0]) == FLASH:\n            told =",
+        new="kind[0]) == -1:\n            told =",
+        test=f"{CARD}::test_what_a_flash_gives_within_the_exposure_is_told",
+    ),
+    Defect(
+        name="a lamp may fire before all rows are open",
+        file="uwopt/report/card/blocks.py",
+        old="few = least.quantize(coarse, rounding=ROUND_CEILING)",
+        new="few = least.quantize(coarse, rounding=ROUND_FLOOR)",
+        test=f"{CARD}::test_a_delay_has_digits_that_are_set_and_is_never_too_short",
+    ),
+    Defect(
         name="a flash that the shutter cuts is said to give all of its light",
         file="uwopt/report/card/blocks.py",
         old="light_s = flash.light_s(np.array([1e-3 * open_ms]))",

@@ -307,7 +307,7 @@ def test_cells_are_halved_no_longer_than_there_is_time(search: Any) -> None:
 
 
 def test_what_cannot_fit_under_the_sun_is_not_asked_what_it_would_show(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Proving so that nothing fits over eelgrass under strobes took more than 450 s of the processor, now 50."""
+    """That nothing fits over eelgrass beside strobes was not proven so in 490 s; it takes 50 s of the processor."""
     noon = dict[str, Any](
         sun=(3e4, 2e4), veil=10.0, open_max_s=5e-3, time_max_s=4e-3, kind=PULSED, well_e=20_000.0, min_mtf=0.3
     )

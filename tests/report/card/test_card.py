@@ -20,6 +20,7 @@ from uwopt.report.card.blocks import (
     ROUND_FLOOR,
     SettingsCard,
     breaks,
+    delay_ms,
     end_text,
     focus_sentences,
     limit_texts,
@@ -146,6 +147,13 @@ def test_the_pulse_may_come_late_by_what_the_exposure_is_longer(card: SettingsCa
     assert "Trigger: the pulse begins with the exposure, or up to 2.0 ms later without any loss." in said
 
 
+@pytest.mark.parametrize(
+    ("least_ms", "spare_ms", "told"), [(78.7968, 0.01, 78.8), (78.7968, 0.001, 78.797), (0.00123, 1.0, 0.002)]
+)
+def test_a_delay_has_digits_that_are_set_and_is_never_too_short(least_ms: float, spare_ms: float, told: float) -> None:
+    assert delay_ms(least_ms, spare_ms) == told
+
+
 @pytest.mark.parametrize(("exposure_ms", "told"), [
     # 2 ms to 7 % of the peak: tau = 2 / ln(1 / 0.07) = 0.7521 ms, over at 1 % after 3.46 ms. Till 0.448 ms it gives
     # (1 - exp(-0.5957)) / 0.99 = 45.3 %; u = 0.2979, sigma = tau sqrt(1 - (u / sinh u)^2) = 0.1286 ms, 2 sqrt(3) of it
@@ -161,6 +169,7 @@ def test_what_a_flash_gives_within_the_exposure_is_told(exposure_ms: float, told
     assert card is not None
     said = [getattr(line, "plain", "") for line in card.blocks[0].lines]
     assert any(told in line for line in said)
+    assert rows(card, "Set")["light pulse"][0] == "3.46 ms, its own"  # tau ln 100 = 3.4635 ms, which nobody sets
     others = "The shutter is open for 20.0 ms all the same: other lights of the vehicle must be off"
     assert any(others in line for line in said) == (exposure_ms == 20.0)
 

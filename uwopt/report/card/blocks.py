@@ -119,6 +119,8 @@ def settings_grid(made: Replay | None, index: int, scene: SceneResult, limits: d
         if value is None or (name == BOTH_TIMES and name not in limits):
             continue
         told = "" if name == BOTH_TIMES else short_text(name, value)
+        if name == "pulse_ms" and made is not None and int(made.model.lights.kind[0]) == FLASH:
+            told = f"{formats.quantity(value, 'ms', 3)}, its own"  # nobody sets how long a flash is
         cells = [NAMES[name], told, *limit_texts(name, value, limits.get(name))]
         table.add_row(*(Text(cell) for cell in cells[: len(table.heads)]))
         if name == "focus_distance_m" and settings.get("focus_scale_m") is not None:
@@ -211,10 +213,11 @@ def trigger_sentences(model: DesignModel, scene: SceneResult, limits: dict[str, 
         return
     readout_ms = 1e3 * float(model.cameras.readout_s[0])
     light_ms = settings.get("pulse_ms") or 1e3 * float(model.lights.flash_duration_s[0])
+    slack_ms = max(0.0, exposure_ms - readout_ms - light_ms)
     begin = "with the exposure"
     if readout_ms:
-        begin = f"{formats.setting_text('pulse_ms', readout_ms)} after the exposure begins, when all rows are open"
-    slack_ms = max(0.0, exposure_ms - readout_ms - light_ms)
+        told = formats.setting_text("pulse_ms", delay_ms(readout_ms, max(slack_ms, NARROW * light_ms)))
+        begin = f"{told} after the exposure begins, when all rows are open"
     what = "flash" if kind == FLASH else "pulse"
     said = f"Trigger: the {what} begins {begin}"
     if slack_ms > NARROW * light_ms:
@@ -234,6 +237,16 @@ def trigger_sentences(model: DesignModel, scene: SceneResult, limits: dict[str, 
     if kind == FLASH and model.lights.flash.fade:
         yield fading_text(model, min(exposure_ms - readout_ms, light_ms), sunlit=bool(model.rows[0].sun))
     yield "Ask the lamp's maker for its own delay, and allow for it in the strobe delay of the camera."
+
+
+def delay_ms(least_ms: float, spare_ms: float) -> float:
+    """A delay as it is set, no shorter than the least: of three digits where that is no more than to spare, else of
+    whole microseconds."""
+    least = Decimal(f"{least_ms:.9g}")
+    fine = Decimal("0.001")
+    coarse = max(Decimal(1).scaleb(least.adjusted() - 2), fine)
+    few = least.quantize(coarse, rounding=ROUND_CEILING)
+    return float(few if few - least <= Decimal(spare_ms) else least.quantize(fine, rounding=ROUND_CEILING))
 
 
 def fading_text(model: DesignModel, open_ms: float, *, sunlit: bool) -> str:
