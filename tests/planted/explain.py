@@ -671,7 +671,7 @@ DEFECTS = (
     ),
     Defect(
         name="a few imagers are looked at first whose answer proves nothing",
-        file="uwopt/solvers/infeasible/relaxer.py",
+        file="uwopt/solvers/infeasible/relaxed_imagers.py",
         old="return known is not None and max(",
         new="return known is None and max(",
         test="tests/solvers/test_soon_known.py"
@@ -702,7 +702,7 @@ DEFECTS = (
     ),
     Defect(
         name="all imagers are asked first though each takes designs to be tried",
-        file="uwopt/solvers/infeasible/relaxer.py",
+        file="uwopt/solvers/infeasible/relaxed_imagers.py",
         old="if self.like is None or self.like.outcome.account.evaluated:",
         new="if self.like is None:",
         test="tests/solvers/test_soon_known.py"

@@ -1079,7 +1079,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="imagers known to fail are searched once more",
-        file="uwopt/solvers/infeasible/relaxer.py",
+        file="uwopt/solvers/infeasible/relaxed_imagers.py",
         old="some=OF_IMAGERS.issuperset(freed))",
         new="some=False)",
         test=f"{RELAXED}::test_imagers_that_a_dropped_requirement_frees_are_those_of_a_mission_without_it",
@@ -1107,7 +1107,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="of housings the dearest stands for all",
-        file="uwopt/solvers/infeasible/relaxer.py",
+        file="uwopt/solvers/infeasible/relaxed_imagers.py",
         old="order = np.lexsort((worth, *alike))",
         new="order = np.lexsort((-worth, *alike))",
         test=f"{RELAXED}::test_a_pair_stands_in_the_one_housing_that_a_limit_prefers",

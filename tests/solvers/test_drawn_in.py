@@ -13,8 +13,7 @@ from test_least_change import POWER, mission
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import Deadline
 from uwopt.solvers.exact.certificate import certificate
-from uwopt.solvers.infeasible import least_change, why_nothing
-from uwopt.solvers.infeasible import relaxer as relaxer_module
+from uwopt.solvers.infeasible import least_change, relaxed_imagers, why_nothing
 from uwopt.solvers.infeasible.least_change import Change, Narrowing, with_its_hardware
 from uwopt.solvers.infeasible.least_limit import FIGURE_S, LeastLimit, Relaxation, Without
 from uwopt.solvers.infeasible.reached import judged_by, reached_value
@@ -130,14 +129,14 @@ def dear(parts: Path, catalog: Catalog, cost: float) -> Relaxer:
 
 def test_pairs_that_a_limit_of_cost_allows_by_no_port_are_not_looked_at_and_no_others(parts, catalog, monkeypatch):
     """zz-cam 500, zz-other up to 2000, each lens 300, ports 200 and 900: 1000, 2500, 1700, 3200 USD."""
-    relaxer, listed = dear(parts, catalog, 100.0), relaxer_module.imagers_of
+    relaxer, listed = dear(parts, catalog, 100.0), relaxed_imagers.imagers_of
     looked_at = list[int]()
 
     def counted(problem: Any, some: Any, *more: Any) -> Any:
         looked_at.append(sum(len(camera) for camera, _ in some.values()))
         return listed(problem, some, *more)
 
-    monkeypatch.setattr(relaxer_module, "imagers_of", counted)
+    monkeypatch.setattr(relaxed_imagers, "imagers_of", counted)
     found = []
     for limit in (999.0, 1000.0, 1699.0, 2499.0, 2500.0, 9999.0):
         problem = relaxer.asking(relaxer.mission.with_changes(limits={"cost": limit}))
@@ -146,8 +145,8 @@ def test_pairs_that_a_limit_of_cost_allows_by_no_port_are_not_looked_at_and_no_o
 
 
 def test_the_cheapest_behind_the_cheapest_ports_are_among_a_few(parts, catalog, monkeypatch):
-    monkeypatch.setattr(relaxer_module, "FEW_CHEAPEST", 2)
-    monkeypatch.setattr(relaxer_module, "FEW_PLACES", 1)
+    monkeypatch.setattr(relaxed_imagers, "FEW_CHEAPEST", 2)
+    monkeypatch.setattr(relaxed_imagers, "FEW_PLACES", 1)
     relaxer = dear(parts, catalog, 100.0)
     every = relaxer._freed_pairs({"cost"})
     (place,) = (one for one in every if relaxer.problem.parts.ports[one[0]].id == "zz-port")

@@ -19,9 +19,11 @@ from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.imager_rules import Behind
 from uwopt.solvers.exact.imagers import Imagers, enumerate_imagers, fitting_pairs, imagers_in
 from uwopt.solvers.exact.search import Search
+from uwopt.solvers.infeasible import relaxed_imagers
 from uwopt.solvers.infeasible import relaxer as relaxed_searches
 from uwopt.solvers.infeasible.freed_rules import MAY_PASS, OF_IMAGERS
-from uwopt.solvers.infeasible.relaxer import Relaxer, in_best_housing
+from uwopt.solvers.infeasible.relaxed_imagers import in_best_housing
+from uwopt.solvers.infeasible.relaxer import Relaxer
 from uwopt.solvers.recommend import Sought
 
 ANY = Objective.of("power")
@@ -114,7 +116,7 @@ def test_a_first_design_is_found_where_a_whole_search_finds_one(
 ) -> None:
     """With limits of power so low that nothing fits, or little else does, and whatever is tried before all."""
     monkeypatch.setattr(relaxed_searches, "FEW_IMAGERS", few)
-    monkeypatch.setattr(relaxed_searches, "QUICK", -1)  # a few come before all
+    monkeypatch.setattr(relaxed_imagers, "QUICK", -1)  # a few come before all
     made = case(seed, **KINDS[number])
     hard = made.mission.with_changes(limits=made.mission.to_dict()["limits"] | {"power_w": 1e-3})
     search = Case(made.parts, hard, ANY).searcher(top=1)
