@@ -149,8 +149,8 @@ def test_spider_moves_one_quantity_at_a_time(monkeypatch):
         ({"water": "I,I"}, ["'I' stands twice"]),
         ({"water": "I,VI"}, ["vary water: ", "'VI' is not one of I, IA"]),
         ({"max_gain_db": "1,2"}, ["requirements.max_gain_db or reserve.max_gain_db"]),
-        ({"altitude_m": "0.1:2:4"}, ["at altitude_m = 0.1", "altitude_tolerance_m = 0.25 is not below"]),
-        ({"depth_rating_m": "5:50:4"}, ["2 of 4 points", "raise it"]),
+        ({"altitude_m": "0.1:0.2:2"}, ["at altitude_m = 0.1", "altitude_tolerance_m = 0.25 is not below"]),
+        ({"depth_rating_m": "5:20:4"}, ["4 of 4 points", "raise it"]),
         ({"speed_m_s": "1:2:3", "water": "I,II", "cost": "1,2"}, ["3 keys", "leave some out"]),
         ({}, ["no key is varied"]),
         ({"speed_m_s": [1.0, None]}, ["null is no value"]),
@@ -162,6 +162,17 @@ def test_bad_ranges_are_told_in_one_message(vary, words):
     assert len(fault.value.faults) == 1
     for word in words:
         assert word in str(fault.value)
+
+
+def test_a_value_that_contradicts_the_mission_is_a_row_with_its_reason():
+    """A table of sharpness up to 0.95 was refused whole, for pixels alone leave sinc(1/4) = 0.900 of it."""
+    table = uwopt.whatif(reef(), {"min_mtf_half_nyquist": [0.95, 0.2]})
+    assert [(point.values, point.status) for point in table.points] == [([0.95], "infeasible"), ([0.2], "optimal")]
+    (note,) = [note.message for note in table.warnings if note.code == "contradiction"]
+    assert "at min_mtf_half_nyquist = 0.95" in note and "0.900 at half the Nyquist frequency" in note
+    assert not table.switches
+    with pytest.raises(MissionError, match="2 of 2 points are like that"):
+        uwopt.whatif(reef(), {"min_mtf_half_nyquist": [0.95, 0.97]})
 
 
 def test_a_word_that_no_mission_takes_is_told_as_such():

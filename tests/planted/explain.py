@@ -452,8 +452,8 @@ DEFECTS = (
     Defect(
         name="a word that no mission takes is told as a contradiction",
         file="uwopt/api/whatif.py",
-        old="if not key.is_numeric and alone in why:",
-        new="if key.is_numeric and alone in why:",
+        old="if not key.is_numeric and alone in fault:",
+        new="if key.is_numeric and alone in fault:",
         test="tests/api/test_whatif.py::test_a_word_that_no_mission_takes_is_told_as_such",
     ),
     Defect(

@@ -33,6 +33,13 @@ DEFECTS = (
         test=f"{YIELDING}::test_what_is_varied_gives_way_at_no_point_and_full_practice_is_told_where_nothing_fits",
     ),
     Defect(
+        name="a value that contradicts the mission leaves no row",
+        file="uwopt/api/whatif.py",
+        old='for at in grid.refused} | grid.points',
+        new='for at in ()} | grid.points',
+        test=f"{TESTS}::test_a_value_that_contradicts_the_mission_is_a_row_with_its_reason",
+    ),
+    Defect(
         name="every table asks what of good practice gives way",
         file="uwopt/api/whatif.py",
         old='== "infeasible" and self.given_way is None:',

@@ -82,6 +82,7 @@ class VariedGrid:
     given_way: tuple[Yield, ...] = ()  # of good practice, at every point
     missions: dict[At, Mission] = field(default_factory=dict)
     points: dict[At, WhatIfPoint] = field(default_factory=dict)
+    refused: dict[At, str] = field(default_factory=dict)  # points that are no mission, and why
 
     @cached_property
     def signs(self) -> tuple[int, ...]:
@@ -104,7 +105,7 @@ class VariedGrid:
 
     def order(self) -> list[At]:
         """All points in the order in which they are solved: of those alike in all else what asks for less first."""
-        every = self.every
+        every = [at for at in self.every if at not in self.refused]
         return [every[place] for place in weakest_first([self.mission(at) for at in every])]
 
     def mission(self, at: At) -> Mission:

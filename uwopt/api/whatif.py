@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from uwopt.api.common import Source, central_notes, time_warnings
 from uwopt.api.floats import own_float_rules
 from uwopt.api.search_notes import patience_warnings
-from uwopt.api.varied import At, Switches, Systems, VariedGrid
+from uwopt.api.varied import Switches, Systems, VariedGrid
 from uwopt.api.watch import Watch
 from uwopt.api.yielding import gives_way_alone, yield_notes
 from uwopt.deadline import Deadline, Progress, processor_s, unheard
@@ -79,7 +79,7 @@ def whatif(
     status, points, switches, lines = "complete", list[WhatIfPoint](), list[Switch](), list[SpiderLine]()
     try:
         if keys:
-            check_points(grid)
+            work.notes += check_points(grid)
             if spider and work.given_way is None:
                 work.ask_practice(grid)
             with watch.timed("points"):
@@ -274,24 +274,32 @@ def check_keys(keys: Sequence[Varied], *, spider: bool) -> None:
         raise MissionError(f"whatif: {count} points are asked for, {MOST_POINTS} at most are solved; take fewer values")
 
 
-def check_points(grid: VariedGrid) -> None:
-    """Raise one message where values contradict each other or the rest of the mission."""
-    faults: list[tuple[At, str]] = []
+def check_points(grid: VariedGrid) -> list[Note]:
+    """Set points aside whose values contradict each other or the rest of the mission, and say why.
+
+    Raises MissionError where all do, or a word is none that a mission takes.
+    """
     every = grid.every
     for at in every:
         try:
             check_physical(grid.mission(at))
         except MissionError as fault:
-            faults.append((at, fault.faults[0]))
-    if faults:
-        at, why = faults[0]
-        for key, value in zip(grid.keys, at, strict=True):
+            grid.refused[at] = fault.faults[0]
+    if not grid.refused:
+        return []
+    at, why = next(iter(grid.refused.items()))
+    for one, fault in grid.refused.items():
+        for key, value in zip(grid.keys, one, strict=True):
             alone = f"{key.name} = {value!r} "  # of a word that no mission takes the fault says all there is to say
-            if not key.is_numeric and alone in why:
-                raise MissionError(f"whatif: vary {key.key}: {value!r} {why.partition(alone)[2]}")
-        values = ", ".join(f"{key.key} = {shown(value)}" for key, value in zip(grid.keys, at, strict=True))
-        more = f" ({len(faults)} of {len(every)} points are like that)" if len(faults) > 1 else ""
-        raise MissionError(f"whatif: at {values} the mission contradicts itself{more}: {why}")
+            if not key.is_numeric and alone in fault:
+                raise MissionError(f"whatif: vary {key.key}: {value!r} {fault.partition(alone)[2]}")
+    values = ", ".join(f"{key.key} = {shown(value)}" for key, value in zip(grid.keys, at, strict=True))
+    count = len(grid.refused)
+    more = f" ({count} of {len(every)} points are like that)" if count > 1 else ""
+    told = f"at {values} the mission contradicts itself{more}: {why}"
+    if count == len(every):
+        raise MissionError(f"whatif: {told}")
+    return [Note("contradiction", "", f"{told.rstrip('.;')}; nothing can fit there, and nothing was looked for")]
 
 
 def shown(value: Value) -> str:
@@ -300,11 +308,12 @@ def shown(value: Value) -> str:
 
 
 def in_given_order(grid: VariedGrid) -> list[WhatIfPoint]:
-    """The points of the grid that are solved, in the order of the values as they were given."""
+    """The points of the grid that are solved, or are none, in the order of the values as they were given."""
     places = [{value: n for n, value in enumerate(key.values)} for key in grid.keys]
-    on_grid = [at for at in grid.points if all(v in place for v, place in zip(at, places, strict=True))]
+    known = {at: WhatIfPoint(list(at), "infeasible") for at in grid.refused} | grid.points
+    on_grid = [at for at in known if all(v in place for v, place in zip(at, places, strict=True))]
     on_grid.sort(key=lambda at: [place[v] for v, place in zip(at, places, strict=True)])
-    return [grid.points[at] for at in on_grid]
+    return [known[at] for at in on_grid]
 
 
 def unit_of(key: Varied, mission: Mission) -> str:
