@@ -76,6 +76,7 @@ def test_what_has_no_meaning_in_mid_water_is_told(asked: dict[str, float], told:
 def test_daylight_is_reckoned_on_floors_alone(target: str) -> None:
     told = fault_of(target, sun_lux=1000.0, frame_interval_s=1.0)
     assert "scene.sun_lux = 1000 is daylight, which is reckoned on a floor alone" in told
+    assert ("evaluate tells of that system in the same mission with target: floor" in told) == (target != "ceiling")
 
 
 def test_a_camera_that_looks_level_works_at_the_depth_of_its_target() -> None:

@@ -10,6 +10,13 @@ CHECKS = "uwopt/mission/checks.py"
 
 DEFECTS = (
     Defect(
+        name="daylight on a wall is refused without a way to an answer",
+        file=CHECKS,
+        old='        if target != "ceiling":\n            text += (',
+        new='        if target == "ceiling":\n            text += (',
+        test="tests/mission/test_targets.py::test_daylight_is_reckoned_on_floors_alone",
+    ),
+    Defect(
         name="a change of a wall is told by a key that its file does not have",
         file="uwopt/report/text/looked_at.py",
         old="        said = keys.get(spoken) or (way if",

@@ -257,7 +257,11 @@ def _target_faults(vehicle: Values, wanted: Values, target: str) -> Iterator[tup
 
 def _sun_faults(scene: Values, index: int) -> Iterator[Fault]:
     """How much daylight a wall or a fish gets depends on which way it faces, which no key says; ice and what floats are
-    lit from behind, and the water before them against the light."""
+    lit from behind, and the water before them against the light.
+
+    What faces the sun gets of its light tan(zenith angle in water) of what a floor gets, which refraction holds below
+    tan(asin(1 / 1.34)) = 1.12, and of light from all above a half: a floor at that depth tells about the most.
+    """
     target = scene.get("target") or "floor"
     if target != "floor" and scene.get("sun_lux"):
         why = "it depends on where that faces" if target != "ceiling" else "it comes from behind, through it or past it"
@@ -265,6 +269,11 @@ def _sun_faults(scene: Values, index: int) -> Iterator[Fault]:
             f"= {scene['sun_lux']:g} is daylight, which is reckoned on a floor alone: on a {TARGET_WORDS[target][0]} "
             f"{why}; set sun_lux: 0 (by night, or by lamps that outshine the day)"
         )
+        if target != "ceiling":
+            text += (
+                "; whether they do, uwopt evaluate tells of that system in the same mission with target: floor, which "
+                "gets about the most daylight that anything does at that depth"
+            )
         yield ("scenes", index, "sun_lux"), text
 
 
