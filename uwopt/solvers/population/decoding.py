@@ -182,8 +182,7 @@ class SceneRange:
         rows = self.rows
         top = np.minimum(rows.max_level, 1.0)
         top = np.where(rows.timed, top, np.minimum(top, self.power_share * (1 + 1e-9)))
-        usable = np.where(rows.dims_freely[:, None], np.nan, rows.levels)
-        usable = np.where(usable <= top[:, None] * (1 + SLACK), usable, np.nan)
+        usable, _ = closed_form.levels_up_to(rows, top)
         if self.low is not None and self.high is not None:
             reach = closed_form.f_number_ranges(replace(rows, max_level=top), self.low, self.high)
             reachable = reach[0] <= reach[1] * (1 + SLACK)

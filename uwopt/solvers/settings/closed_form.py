@@ -56,15 +56,23 @@ def reach(rows: SceneRows) -> tuple[Array, Array]:
 
     A lamp that dims freely has one entry from its least to its greatest level.
     """
-    low_level = np.where(rows.dims_freely[:, None], np.nan, rows.levels)
-    high_level = np.where(low_level <= rows.max_level[:, None] * (1 + SLACK), low_level, np.nan)
-    low_level = np.where(np.isnan(high_level), np.nan, low_level)
-    free = rows.dims_freely & (rows.min_level <= rows.max_level)
-    low_level[:, 0] = np.where(free, rows.min_level, low_level[:, 0])
-    high_level[:, 0] = np.where(free, np.minimum(rows.max_level, 1.0), high_level[:, 0])
+    low_level, high_level = levels_up_to(rows, rows.max_level)
     usable = rows.time_min_s <= rows.time_max_s * (1 + SLACK)
     light = np.where(usable, rows.light_lm, np.nan)[:, None]
     return low_level * light * rows.time_min_s[:, None], high_level * light * rows.time_max_s[:, None]
+
+
+def levels_up_to(rows: SceneRows, top: Array) -> tuple[Array, Array]:
+    """Least and greatest level of each way to set a lamp no brighter than a top (n,), (n, n_levels); NaN: none.
+
+    Steps are one way each; a lamp that dims freely has one entry from its least level to the top.
+    """
+    low = np.where(rows.dims_freely[:, None], np.nan, rows.levels)
+    low = np.where(low <= top[:, None] * (1 + SLACK), low, np.nan)
+    high, free = low.copy(), rows.dims_freely & (rows.min_level <= top)
+    low[:, 0] = np.where(free, rows.min_level, low[:, 0])
+    high[:, 0] = np.where(free, np.minimum(top, 1.0), high[:, 0])
+    return low, high
 
 
 def f_number_ranges(rows: SceneRows, low: Array, high: Array) -> tuple[Array, Array]:
@@ -267,10 +275,7 @@ def light_by_level(rows: SceneRows, f_number: Array, low: Array, high: Array, po
         )
         lead_s = np.where(burnt, rows.leads_s, 0.0)
     top = np.minimum(np.minimum(level_cap, rows.max_level), 1.0)
-    levels = np.where(rows.dims_freely[:, None], np.nan, rows.levels)
-    levels = np.where(levels <= top[:, None] * (1 + SLACK), levels, np.nan)
-    levels[:, 0] = np.where(rows.dims_freely, np.where(top >= rows.min_level, top, np.nan), levels[:, 0])
-    floor_level = np.where(rows.dims_freely[:, None], rows.min_level[:, None], levels)
+    floor_level, levels = levels_up_to(rows, top)
     with np.errstate(divide="ignore", invalid="ignore"):
         left = (share / rows.rate_hz)[:, None] - levels * lead_s[:, None]
         shortened = (burnt & ~rows.dims_freely)[:, None] & (levels > share[:, None])

@@ -255,11 +255,7 @@ def branches(rows: SceneRows, snr_floor: Array | float) -> Branch:
     spans = [(rows.time_min_s, np.where(jumps, rows.flash.full_s * CUT, rows.time_max_s))]
     if jumps.any():
         spans.append((np.where(jumps, rows.time_max_s, np.inf), np.where(jumps, rows.time_max_s, -1.0)))
-    steps = np.where(rows.levels <= rows.max_level[:, None] * (1 + SLACK), rows.levels, np.nan)
-    steps[rows.dims_freely] = np.nan
-    low, high = steps, steps.copy()
-    low[:, 0] = np.where(rows.dims_freely, rows.min_level, low[:, 0])
-    high[:, 0] = np.where(rows.dims_freely, np.minimum(rows.max_level, 1.0), high[:, 0])
+    low, high = closed_form.levels_up_to(rows, rows.max_level)
     low_level, high_level = (np.tile(side, len(spans)) for side in (low, high))
     first, last = (
         np.repeat(np.stack(ends, axis=1), low.shape[1], axis=1) for ends in zip(*spans, strict=True)
