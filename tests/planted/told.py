@@ -262,6 +262,11 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/report/test_browser.py::test_tables_are_whole_at_the_width_of_a_laptop",
     ),
     Defect(
+        name="a part's number is told by its column", file="uwopt/report/text/doubts.py",
+        old="return NUMBERS.get(field, ", new="return str(",
+        test="tests/report/test_certainty.py::test_numbers_of_parts_are_told_as_makers_call_them",
+    ),
+    Defect(
         name="rounding that makes worse is told as better", file="uwopt/report/text/doubts.py",
         old="better = (shown > exact) ==", new="better = (shown > exact) !=",
         test="tests/report/test_tables.py::test_what_rounding_costs_stands_beside_the_bound_with_its_reason",

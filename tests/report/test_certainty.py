@@ -8,11 +8,12 @@ from typing import Any
 
 import pytest
 
-from uwopt.report.text.certainty import certainty_block
+from uwopt.report.text.certainty import certainty_block, decides_text
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.doubts import robustness_block
 from uwopt.report.text.layout import Block
 from uwopt.report.text.short import full_text_blocks, short_text_blocks
+from uwopt.results.certainty import Decides
 from uwopt.results.result import Result
 
 COUNTED = {
@@ -76,3 +77,12 @@ def test_medians_that_scenarios_cannot_tell_apart_are_called_a_tie(make_result: 
     less = [{**curve[0], "confidence": 0.8, "objective_p50": 61.0}, curve[1]]  # holds less often than is asked
     (block,) = certainty_block(make_result(confidence=COUNTED | {"central_hardware": ours, "curve": less}))
     assert "a tie" not in text_of(block)
+
+
+@pytest.mark.parametrize(("field", "told"), [
+    ("camera.saturation_e", "full-well capacity"), ("light.standby_w", "standby power"),
+    ("camera.wake_up_s", "time to wake up"),
+])  # fmt: skip
+def test_numbers_of_parts_are_told_as_makers_call_them(field: str, told: str) -> None:
+    said = decides_text(Decides(field, "acme-1", 0.0, 0.42))
+    assert said == f"It depends on {told} of acme-1: holds in 0 % where it is low, in 42 % where it is high."

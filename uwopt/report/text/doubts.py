@@ -179,7 +179,15 @@ def tilt_facts(doubt: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 #: Fields of parts whose names say little to who has to ask for them.
 NUMBERS = {"qe_scale": "quantum efficiency (as a factor)", "output_factor": "share of its light that leaves the window",
-           "flash_duration_at_frac": "light left when the stated flash duration ends (share of the peak)"}  # fmt: skip
+           "flash_duration_at_frac": "light left when the stated flash duration ends (share of the peak)",
+           "saturation_e": "full-well capacity", "read_noise_e": "read noise", "dark_current_e_s": "dark current",
+           "standby_w": "standby power", "wake_up_s": "time to wake up", "warm_up_s": "time to warm up",
+           "recycle_s": "recycling time", "min_object_distance_m": "nearest focus", "f_number_min": "widest f-number",
+           "f_number_max": "narrowest f-number", "min_exposure_us": "shortest exposure",
+           "min_pulse_us": "shortest pulse", "max_exposure_us": "longest exposure", "max_pulse_us": "longest pulse",
+           "max_rate_hz": "highest rate", "max_duty_frac": "highest duty", "max_gain_db": "highest gain",
+           "colour_temperature_k": "colour temperature",
+           "aberration_pitch_um": "smallest pixel that the lens serves"}  # fmt: skip
 PRICES = ("price", "host price")
 #: What is taken for the loss of light between lamp and floor, by the name in a result.
 LAMP_LOSSES = {
