@@ -19,7 +19,7 @@ from typing import Literal, TypeVar
 
 Made = TypeVar("Made")
 Progress = Callable[[float, str], None]  # takes how much is done, and of what
-Work = Literal["loss tables", "pixels", "views", "bounds", "cells"]
+Work = Literal["loss tables", "pixels", "views", "bounds", "cells", "floors"]
 
 #: Seconds apiece of a fast core, from `solve --confidence 0.9` of eight missions in `problems/`, told by them within a
 #: factor of 1.7; 1.8 times as long on the slower core that they were fitted on.
@@ -29,6 +29,7 @@ COSTS_S: dict[Work, float] = {
     "views": 0.0045,  # of cameras and lenses behind one port
     "bounds": 2e-7,  # one image under one kind of lamps
     "cells": 2e-4,  # of settings, one that is bounded
+    "floors": 1.1e-3,  # under one image, whose darkest place is sought at one height
 }
 
 

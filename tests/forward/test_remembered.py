@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from random_cases import case
 
+from uwopt.deadline import COSTS_S, effort_s
 from uwopt.forward.floor_light import even_enough, most_uniformities, uniformity
 from uwopt.forward.lamp_light import image_light
 from uwopt.forward.pixels import decisive_pixels
@@ -143,6 +144,19 @@ def test_few_places_refuse_no_even_floor_and_the_whole_of_it_decides() -> None:
             apart += int(kept(wanted=1.0005 * least, whole=False)[0])
             assert not kept(wanted=1.5 * least, whole=True)
     assert apart
+
+
+def test_whole_floors_are_counted_as_work_once_an_image_and_height() -> None:
+    search = searches()[0]
+    problem, lighting = search.tables.problem, search.tables.lightings[0]
+    view, port = search.imagers.scenes[0].view.take(np.array([0])), search.imagers.port[:1]
+    heights = len(problem.scenes[0].range_m)
+    for wanted, counted in ((1e-9, heights), (1e-9, 0), (0.0, 0)):
+        before = effort_s()
+        kept = even_enough(
+            problem, 0, view, port=port, optics=lighting.optics, mount=lighting.mount, count=1, wanted=wanted
+        )
+        assert kept.all() and effort_s() - before == pytest.approx(counted * COSTS_S["floors"])
 
 
 def test_pixels_that_never_decide_are_left_out() -> None:

@@ -18,6 +18,20 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{EVEN}::test_few_places_refuse_no_even_floor_and_the_whole_of_it_decides",
     ),
     Defect(
+        name="floors are looked at for nothing",
+        file="uwopt/forward/floor_light.py",
+        old='            spend("floors")\n',
+        new="",
+        test=f"{EVEN}::test_whole_floors_are_counted_as_work_once_an_image_and_height",
+    ),
+    Defect(
+        name="a floor that may be dark is looked at all the same",
+        file="uwopt/forward/floor_light.py",
+        old="if wanted <= 0.0:",
+        new="if wanted < 0.0:",
+        test=f"{EVEN}::test_whole_floors_are_counted_as_work_once_an_image_and_height",
+    ),
+    Defect(
         name="few places of the floor refuse even ones",
         file="uwopt/forward/floor_light.py",
         old="new, **hardware) >= least",

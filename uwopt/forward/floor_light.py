@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwopt.deadline import NEVER, Deadline
+from uwopt.deadline import NEVER, Deadline, spend
 from uwopt.forward.lamps import (
     Mount,
     luminous_weight,
@@ -97,6 +97,10 @@ def even_enough(
         key = (problem.effects.multiple_scattering, beam, item.spectrum_id, item.spectrum, lamps, shape, least)
         hardware: dict[str, Any] = dict(port_index=int(one), optics=optics, mount=mount, count=count)
 
+        def lit_so(image: Views, altitude: int, hardware: dict[str, Any]) -> bool:
+            spend("floors")
+            return evenness(problem, scene_index, image, altitude=altitude, **hardware) >= least
+
         def not_uneven(new: Views, hardware: dict[str, Any] = hardware) -> Array:
             deadline.check()
             return most_uniformities(problem, scene_index, new, **hardware) >= least
@@ -106,10 +110,7 @@ def even_enough(
             for row in np.nonzero(even)[0]:
                 deadline.check()
                 image = new.take(np.array([row]))
-                even[row] = all(
-                    evenness(problem, scene_index, image, altitude=n, **hardware) >= least
-                    for n in range(len(scene.range_m))
-                )
+                even[row] = all(lit_so(image, n, hardware) for n in range(len(scene.range_m)))
             return even
 
         what, judge = ("even", judged) if whole else ("not uneven", not_uneven)
