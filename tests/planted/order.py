@@ -63,6 +63,13 @@ DEFECTS = (
         test=f"{CARD}::test_what_a_flash_gives_within_the_exposure_is_told",
     ),
     Defect(
+        name="lamps that are off between images are said to burn all the time",
+        file="uwopt/report/card/blocks.py",
+        old="if are_switched(model.problem.scenes[index].view.vehicle, model.lights)[0]:",
+        new="if not model:",
+        test=f"{CARD}::test_what_is_off_between_images_is_told_when_it_is_switched_on[off]",
+    ),
+    Defect(
         name="a lamp may fire before all rows are open",
         file="uwopt/report/card/blocks.py",
         old="few = least.quantize(coarse, rounding=ROUND_CEILING)",

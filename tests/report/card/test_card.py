@@ -174,6 +174,27 @@ def test_what_a_flash_gives_within_the_exposure_is_told(exposure_ms: float, told
     assert any(others in line for line in said) == (exposure_ms == 20.0)
 
 
+@pytest.mark.parametrize("between", ["off", "on"])
+def test_what_is_off_between_images_is_told_when_it_is_switched_on(between: str) -> None:
+    """A plate seen once an hour was told that its lamps burn all the time, which a battery of weeks would not last."""
+    vehicle = {"altitude_m": 2.0, "speed_m_s": 0.0, "light_count": 2, "duration_h": 10.0,
+               "lamps_between_images": between, "camera_between_images": between}  # fmt: skip
+    mission = {**MISSION, "physics": "full", "vehicle": vehicle, "requirements": {"frame_interval_s": 600}}
+    light = {key: value for key, value in PRICED["light"].items() if key != "max_pulse_ms"}
+    light |= {"kind": "continuous", "flux_lm": 30_000.0, "warm_up_s": 2.5}
+    # the image of 2 Mpx goes over within 1/10 s: 7 s and that
+    parts = PRICED | {"light": light, "camera": PRICED["camera"] | {"wake_up_s": 7.0, "max_frame_rate_hz": 10.0}}
+    settings = {"f_number": 4.0, "exposure_ms": 3.0, "gain": 4.0, "frame_rate_hz": 1 / 600}
+    card = settings_card(evaluate(mission, parts | {"light_count": 2, "settings": settings}))
+    assert card is not None
+    said = [getattr(line, "plain", "") for line in card.blocks[0].lines]
+    off = "Trigger: the lamps are off between images; on 2.5 s before the exposure, off when it is over."
+    assert (off in said) == (between == "off")
+    assert ("The lamps burn all the time: nothing is triggered." in said) == (between == "on")
+    awake = "The camera is off between images: for each it is on for 7.1 s, waking up and transfer, and the exposure."
+    assert (awake in said) == (between == "off")
+
+
 def test_the_day_s_work_is_that_of_an_hour(card: SettingsCard, result: Result) -> None:
     # by hand: 1.504 m at 0.5 m/s for 3600 s; 2 images of 2000 x 1000 px in a second for an hour at 1.5 or 2 byte each
     told = rows(card, "The day's work")

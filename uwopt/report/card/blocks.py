@@ -17,6 +17,7 @@ from uwopt.evaluation.figures_by_name import on_scale_m
 from uwopt.evaluation.recompute import Replay, ReplayError, given_settings, replayed
 from uwopt.evaluation.setting_limits import BOTH_TIMES, LEVEL, SettingEnd, SettingLimit, setting_limits
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
+from uwopt.forward.switching import are_switched
 from uwopt.model.port import lens_dioptre_per_m
 from uwopt.report.card.water import water_block
 from uwopt.report.text import formats, vocabulary, words
@@ -69,7 +70,8 @@ def card_blocks(result: Result, design: Design) -> Iterator[Block]:
         lines: list[Line] = [settings_grid(made, index, scene, limits)]
         if made is not None:
             lines += [sentence(text) for text in focus_sentences(as_set(scene), limits.get("focus_distance_m"))]
-            lines += [sentence(text) for text in trigger_sentences(made.model, scene, limits)]
+            lines += [sentence(text) for text in trigger_sentences(made.model, scene, limits, index)]
+            lines += [sentence(text) for text in waking_sentences(made.model, index)]
         yield block(title, lines)
     if len(design.scenes) > 1:
         common = "One f-number and one focus serve all scenes: for them the narrowest of these counts."
@@ -202,14 +204,27 @@ def short_text(name: str, value: float) -> str:
     return formats.setting_text(name, value).rpartition(", once ")[2]
 
 
-def trigger_sentences(model: DesignModel, scene: SceneResult, limits: dict[str, SettingLimit]) -> Iterator[str]:
+def waking_sentences(model: DesignModel, index: int) -> Iterator[str]:
+    """How long a camera that is off between images is on for each, as its power is counted."""
+    if model.problem.scenes[index].view.vehicle.camera_between_images == "off":
+        on = formats.quantity(float(model.cameras.awake_s[0]), "s", 2)
+        yield f"The camera is off between images: for each it is on for {on}, waking up and transfer, and the exposure."
+
+
+def trigger_sentences(
+    model: DesignModel, scene: SceneResult, limits: dict[str, SettingLimit], index: int = 0
+) -> Iterator[str]:  # fmt: skip
     """When the lamps fire, and how late they may be."""
     settings, kind = as_set(scene), int(model.lights.kind[0])
     if model.unlit:
         return
     exposure_ms = settings.get("exposure_ms") or 0.0
     if kind == CONTINUOUS:
-        yield "The lamps burn all the time: nothing is triggered."
+        if are_switched(model.problem.scenes[index].view.vehicle, model.lights)[0]:
+            warm = formats.quantity(float(model.lights.warm_up_s[0]), "s", 2)
+            yield f"Trigger: the lamps are off between images; on {warm} before the exposure, off when it is over."
+        else:
+            yield "The lamps burn all the time: nothing is triggered."
         return
     readout_ms = 1e3 * float(model.cameras.readout_s[0])
     light_ms = settings.get("pulse_ms") or 1e3 * float(model.lights.flash_duration_s[0])
