@@ -74,6 +74,15 @@ def needed_of_lens(result: Any) -> dict[str, str]:
     return {fact.key: fact.needed for fact in lens.facts}
 
 
+def dark_survey(*, fits: bool) -> dict[str, Any]:
+    """One whose lamps have to be made, and lift the cap; or whose signal to noise nothing reaches."""
+    asked = survey(CAP_DB, dark=True)
+    asked["catalog"] = {**HARDWARE, "generic": "fallback", "lights": [LIGHT]}
+    if not fits:
+        asked["requirements"]["min_snr_db"] = 200.0
+    return asked
+
+
 @pytest.mark.parametrize("fits", [True, False])
 def test_parts_to_be_made_are_searched_once_where_nothing_fits(fits: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     # Without its cap the same mission decides for all parts; where it has a design, cap and order hold as ever.
@@ -84,11 +93,7 @@ def test_parts_to_be_made_are_searched_once_where_nothing_fits(fits: bool, monke
         return recommend.seek(mission, *args, **named)
 
     monkeypatch.setattr(searching, "seek", seek)
-    mission = survey(CAP_DB, dark=True)
-    mission["catalog"] = {**HARDWARE, "generic": "fallback", "lights": [LIGHT]}
-    if not fits:
-        mission["requirements"]["min_snr_db"] = 200.0
-    result = uwopt.solve(mission, top=1, quick=True, explain=False)
+    result = uwopt.solve(dark_survey(fits=fits), top=1, quick=True, explain=False)
     assert (result.recommendation is not None) == fits
     assert asked[:2] == [(True, "never"), (False, "allow")]
     assert asked[2:] == ([(True, "allow"), (False, "never"), (False, "allow")] if fits else [(False, "never")])
@@ -105,11 +110,7 @@ def test_what_is_known_to_fit_is_not_asked_about(fits: bool, monkeypatch: pytest
         return recommend.seek(mission, *args, **named)
 
     monkeypatch.setattr(searching, "seek", seek)
-    dark = survey(CAP_DB, dark=True)
-    dark["catalog"] = {**HARDWARE, "generic": "fallback", "lights": [LIGHT]}
-    if not fits:
-        dark["requirements"]["min_snr_db"] = 200.0
-    mission = load_mission(dark)
+    mission = load_mission(dark_survey(fits=fits))
     searches = searching.Searches(load_catalog(mission), goal_of(mission))
     plain = searches.of(mission)
     assert any(asked)

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import uwopt
-from uwopt.api import searching
+from uwopt.api import doubting, searching
 from uwopt.api.watch import Watch
 from uwopt.errors import MissionError
 from uwopt.forward.assembly import load_catalog
@@ -109,6 +109,14 @@ def test_parts_to_be_made_are_told_of_where_they_are_much_better_than_all_that_i
     if made is not None:
         assert made.objective_value == pytest.approx(every, rel=1e-9)
         assert any(part.generic for part in made.hardware.parts.values())
+
+
+def test_no_more_parts_are_looked_at_where_few_kinds_are_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By hand: few kinds stay within 1.1 of the best of all, so that none of all is below 1 / 1.1 > 0.9 of theirs."""
+    asked = list[Any]()
+    monkeypatch.setattr(doubting, "if_made", lambda *of: asked.append(of))
+    assert uwopt.solve(survey(), confidence="central", quick=True, top=1).best is not None and asked == []
+    assert uwopt.solve(shallow("cost"), confidence="central", quick=True, top=1).best is not None and len(asked) == 1
 
 
 def test_kinds_that_may_be_made_can_be_listed() -> None:

@@ -177,6 +177,11 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/mission/test_as_solved.py::test_the_users_text_is_kept_and_states_what_gave_way",
     ),
     Defect(
+        name="more parts are looked at where few kinds are made", file="uwopt/api/doubting.py",
+        old="is_of_sold = sought.of_all_kinds is None and leaves", new="is_of_sold = leaves",
+        test="tests/api/test_made.py::test_no_more_parts_are_looked_at_where_few_kinds_are_made",
+    ),
+    Defect(
         name="parts to be made are told of where they are no better", file="uwopt/api/searching.py",
         old="ceiling=best - goal.step(GENERIC_GAIN, best))", new="ceiling=best + goal.step(GENERIC_GAIN, best))",
         test="tests/api/test_made.py::"

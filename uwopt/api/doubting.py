@@ -80,7 +80,8 @@ def told_together(
     costs = "second_opinion" if wanted.doubts else "ranges"  # what it begins with
     if wanted.doubts or wanted.ranges:
         works[costs] = partial(costed, made, chosen, wanted, deadline, patience, clock)
-    if sought.outcome.complete and leaves_out_generic(sought):
+    is_of_sold = sought.of_all_kinds is None and leaves_out_generic(sought)  # else none gains enough
+    if sought.outcome.complete and is_of_sold:
         works["search_generic"] = partial(
             deadline.within, STAGES["search_generic"], lambda: if_made(sought, chosen.proven, deadline), None
         )
@@ -121,8 +122,8 @@ def costed(
     sought, watch = chosen.sought, Watch()
 
     def asked(limit: Deadline) -> list[Opinion]:
-        own = watch.until(limit)
-        return own.within("second_opinion", lambda _: second_opinions(sought, wanted.solver, limit), [])
+        none = list[Opinion]()
+        return watch.until(limit).within("second_opinion", partial(second_opinions, sought, wanted.solver), none)
 
     opinions, costs = made.solvers, made.prices
     if wanted.doubts:

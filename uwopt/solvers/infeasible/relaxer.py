@@ -238,7 +238,6 @@ class Relaxer(RelaxedImagers):
         return float(min([asked, *(most[most < wanted] / MAY_SHOW)]))
 
 
-
 def fitting(found: Sought | None) -> Sought | None:
     """A search that found something or that a person ended; None of any other, which proves nothing."""
     return found if found is not None and (found.outcome.best or found.outcome.interrupted) else None
