@@ -22,7 +22,7 @@ SENTENCE = [
     "errors",
     "tolerances",
     "units",
-    "version",
+    "arrays",
     "quantities",
     "deadline",
     "documents",

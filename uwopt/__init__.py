@@ -11,7 +11,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from uwopt.version import __version__
+from uwopt.results.version import __version__
 
 if TYPE_CHECKING:
     from uwopt.api.calibrating import calibrate as calibrate

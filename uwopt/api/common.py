@@ -23,7 +23,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.results.basis import ObjectiveValue, UsedPhysics, UsedWater
 from uwopt.results.design import Note
 from uwopt.results.result import Result
-from uwopt.version import __version__
+from uwopt.results.version import __version__
 
 Source = str | Path | Mapping[str, Any]
 NOT_MODELLED = (

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwopt.api.front_asked import EXACT
+from uwopt.arrays import Array
 from uwopt.errors import SolverError
 from uwopt.evaluation.design import evaluate_designs
 from uwopt.forward.problem import Problem
@@ -27,7 +27,6 @@ from uwopt.solvers.recommend import hardware_of, part_warnings
 from uwopt.solvers.settable.rounding import given_of
 from uwopt.tolerances import AGREES_REL
 
-Array = NDArray[Any]
 VEILED_REL = 1e-4  # veils are integrated for many images at once and for one, on grids that differ
 VEILED = ("contrast", "information", "snr_db")
 

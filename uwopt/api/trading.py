@@ -10,7 +10,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwopt.api import solving as api
 from uwopt.api.common import Source, base_result, central_notes, prepared, selection_warnings, time_warnings
@@ -29,6 +28,7 @@ from uwopt.api.front_found import (
 from uwopt.api.recommending import proven_in_full
 from uwopt.api.watch import Watch
 from uwopt.api.yielding import gives_way, yield_notes
+from uwopt.arrays import Array
 from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import ToBeMade
 from uwopt.deadline import Deadline, Progress
@@ -54,7 +54,6 @@ from uwopt.solvers.front.search import FrontSearch
 from uwopt.solvers.recommend import hardware_of, with_rounded
 from uwopt.solvers.settable.rounding import given_of
 
-Array = NDArray[Any]
 EXACT_S = 120.0  # for the exact front, unless the call says otherwise
 PEER_S, PEER_ALONE_S = 2.0, 30.0  # for a population solver: a look beside the exact front, or the search itself
 AT_A_TIME = 50  # points evaluated together, between two looks at the progress

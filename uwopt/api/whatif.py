@@ -23,10 +23,10 @@ from uwopt.objectives.goal import goal_of
 from uwopt.objectives.objective import Objective
 from uwopt.results.basis import ObjectiveValue
 from uwopt.results.design import Note
+from uwopt.results.version import __version__
 from uwopt.results.whatif import SpiderLine, Switch, VariedKey, WhatIf, WhatIfPoint
 from uwopt.solvers.warm.searches import Warm
 from uwopt.units import UNIT_SUFFIXES
-from uwopt.version import __version__
 
 MOST_KEYS, MOST_POINTS = 2, 10_000
 SPIDER_FACTORS = (0.8, 0.9, 1.0, 1.1, 1.2)

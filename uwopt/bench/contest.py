@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwopt.api.common import prepared
+from uwopt.arrays import Array
 from uwopt.bench.suite import Budget
 from uwopt.catalog.choose import Selection
 from uwopt.deadline import Deadline
@@ -34,7 +34,6 @@ from uwopt.solvers.recommend import hardware_of
 from uwopt.solvers.settable.rounding import given_of
 from uwopt.tolerances import ROUND
 
-Array = NDArray[Any]
 REACHED = 1e-6  # a gap at which nothing is left to see: the run is ended
 SAME = 1e-9  # relative
 BATCH = 256  # hardware whose light is worked out together

@@ -5,11 +5,10 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from statistics import median
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.bench.contest import at_most, mission_of, sources_of
 from uwopt.bench.suite import BenchRow, BenchTable, Budget, Suite
 from uwopt.catalog.choose import ToBeMade
@@ -24,7 +23,6 @@ from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.front.search import Front, FrontSearch
 
-Array = NDArray[Any]
 AXES = ("power", "cost", "snr_db")
 QUICK_ALGORITHMS = ("nsga2", "nsga3", "smsemoa")
 TARGET = 1e-2  # of the hypervolume: 99 % of the exact front's

@@ -9,7 +9,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from uwopt.version import __version__
+from uwopt.results.version import __version__
 
 LIBRARIES = ("numpy", "scipy", "casadi", "nlopt", "pymoo", "moocore", "mpmath", "jerlov")
 

@@ -8,8 +8,8 @@ from statistics import median
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.bench.contest import (
     LONGEST_S,
     Contest,
@@ -34,7 +34,6 @@ from uwopt.solvers.exact.ranking import Ranking
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.recommend import hardware_of
 
-Array = NDArray[Any]
 TARGET = 1e-3  # relative gap that counts as arrived
 CASES_A_TABLE = 5  # missions beside each other
 TIMES_TEXT = (

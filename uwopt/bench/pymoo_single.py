@@ -10,7 +10,6 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pymoo.config import Config
 
 Config.warnings["not_compiled"] = False  # a plain install has no compiled modules, and none are needed
@@ -22,7 +21,8 @@ from pymoo.operators.crossover.sbx import SBX  # noqa: E402
 from pymoo.operators.mutation.pm import PM  # noqa: E402
 from pymoo.operators.repair.rounding import RoundingRepair  # noqa: E402
 
-Array = NDArray[Any]
+from uwopt.arrays import Array  # noqa: E402
+
 Evaluate = Callable[[Array], tuple[Array, Array]]
 POP_SIZE = 100  # pymoo's default of this algorithm
 ETA = 3.0  # of both operators, as its page on discrete variables has them

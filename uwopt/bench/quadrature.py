@@ -8,8 +8,8 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.bench import quadrature_exact as exact
 from uwopt.bench.quadrature_exact import ImageCase, Water
 from uwopt.bench.suite import BenchRow, BenchTable, Budget, Suite, least_size, timed
@@ -20,8 +20,6 @@ from uwopt.model.path_table import PathTable, build_path_table
 from uwopt.model.veil.geometry import Scatterer, path_ranges_m
 from uwopt.model.veil.mean import mean_backscatter
 from uwopt.model.veil.ray import backscatter_gain
-
-Array = NDArray[Any]
 
 NAME = "quadrature"
 SIGNAL, IMAGE_VEIL, PIXEL_VEIL = "signal of an image", "veil of an image", "veil of a pixel"

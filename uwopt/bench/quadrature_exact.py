@@ -16,12 +16,11 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.model.beam import Beam
 from uwopt.model.imaging import Lamps, PortShape
 
-Array = NDArray[Any]
 Place = tuple[float, float, float]
 Level = Callable[[float, float], float]
 

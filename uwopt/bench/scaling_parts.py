@@ -14,13 +14,12 @@ from functools import cache
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.catalog.load import built_in_catalog
 from uwopt.catalog.records import Camera, Lens, Light, Part, Port, Quantity, exact
 from uwopt.forward.parts import Parts
 
-Array = NDArray[Any]
 P = TypeVar("P", bound=Part)
 SEED = 20
 SOURCE = "made for the scaling benchmark"

@@ -8,14 +8,12 @@ from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.bench import spectral_exact
 from uwopt.bench.spectral_exact import FIRST_NM, LAST_NM, QUICK_DEGREE, Entries, Tables
 from uwopt.bench.suite import BenchRow, BenchTable, Budget, Suite, error_text, least_size, timed
 from uwopt.forward.scene import GRID_STEP_NM
-
-Array = NDArray[Any]
 
 NAME = "spectral"
 TRAPEZOID, SIMPSON, GAUSS, AS_USED = "trapezoid", "Simpson", "Gauss-Legendre", "as used"

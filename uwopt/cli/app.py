@@ -44,7 +44,7 @@ from uwopt.cli.status import BAD_INPUT, DONE, EXIT_STATUS, command, result_statu
 from uwopt.cli.sweep import sweep_command
 from uwopt.cli.tender import quotes_command, tender_command
 from uwopt.cli.whatif import whatif_command
-from uwopt.version import __version__
+from uwopt.results.version import __version__
 
 if TYPE_CHECKING:
     from uwopt.results.result import Result

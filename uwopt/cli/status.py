@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from uwopt.errors import SolverError, UwoptError
-from uwopt.version import __version__
+from uwopt.results.version import __version__
 
 if TYPE_CHECKING:
     from uwopt.results.front import FrontResult

@@ -9,8 +9,8 @@ from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.catalog.catalogue import plain_name
 from uwopt.catalog.records import Housing, Light, Port
 from uwopt.evaluation.design_light import DesignLight
@@ -53,8 +53,6 @@ from uwopt.objectives.requirements import (
     system_margins,
     trigger_margins,
 )
-
-Array = NDArray[Any]
 
 #: Margins that say nothing where there is no lamp.
 LAMP_MARGINS = (

@@ -8,8 +8,8 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.evaluation.resolved import Resolved
 from uwopt.forward.breathing import extension
@@ -39,7 +39,6 @@ from uwopt.results.design import Note, SceneResult
 from uwopt.tolerances import TIE
 from uwopt.units import S_PER_H, ratio_to_db, split_unit
 
-Array = NDArray[Any]
 GAIN_DIGITS = 9  # of a gain in dB: a gain at the end of its range is no other for how it was rounded
 
 

@@ -7,19 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.bars import Field
 from uwopt.forward.figures import Figures, SettingRows, bars_contrast_at
 from uwopt.forward.sharpness import SharpRows
 from uwopt.model import sharpness
 from uwopt.model.sharpness import NUMBERS, Sharpness
-
-Array = NDArray[Any]
 
 
 @dataclass(frozen=True)

@@ -10,18 +10,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.figures import SettingRows
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
 from uwopt.model.port import lens_dioptre_per_m, water_distance_m
 from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL
-
-Array = NDArray[Any]
 
 STEPS, LADDER = 6, 36  # steps to a doubling; how many are looked at on each side, up to 64 times
 FOCUS_LADDER = 18  # of the focus distance, up to 8 times

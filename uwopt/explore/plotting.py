@@ -19,7 +19,7 @@ from uwopt.mission.system import System
 from uwopt.report.pictures.design_pictures import Picture
 from uwopt.report.text import formats
 from uwopt.results.result import Result
-from uwopt.version import __version__
+from uwopt.results.version import __version__
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.columns import Columns
 from uwopt.model.lateral import spread_mtf
 from uwopt.model.sharpness import NYQUIST_CYC_PER_PX, Sharpness, round_mtf, sinc_mtf
@@ -15,7 +15,6 @@ from uwopt.model.sharpness import NYQUIST_CYC_PER_PX, Sharpness, round_mtf, sinc
 if TYPE_CHECKING:
     from uwopt.forward.sharpness import SharpRows
 
-Array = NDArray[Any]
 Field = Literal["place", "corner", "rms"]
 NYQUIST_ROUND = 1e-9  # of a frequency: bars as wide as a pixel are just allowed
 

@@ -8,11 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import fields, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward import effects as influence
 from uwopt.forward.breathing import AT_FOCUS, at_focus
 from uwopt.forward.columns import rows_alike
@@ -27,8 +26,6 @@ from uwopt.forward.sun_light import sun_light
 from uwopt.forward.views import Views, focus_map, table_reach_m, views
 from uwopt.model.effects import Effects
 from uwopt.model.port import FocusMap
-
-Array = NDArray[Any]
 
 FEW = 4  # designs that are judged first: what they need, the batch needs
 MOST_CHANNELS = 3  # of colour columns, where pixels are more

@@ -9,19 +9,16 @@ keeps its field. Physics page, section 5.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.columns import groups_alike
 from uwopt.forward.focus import working_factor
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.views import Views, altitudes_m, edge_m, footprints, own_ranges, pair_of
 from uwopt.model import stereo
 from uwopt.model.imaging import PortShape
-
-Array = NDArray[Any]
 
 AT_FOCUS = ("covered_along_m", "covered_across_m", "pixel_along_m", "pixel_across_m", "common_across_m")  # of `Views`
 MOVED = ("footprint_along_m", "footprint_across_m", "pixel_along_m", "pixel_across_m")

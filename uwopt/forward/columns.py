@@ -9,13 +9,12 @@ from itertools import pairwise
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.memory import keep_freed_memory
 
 keep_freed_memory()
 
-Array = NDArray[Any]
 MIXING = 0.5 * (5.0**0.5 - 1.0)  # irrational, so that sums of unlike rows are seldom the same
 SPARSE, SHORT = 8, 1000  # of numbers an entry, and of numbers, beyond which it is quicker to sort entries
 

@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
-from numpy.typing import NDArray
-
+from uwopt.arrays import Array
 from uwopt.forward.lamps import Mount
-
-Array = NDArray[Any]
 
 
 @dataclass(frozen=True)

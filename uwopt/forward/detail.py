@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.columns import Columns
 from uwopt.forward.scene import Scattering, SceneOptics
 from uwopt.forward.spectra import Contraction
 from uwopt.forward.views import Views
 from uwopt.model.detail import DetailTable, detail_gain, detail_table
 from uwopt.model.sharpness import HALF_NYQUIST_CYC_PER_PX
-
-Array = NDArray[Any]
 
 
 @dataclass(frozen=True)

@@ -12,11 +12,10 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.figures import SettingRows, full_light_lm
 from uwopt.forward.lamp_light import COARSE_ORDER, SMOOTH_MARGIN, LampField
 from uwopt.forward.lamps import Mount, one_side
@@ -31,8 +30,6 @@ from uwopt.model.effects import Effects
 from uwopt.model.image_mean import pixel_grid
 from uwopt.model.imaging import floor_point
 from uwopt.results.basis import UsedEffect
-
-Array = NDArray[Any]
 
 EDGE_MARGIN = 3.0  # where the beam ends sharply
 FORWARD_MARGIN = 1.05  # the spectrum at the ends of the lamp's ranges bounds what lies between

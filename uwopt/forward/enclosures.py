@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.catalog.choose import matches
 from uwopt.catalog.compatibility import canonical_mount
 from uwopt.catalog.estimates import ClassEstimate, required_class
@@ -27,7 +28,6 @@ from uwopt.model.enclosure import Bodies, dome_needed_m, mouth_needed_m, sphere_
 from uwopt.model.path_table import product
 from uwopt.tolerances import ROUND
 
-Array = NDArray[Any]
 Mask = NDArray[np.bool_]
 BODY = ("body_width_mm", "body_height_mm", "body_length_mm", "plug_mm")
 

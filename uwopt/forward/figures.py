@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward import switching
 from uwopt.forward.columns import Columns
 from uwopt.forward.focus import held_at_corner
@@ -28,8 +28,6 @@ from uwopt.model import light as light_model
 from uwopt.model import operation, sensor
 from uwopt.model.image_mean import reached_by_most
 from uwopt.model.port import FocusMap, water_distance_m
-
-Array = NDArray[Any]
 
 PIXELS_AT_ONCE = 16_000  # whose arrays stay in the cache
 

@@ -8,15 +8,13 @@ they are that time itself.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.columns import Columns
 from uwopt.model import flash
 
-Array = NDArray[Any]
 WHOLE_FLASH = 1.0 - 1e-9  # of its light: the shutter stays open for all of it
 
 

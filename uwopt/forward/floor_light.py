@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.deadline import NEVER, Deadline, spend
 from uwopt.forward.lamps import (
     Mount,
@@ -18,8 +18,6 @@ from uwopt.forward.remembered import once_an_image
 from uwopt.forward.views import Views
 from uwopt.model.beam import has_sharp_edge
 from uwopt.model.footprint import footprint_illuminance_per_lm, most_uniformity
-
-Array = NDArray[Any]
 
 
 def footprint_light(

@@ -5,17 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import reduce
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.columns import Columns
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.views import Views, field_dioptres_per_m
 from uwopt.model import lens, port
-
-Array = NDArray[Any]
 
 
 @dataclass(frozen=True)

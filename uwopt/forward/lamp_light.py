@@ -12,8 +12,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.columns import Columns, distinct
 from uwopt.forward.lamps import (
     Mount,
@@ -48,7 +48,6 @@ if TYPE_CHECKING:
     from uwopt.forward.lamps import Mount
     from uwopt.forward.problem import Problem
 
-Array = NDArray[Any]
 Veils = Literal["none", "forward", "coarse", "likely", "all"]  # what is worked out, each with those before it
 
 COARSE_ORDER = 4  # nodes a side of the image in bounds of backscatter

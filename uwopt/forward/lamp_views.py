@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.lamps import LAMP_FRONT_M, Mount
 from uwopt.forward.problem import Problem
 from uwopt.forward.remembered import once_an_image
 from uwopt.forward.views import Views
 from uwopt.model.veil.geometry import nearest_approach_m
 
-Array = NDArray[Any]
 AT_A_TIME = 256  # images, each with some hundred rays
 
 

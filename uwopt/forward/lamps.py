@@ -8,8 +8,8 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.catalog.curves import spectra
 from uwopt.catalog.records import Curve, Light
 from uwopt.forward.part_columns import (
@@ -23,8 +23,6 @@ from uwopt.mission.sections.vehicle import LightMount
 from uwopt.model import beam as beams
 from uwopt.model.imaging import Lamps
 from uwopt.model.spectrum import resample_power, trapezoid_weights_nm
-
-Array = NDArray[Any]
 
 LAMP_FRONT_M = 0.02  # radius of a lamp's front, unless known: nearer than that its light is not a point's
 MOST_SIDE_BY_SIDE = 2  # lamps with bodies that have room at one baseline, one to either side

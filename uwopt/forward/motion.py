@@ -5,15 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.views import Views, altitudes_m
 from uwopt.mission.sections.requirements import Requirements
 from uwopt.model import operation
 from uwopt.model.imaging import PortShape
-
-Array = NDArray[Any]
 
 
 def blur_time_s(scene: SceneOptics, shape: PortShape, view: Views) -> Array:

@@ -11,11 +11,11 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.catalog.compatibility import rated_pitch_um
 from uwopt.catalog.parts.cell import Field, kept_fields
 from uwopt.catalog.parts.kinds import FAVOURED as FAVOURED
@@ -31,7 +31,6 @@ from uwopt.model.hull import SEAWATER_KG_M3
 from uwopt.model.light import flash_light_lm_s, measured_lumens
 from uwopt.units import convert, db_to_ratio
 
-Array = NDArray[Any]
 End = Literal["central", "good", "bad"]
 Money = Callable[[float, str], float]  # amount, currency -> amount in the mission's currency
 

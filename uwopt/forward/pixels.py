@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import combinations_with_replacement
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[Any]
+from uwopt.arrays import Array
 
 AT_ONCE = 2**16  # pixels of some rows, that stay in the processor's cache
 SPARE = 60  # pixels that others are compared with, beside those that may miss an SNR

@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.catalog import money
 from uwopt.catalog.interfaces import shares_computer
 from uwopt.catalog.parts.light import NO_LAMP
@@ -65,9 +65,6 @@ from uwopt.model.effects import FULL, PAPER, Effects
 from uwopt.model.image_mean import PIXELS_A_SIDE
 from uwopt.model.imaging import PortShape
 from uwopt.units import db_to_ratio
-
-Array = NDArray[Any]
-
 
 #: Distances in water at which lenses are meant to be focused, from places of cameras and lenses, pair by pair.
 MeantFocus = Callable[[Array, Array], Array]

@@ -10,8 +10,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.deadline import spend
 from uwopt.forward.columns import array_in_places, rows_alike
 from uwopt.forward.lamp_light import LampField, SunLight
@@ -24,7 +24,6 @@ from uwopt.model import sensor
 from uwopt.model.image_mean import field_mean
 from uwopt.model.imaging import Lamps
 
-Array = NDArray[Any]
 MOST_NUMBERS = 4_000_000  # that are kept of one lighting: light at pixels takes some thousand an image
 ImageKey = tuple[float, float]
 

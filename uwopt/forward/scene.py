@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.catalog.curves import phase_functions, spectra
 from uwopt.catalog.curves.clarity import Clarity, ClarityEnd, clarity
 from uwopt.errors import RangeError
@@ -29,7 +29,6 @@ from uwopt.model.spectrum import resample, wavelength_grid_nm
 from uwopt.model.sunlight import turned_per_sr
 from uwopt.model.widened import arriving_share, ways_m, widened
 
-Array = NDArray[Any]
 LampLeg = Literal["diffuse", "least", "most"]
 Pixels = Literal["darkest", "frame"]  # which an SNR may be asked of: the darkest one, or all but a share of the image
 LOST: dict[LampLeg, float] = {"diffuse": 1.0, "least": multiple.LOST_FACTORS[0], "most": multiple.LOST_FACTORS[1]}

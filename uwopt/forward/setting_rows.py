@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward import switching
 from uwopt.forward.bars import Bars
 from uwopt.forward.columns import Columns
@@ -32,7 +32,6 @@ from uwopt.model.light import duty_frac
 if TYPE_CHECKING:
     from uwopt.forward.sharpness import SharpRows
 
-Array = NDArray[Any]
 
 
 @dataclass(frozen=True)

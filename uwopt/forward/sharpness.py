@@ -13,8 +13,8 @@ from functools import partial
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.bars import Bars, Field
 from uwopt.forward.columns import Columns, placed, rows_alike
 from uwopt.forward.detail import DetailRows, detail_rows, shows_detail
@@ -41,8 +41,6 @@ from uwopt.model.sharpness import (
     Sharpness,
 )
 from uwopt.model.spectrum import trapezoid_weights_nm
-
-Array = NDArray[Any]
 
 
 @dataclass(frozen=True)

@@ -8,11 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.catalog.compatibility import canonical_mount
 from uwopt.catalog.estimates import required_class
 from uwopt.catalog.readers.read_lens import focal_class
@@ -22,8 +21,6 @@ from uwopt.forward.once import once_each
 from uwopt.forward.part_columns import Lenses
 from uwopt.model.extension import extended_distance_m, extension_m, focus_range_m
 from uwopt.tolerances import ROUND
-
-Array = NDArray[Any]
 
 
 @once_each

@@ -8,8 +8,8 @@ from functools import lru_cache, partial
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.catalog.records import Curve
 from uwopt.deadline import spend
 from uwopt.forward.lamps import LAMP_FRONT_M, LightOptics, relative_spectrum
@@ -28,7 +28,6 @@ from uwopt.model.veil.wide import REACH as WIDE_REACH
 from uwopt.model.veil.wide import kernel_shares
 from uwopt.tolerances import SLACK
 
-Array = NDArray[Any]
 SpectrumKind = tuple[tuple[str, Curve | None], float | None]  # light's spectrum; its lobe, where K depends on it
 LightPart = Literal["image", "near", "wide"]  # of floor light: what forms the image, and the forward veil's two parts
 

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.catalog.curves import spectra
 from uwopt.forward.lamp_light import SunLight, likely_places
 from uwopt.forward.lamps import Mount
@@ -31,7 +31,6 @@ from uwopt.model.spectrum import resample
 if TYPE_CHECKING:
     from uwopt.forward.problem import Problem
 
-Array = NDArray[Any]
 RADIAL_DEGREE = 20  # of the polynomials over the distance from the centre: 1e-8 of what they replace
 OBLIQUE_DEGREE = 40  # of those over the angle from the floor's normal, which may near the horizon
 STEPS_AN_OCTAVE = 4  # of the distances up to which polynomials reach

@@ -9,11 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.catalog.estimates import required_class
 from uwopt.catalog.parts.camera import Camera
 from uwopt.catalog.parts.light import Light
@@ -21,8 +20,6 @@ from uwopt.forward.once import once_each
 from uwopt.forward.part_columns import CONTINUOUS, Cameras, Lights
 from uwopt.mission.sections.vehicle import Vehicle
 from uwopt.model.light import duty_frac
-
-Array = NDArray[Any]
 
 
 @once_each

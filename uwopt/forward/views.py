@@ -7,19 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.columns import Columns, groups_alike
 from uwopt.forward.part_columns import Cameras, Lenses, Ports
 from uwopt.forward.scene import PAPER_N_WATER, SceneOptics
 from uwopt.model import defocus, operation, port, stereo
 from uwopt.model.footprint import floor_steps
 from uwopt.model.imaging import PortShape, descent, floor_point, ray_spread
-
-Array = NDArray[Any]
 
 PAPER_COC_PER_DIAGONAL = 1.0 / 1500.0
 CORNERS_REACH = 1.5  # of tables, in distances of the image's corner from the axis: with a margin

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.model import multiple
 from uwopt.model.beam import Beam, half_power_angle_rad
 from uwopt.model.scattering import PhaseTable, share_beyond
@@ -23,7 +23,6 @@ from uwopt.model.widened import Turned, bounding, ways_m
 if TYPE_CHECKING:
     from uwopt.forward.scene import SceneOptics
 
-Array = NDArray[Any]
 FAINTEST = 1e-9  # of a lamp's brightest colour: fainter ones count for nothing
 
 

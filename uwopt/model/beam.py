@@ -18,9 +18,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from uwopt.arrays import FloatArray
 from uwopt.errors import RangeError
 from uwopt.model.halo import ROUNDING, Widening, flux
-from uwopt.model.spectrum import FloatArray
 
 N_CELLS = 4096  # of the look-up of a tabulated beam, even in sqrt(1 - cos): 0.02 deg or finer up to 90 deg
 AIR_STEP_RAD = np.deg2rad(0.5)  # a profile in air is sampled at least this densely before it is bent

@@ -21,8 +21,8 @@ from functools import cache, lru_cache
 import numpy as np
 from numpy.typing import ArrayLike
 
+from uwopt.arrays import FloatArray
 from uwopt.model.scattering import PhaseTable
-from uwopt.model.spectrum import FloatArray
 
 FREQUENCIES = np.geomspace(0.1, 1e6, 127)  # cycles per radian, 18 a decade; held at both ends
 BINS = 400  # of scattering angles, even in their logarithm

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[Any]
+from uwopt.arrays import Array
+
 CLEARANCE_M = 0.002  # to any wall, for a frame and for building it in
 
 

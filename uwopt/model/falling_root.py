@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[Any]
+from uwopt.arrays import Array
+
 Falling = Callable[[Array, Array], Array]  # values at places (m,) of some of the functions, whose numbers come second
 
 CONVERGED = 1e-12  # of a root relative to the end of its range

@@ -9,8 +9,8 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.model import beam as beams
 from uwopt.model import port
 from uwopt.model.fineness import DEFAULT, Fineness, scaled
@@ -37,8 +37,6 @@ from uwopt.model.imaging import (
     levelled,
     ray_spread,
 )
-
-Array = NDArray[Any]
 
 LAMP_RANGES = 257  # between which the loss of the lamp's leg is interpolated
 FOOTPRINT_CELLS = 60  # a side of the grid on which the darkest place of the floor is looked for

@@ -14,7 +14,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from uwopt.model.spectrum import FloatArray
+from uwopt.arrays import FloatArray
 
 ROUNDING = 1e-12  # makes a computed maximum a bound
 

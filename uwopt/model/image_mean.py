@@ -7,13 +7,11 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.model import beam as beams
 from uwopt.model.imaging import Lamps, PortShape, flat_slope_m, levelled, local_gain
 from uwopt.model.path_table import PathTable
-
-Array = NDArray[Any]
 
 SMOOTH_ORDER = 14  # Gauss-Legendre nodes a side for lobes given by a formula
 TABLE_ORDER = 48  # for measured profiles, whose knots are half a degree apart

@@ -15,14 +15,12 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.model import beam as beams
 from uwopt.model import lens, light, port, seafloor, sensor
 from uwopt.model.path_table import PathTable, log_mean_transmissions
 from uwopt.model.spectrum import trapezoid_weights_nm
-
-Array = NDArray[Any]
 
 LEAST_STARTS, LEAST_ZOOMS = 12, 7  # of the search for the darkest place
 FARTHEST = 5.0  # times as far along the axis as the middle of a frame: beyond it a tilted plane runs to the horizon

@@ -14,8 +14,8 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.model.fineness import scaled
 from uwopt.model.lateral import SpreadTable, rms_px, spread_mtf
 from uwopt.model.sharpness import (
@@ -31,7 +31,6 @@ from uwopt.model.sharpness import (
 )
 
 Numeric = Any  # float, array that broadcasts
-Array = NDArray[Any]
 
 TEXTURE_CONTRAST = 0.1  # C_t, rms contrast of the floor's texture at every frequency (physics page, 8)
 #: Gauss-Legendre nodes in radius and angle of each part of the rule, by the largest lateral colour [px rms] they

@@ -17,13 +17,13 @@ from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from uwopt.arrays import Array
 from uwopt.model.port import flat_floor_derivative
 from uwopt.model.spectrum import trapezoid_weights_nm
 
 Numeric = Any  # float, array that broadcasts, or (where marked [sym]) a CasADi scalar
-Array = NDArray[Any]
 
 _STEP = 1.0 / 500.0  # of the table, in k times the rms of n: linear look-up errs by step^2 / 8 = 5e-7
 _TABLE_END = 24.0  # in the same unit; 24 is a spread of 7.6 px rms at 0.5 cycles per px

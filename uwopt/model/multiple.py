@@ -30,7 +30,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from uwopt.model.spectrum import FloatArray
+from uwopt.arrays import FloatArray
 
 LAMP_DEG, LAMP_BY_LOBE = 20.2, 0.86
 NEAR_DEG, VEIL_DEG = 13.3, 81.3

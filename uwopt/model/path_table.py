@@ -15,8 +15,9 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 
+from uwopt.arrays import FloatArray
 from uwopt.errors import RangeError
-from uwopt.model.spectrum import FloatArray, trapezoid_weights_nm
+from uwopt.model.spectrum import trapezoid_weights_nm
 
 BLOCK = 2048  # points evaluated together: the powers of one block stay in the processor's cache
 MOST_PRODUCTS = 500_000  # of a product of matrices: from 2^19 on OpenBLAS wakes threads that wait for one another

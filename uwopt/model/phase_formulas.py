@@ -11,8 +11,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
+from uwopt.arrays import FloatArray
 from uwopt.errors import RangeError
-from uwopt.model.spectrum import FloatArray
 
 SEA_WATER_DEPOLARISATION = 0.039  # Farinato and Rowell (1976), as Zhang, Hu and He (2009) recommend
 # Refractive index against slope of the size distribution, n = 1.01 + 0.1542 (mu - 3): Mobley et al. (2002).

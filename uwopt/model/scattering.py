@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from uwopt.arrays import FloatArray
 from uwopt.errors import RangeError
 from uwopt.model.phase_formulas import SEA_WATER_DEPOLARISATION, SMALLEST_ANGLE_RAD
-from uwopt.model.spectrum import FloatArray
 
 N_CELL = 32768  # of a look-up table: relative error below 1e-5 beyond 5 deg, 256 kB
 N_HALVING = 14  # steps from the first node towards 0, where forward peaks are integrated

@@ -26,10 +26,10 @@ from functools import cache, lru_cache
 import numpy as np
 from numpy.typing import ArrayLike
 
+from uwopt.arrays import FloatArray
 from uwopt.model.image_mean import gauss
 from uwopt.model.path_table import product
 from uwopt.model.scattering import PhaseTable, look_up
-from uwopt.model.spectrum import FloatArray
 from uwopt.model.widened import ORDERS, WAY_NODES, forward_masses, legendre, seen_from_lamp
 
 EVEN_WITHIN_RAD = np.deg2rad(60.0)

@@ -19,13 +19,12 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.model.falling_root import falling_roots
 from uwopt.model.lateral import SpreadRows, SpreadTable, spread_mtf
 
 Numeric = Any  # float, array that broadcasts, or (where marked [sym]) a CasADi scalar
-Array = NDArray[Any]
 Gain = Callable[[Array], Array]  # a factor by frequency [cycles per px]
 GainOfSome = Callable[[Array, Array], Array]  # the same by frequency (m,), and of which designs it is
 

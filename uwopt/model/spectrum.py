@@ -9,11 +9,11 @@ from __future__ import annotations
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from uwopt.arrays import FloatArray
 from uwopt.errors import RangeError
 
-FloatArray = NDArray[np.float64]
 Symbolic = Any  # a float, an array or a CasADi symbol: whatever elementwise NumPy functions accept
 
 PLANCK_J_S = 6.62607015e-34  # exact in the SI since 2019

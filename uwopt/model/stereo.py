@@ -10,12 +10,10 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.model import port
 from uwopt.model.imaging import PortShape, ray_spread
-
-Array = NDArray[Any]
 
 NEWTON_STEPS = 12  # towards a ray behind a flat port: the error squares at each
 

@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from uwopt.arrays import FloatArray
 from uwopt.errors import RangeError
 from uwopt.model.light import spectral_flux_w_nm
 from uwopt.model.multiple import SUN_OFTEN, SUN_ONCE
 from uwopt.model.phase_formulas import molecular_per_sr
 from uwopt.model.port import fresnel_by_polarisation
 from uwopt.model.scattering import PhaseTable, look_up
-from uwopt.model.spectrum import FloatArray
 
 # Share of the horizontal irradiance that enters the water, sun and sky, for the sun at 60 deg: physics page,
 # section 8. Other elevations are relative to it.

@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from uwopt.arrays import FloatArray
 from uwopt.errors import RangeError
-from uwopt.model.spectrum import FloatArray, Symbolic, resample
+from uwopt.model.spectrum import Symbolic, resample
 
 
 def beam_attenuation_per_m(a_per_m: Symbolic, b_per_m: Symbolic) -> Symbolic:

@@ -42,6 +42,7 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import ArrayLike
 
+from uwopt.arrays import FloatArray
 from uwopt.model import beam as beams
 from uwopt.model.detail import masses_by_angle
 from uwopt.model.halo import Widening
@@ -49,7 +50,6 @@ from uwopt.model.image_mean import gauss
 from uwopt.model.path_table import product
 from uwopt.model.phase_formulas import molecular_per_sr
 from uwopt.model.scattering import PhaseTable, phase_table_of, share_beyond
-from uwopt.model.spectrum import FloatArray
 
 ORDERS = 120
 WAY_NODES = 12

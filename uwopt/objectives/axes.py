@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.documents.faults import nearest
 from uwopt.errors import MissionError
 from uwopt.objectives.objective import MAXIMISED, UNITS, Objective, Terms
 
-Array = NDArray[Any]
 LOGARITHMIC = ("power", "cost", "mass")  # compared by ratio, where they are above 0
 OF_SETTINGS = ("snr_db", "information")  # qualities that the settings of given hardware change
 DEFAULT = ("power", "cost", "information")

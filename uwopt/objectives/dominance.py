@@ -11,12 +11,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.objectives.axes import Frame, scale
 from uwopt.tolerances import TIE
 
-Array = NDArray[Any]
 PAIRS = 1_000_000  # of points compared at a time
 NEAR = 1e-3  # relative in every objective: one of two such points is enough
 

@@ -8,12 +8,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.errors import MissionError
 from uwopt.quantities import TERMS
-
-Array = NDArray[Any]
 
 UNITS = {term: one.unit for term, one in TERMS.items()}
 MAXIMISED = tuple(term for term, one in TERMS.items() if one.better == "more")

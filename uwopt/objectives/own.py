@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.errors import MissionError
 from uwopt.quantities import QUANTITIES
 
-Array = NDArray[Any]
 OwnFunction = Callable[[Mapping[str, Array]], Any]
 DIRECTIONS = ("minimise", "maximise")
 

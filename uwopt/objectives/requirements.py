@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.figures import DesignRows, Figures, SettingRows
 from uwopt.forward.motion import least_overlap
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED, Cameras, Lenses, Lights
@@ -26,7 +26,6 @@ from uwopt.model.imaging import FARTHEST
 from uwopt.tolerances import BINDING_REL, SATISFIED_REL
 from uwopt.units import ratio_to_db
 
-Array = NDArray[Any]
 Sense = Literal["<=", ">=", "="]
 TINY = 1e-12
 NO_END = 1e3  # times as far as a frame's middle: a far edge at the horizon, or above it

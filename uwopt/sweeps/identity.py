@@ -14,7 +14,7 @@ from pathlib import Path
 
 import uwopt
 from uwopt.catalog.tables import DATA_DIR
-from uwopt.version import __version__
+from uwopt.results.version import __version__
 
 LIBRARIES = ("numpy", "scipy", "jerlov")  # that numbers of a search depend on
 DECIDING = ("uwopt", "program", "catalogue")  # a row of another is worked out anew

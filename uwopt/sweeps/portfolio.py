@@ -7,14 +7,11 @@ of their number, so that it stays small however many missions there are.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.errors import SolverError
-
-Array = NDArray[Any]
 
 
 def portfolios(served: Array, prices: Sequence[float]) -> Iterator[tuple[list[int], int]]:

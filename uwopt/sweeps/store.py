@@ -14,11 +14,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.errors import OutputError
 from uwopt.report.write import check_folder, made_folder, reason, write_files
 from uwopt.sweeps.rows import DIED, FLAGS, TEXTS, WHOLES, Row
@@ -26,7 +26,6 @@ from uwopt.sweeps.rows import DIED, FLAGS, TEXTS, WHOLES, Row
 if TYPE_CHECKING:
     import pyarrow as pa
 
-Array = NDArray[Any]
 SERVED = "served"  # folder of what kits serve
 ROWS, ENDING, DAMAGED = "rows", ".parquet", ".damaged"
 MOST_SMALL = 128  # files, before they are joined

@@ -15,12 +15,12 @@ import numpy as np
 from uwopt.report.write import PAGE_FILE, Writes, json_text, page_text, rows_csv, write_files
 from uwopt.results.design import PRACTICE_YIELDS, Note
 from uwopt.results.sweep import SWEEP_PARQUET, FailedMissions, SweepKit, SweepPortfolio, SweepSummary
+from uwopt.results.version import __version__
 from uwopt.sweeps.job import LABEL, SweepJob
 from uwopt.sweeps.kits import YES
 from uwopt.sweeps.portfolio import portfolios
 from uwopt.sweeps.rows import FAILED, FIRST, LAST, OUTPUTS, POINTS, point_rows
 from uwopt.sweeps.store import SweepStore, kind_of
-from uwopt.version import __version__
 
 if TYPE_CHECKING:
     import pyarrow as pa

@@ -17,15 +17,14 @@ from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import FloatArray
 from uwopt.catalog.curves.spectra import WaterProfile, pure_water, water_profile, water_types
 from uwopt.catalog.tables import built_in_rows
 from uwopt.errors import CatalogError
 from uwopt.model.spectrum import resample
 from uwopt.model.water import extend_absorption_per_m
 
-FloatArray = NDArray[np.float64]
 JerlovTable = Literal["solonenko-mobley", "measured"]
 ClarityEnd = Literal["low", "central", "high"]  # of the attenuation: clearest, most likely, murkiest
 

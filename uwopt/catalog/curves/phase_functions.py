@@ -14,16 +14,15 @@ from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from uwopt.arrays import FloatArray
 from uwopt.catalog.columns import CellError, Column, parse_number
 from uwopt.catalog.curves.spectra import pure_water
 from uwopt.catalog.parts.cell import POSITIVE, Range
 from uwopt.catalog.tables import Row, Table, read_table
 from uwopt.errors import CatalogError, RangeError
 from uwopt.model import phase_formulas, scattering
-
-FloatArray = NDArray[np.float64]
 
 DEFAULT = "fournier-forand"
 FORMULAS = (DEFAULT, "henyey-greenstein")

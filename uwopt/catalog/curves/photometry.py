@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from uwopt.arrays import FloatArray
 from uwopt.errors import CatalogError
-from uwopt.model.spectrum import FloatArray
 
 TYPE_C = 1
 # First and last horizontal plane that the standard allows for type C, and the symmetry they stand for.

@@ -16,13 +16,12 @@ from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import FloatArray
 from uwopt.catalog.curves.usercurves import read_columns
 from uwopt.catalog.tables import built_in_rows
 from uwopt.errors import CatalogError
 
-FloatArray = NDArray[np.float64]
 WaterTable = Literal["solonenko-mobley", "measured", "custom"]
 
 SECOND_RADIATION_CONSTANT_NM_K = 1.438776877e7  # h c / k, CODATA 2018

@@ -7,15 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import FloatArray
 from uwopt.catalog.columns import CellError, Column, parse_number
 from uwopt.catalog.parts.cell import FROM_ZERO, SHARE, Range
 from uwopt.catalog.parts.quantity import Curve
 from uwopt.catalog.tables import Row, Table, read_table
 from uwopt.errors import CatalogError
-
-FloatArray = NDArray[np.float64]
 
 VISIBLE_NM = (400.0, 700.0)  # what a spectrum must cover
 

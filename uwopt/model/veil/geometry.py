@@ -7,14 +7,12 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.model import beam as beams
 from uwopt.model import port
 from uwopt.model.imaging import Lamps, PortShape, axial_range_m
 from uwopt.model.path_table import PathTable
-
-Array = NDArray[Any]
 
 LEAST_DISTANCE_M = 1e-9  # a ray through the lamp itself has no finite veil; this keeps it a number
 OPTICAL_REACH = 60.0  # attenuation lengths behind which light no longer counts; see `path_ranges_m`

@@ -6,8 +6,8 @@ from functools import cache, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.model import beam as beams
 from uwopt.model import port
 from uwopt.model.fineness import scaled
@@ -22,8 +22,6 @@ from uwopt.model.veil.ray import (
     _log_gain,
     _log_sum,
 )
-
-Array = NDArray[Any]
 
 FIELD_ORDERS = (4, 6, 8, 12, 18, 26, 38, 56, 80, 112, 160, 224)
 BOX_POINTS = 25  # a side of the grid that finds the lit part of an image

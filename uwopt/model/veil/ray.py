@@ -25,16 +25,14 @@ from typing import Any
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.model import beam as beams
 from uwopt.model.fineness import scaled
 from uwopt.model.image_mean import gauss
 from uwopt.model.imaging import Lamps, PortShape, field_loss
 from uwopt.model.path_table import log_transmissions_anywhere
 from uwopt.model.veil.geometry import Scatterer, _lamp_view, _View, camera_rays
-
-Array = NDArray[Any]
 
 NODES_AT_ONCE = 20_000  # along rays: some twenty arrays of them stay in the processor's cache
 STEEPEST_END = 6.0  # exponent of a lobe up to which the end of the lit part is rough

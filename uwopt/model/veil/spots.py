@@ -20,14 +20,12 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.model import beam as beams
 from uwopt.model.fineness import scaled
 from uwopt.model.image_mean import gauss
 from uwopt.model.imaging import Lamps, PortShape, covered_share
-
-Array = NDArray[np.float64]
 
 RINGS, AZIMUTHS = 10, 16  # of a lobe: shares of its flux, and azimuths
 SIGHT_RINGS, SIGHT_AZIMUTHS = 12, 20  # of the camera's solid angle

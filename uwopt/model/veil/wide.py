@@ -19,16 +19,15 @@ one port, and the kernel so wide that a few nodes over an image give its mean.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from uwopt.arrays import Array
 from uwopt.model import port
 from uwopt.model.fineness import scaled
 from uwopt.model.image_mean import gauss
 from uwopt.model.imaging import PortShape, field_loss
 from uwopt.model.path_table import PathTable, log_transmissions_anywhere
 from uwopt.model.veil.spots import Spots
-
-Array = NDArray[np.float64]
 
 POWERS = (2, 4, 8, 16)  # n of the kernels: each the square of the one before
 ONCE = {16: 0.85, 2: 0.15}  # of light that turned once: most from nearby, and a long tail

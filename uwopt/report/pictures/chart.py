@@ -9,12 +9,9 @@ contrast, fixed to the floor's millimetres.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[Any]
+from uwopt.arrays import Array
 
 BOARD_WIDTH, BOARD_HEIGHT = 140.0, 105.0  # units
 DARK, BRIGHT = 0.4, 1.6  # of star, square, bars and ruler: modulation 0.6

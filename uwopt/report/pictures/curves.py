@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.evaluation.recompute import Replay
 from uwopt.forward.breathing import covered, extension
@@ -30,7 +30,6 @@ from uwopt.model.imaging import Lamps, floor_point, lamp_light
 from uwopt.model.port import lens_dioptre_per_m
 from uwopt.model.stereo import meeting_m
 
-Array = NDArray[Any]
 CHANNELS = ("red", "green", "blue")
 N_APERTURES, N_DISTANCES, N_SPEEDS = 61, 81, 41
 PLAIN_BLUR_PX = 1.0  # allowed blur of the curves where the mission allows any

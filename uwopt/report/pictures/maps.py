@@ -7,11 +7,11 @@ The model's own field functions at the middles of a grid of cells, at the nomina
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.evaluation.recompute import Replay
 from uwopt.forward.figures import full_light_lm, open_s
 from uwopt.forward.lamps import luminous_weight
@@ -23,7 +23,6 @@ from uwopt.report.pictures.curves import CHANNELS, is_colour, lamp_field, sun_fi
 from uwopt.tolerances import SATISFIED_REL
 from uwopt.units import ratio_to_db
 
-Array = NDArray[Any]
 COLUMNS, ROWS = 48, 36
 BEYOND = 1.3  # sides of the floor's map over those of the footprint
 EDGE_POINTS = 25  # a side of the footprint's outline

@@ -6,11 +6,10 @@ Read from the tables that the model itself uses for a design, on its own grid.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.evaluation.recompute import Replay
 from uwopt.forward.spectra import efficiency_curve
 from uwopt.forward.views import port_transmission
@@ -29,8 +28,6 @@ from uwopt.report.pictures.plots import (
     curve,
     layout,
 )
-
-Array = NDArray[Any]
 
 
 @dataclass(frozen=True)

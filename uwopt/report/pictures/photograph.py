@@ -13,11 +13,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.evaluation.figures_by_name import field_of_view_m
 from uwopt.evaluation.recompute import Replay
 from uwopt.forward.sharpness import unfocused
@@ -28,7 +29,6 @@ from uwopt.report.pictures.chart import BOARD_WIDTH, nice_unit_mm, scene_reflect
 from uwopt.report.pictures.curves import is_colour
 from uwopt.report.pictures.maps import ImageField, channel_fields
 
-Array = NDArray[Any]
 Place = Literal["centre", "corner"]
 
 DETAIL_WIDTH_PX, DETAIL_HEIGHT_PX = 160, 120

@@ -9,12 +9,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.report.pictures.curves import DepthOfField, Operation, SpectrumWay
 from uwopt.report.pictures.maps import FloorMap, ImageMap
 
-Array = NDArray[Any]
 Plot = dict[str, Any]
 
 BLUE, VERMILLION, GREEN, PURPLE, GREY = "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#808080"

@@ -14,14 +14,13 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.special import stdtrit
 
+from uwopt.arrays import Array
 from uwopt.errors import SolverError
 from uwopt.solvers.calibration.light import MURKIEST, ShotLight
 
-Array = NDArray[Any]
 Name = Literal["light", "water", "back"]
 
 LEVEL = 0.95  # of intervals

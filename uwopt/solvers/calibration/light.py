@@ -11,17 +11,15 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from uwopt.arrays import Array
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.figures import SettingRows
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import SceneOptics
 from uwopt.mission.shots import Shot
-
-Array = NDArray[Any]
 
 MURKIEST = 4.0  # times the mission's attenuation, and as much clearer
 NODES = np.exp(np.linspace(-np.log(MURKIEST), np.log(MURKIEST), 9))

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError, effort_s
 from uwopt.errors import MissionError
 from uwopt.forward.problem import Problem
@@ -34,7 +35,6 @@ from uwopt.solvers.infeasible.least_change import rounded_away
 from uwopt.solvers.one_hardware import problem_of
 from uwopt.units import split_unit
 
-Array = NDArray[np.float64]
 PART = 3  # of the scenarios, sorted by a number: its first and its last such share are set against each other
 LEAST = 0.2  # by which these shares differ at least, to be told
 MOST_TOLD = 2  # numbers

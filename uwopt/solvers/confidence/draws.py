@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.catalog.parts.doubts import doubtful, each_with, taken_as
 from uwopt.catalog.records import Part, Port
 
-Array = NDArray[np.float64]
 Places = NDArray[np.int64]
 PRIMES = (2, 3, 5, 7, 11)
 

@@ -10,11 +10,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.solvers.settings import closed_form
 from uwopt.solvers.settings.best import is_sharp
@@ -23,7 +23,6 @@ from uwopt.solvers.settings.question import Best
 from uwopt.tolerances import ROUND
 from uwopt.units import ratio_to_db
 
-Array = NDArray[Any]
 BEYOND = (0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)  # of the way from the share asked for to all
 FEWER = (0.5, 0.75)  # of the scenarios: where no settings hold as often as asked
 DARKER = (0.0, 0.03, 0.5)  # of the scenarios: those in which the gain saturates

@@ -12,8 +12,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.catalog.parts.doubts import doubtful
 from uwopt.catalog.records import Housing, Part, Port
 from uwopt.forward.problem import Problem
@@ -25,7 +25,6 @@ from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.one_hardware import pieces_of
 from uwopt.solvers.part_ends import matters
 
-Array = NDArray[np.float64]
 BINS = 3
 LEAST_REL = 0.005  # of the median: what is worth less is not told
 SHUFFLED = 100  # times, of a number over the scenarios: what is worth no more than once so is luck, and not told either

@@ -15,8 +15,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.deadline import Deadline, OutOfTimeError
 from uwopt.forward.problem import Problem
 from uwopt.solvers.confidence.counted import Counted, Looked, names
@@ -28,7 +28,6 @@ from uwopt.solvers.exact.imagers import fitting_pairs, imagers_in, landscapes
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.ranking import Found
 
-Array = NDArray[Any]
 ABOUT_MEDIAN, HARD = 9, 15  # scenarios that are looked at
 SLACK = 0.21  # of the hard ones, in which what is counted may hold less often than the best known
 EASY = 0.6  # of the scenarios, of which none is looked at for being hard

@@ -15,8 +15,8 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.part_columns import Lenses
 from uwopt.forward.problem import Problem
@@ -34,7 +34,6 @@ from uwopt.solvers.settings.best import best_settings
 from uwopt.solvers.settings.question import Best, Question
 from uwopt.tolerances import ROUND
 
-Array = NDArray[Any]
 STOPS_ON = (0.0, 1 / 3, 2 / 3, 4 / 3)  # from the widest stop that most scenarios allow: those that are looked at
 GAP = 1e-2  # of a scenario's objective where settings have no closed form: far less than scenarios differ
 A_SCENARIO = 2000  # cells of one scenario: it counts as missed where none of them does by then

@@ -24,8 +24,8 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.catalog.parts.doubts import doubtful, taken_as
 from uwopt.catalog.records import Camera, Lens, Light, exact
 from uwopt.forward.part_columns import FAVOURED
@@ -40,7 +40,6 @@ from uwopt.solvers.confidence.draws import drawn_facts
 from uwopt.solvers.confidence.scenarios import Scenarios, loss
 from uwopt.solvers.part_ends import with_either_end
 
-Array = NDArray[Any]
 STEEP = {
     "power": ("power_w", "host_power_w", "wake_up_s", "standby_w", "output_factor", "flux_lm"),
     "cost": ("price", "host_price"), "mass": ("mass_g",),

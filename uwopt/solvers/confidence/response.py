@@ -14,15 +14,14 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.lamp_light import ImageLight
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.setting_rows import BALANCE_ROUND, SceneRows
 from uwopt.model import sensor
 from uwopt.solvers.confidence.waters import Waters, WaterState
 
-Array = NDArray[Any]
 NODES = (-1.0, -0.5, 0.0, 0.5, 1.0)
 SIDES = (-1.0, 1.0)
 TINY = 1e-300

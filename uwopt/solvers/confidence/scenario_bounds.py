@@ -8,11 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.deadline import Deadline
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
@@ -21,8 +20,6 @@ from uwopt.solvers.confidence.panels import Anchor, least_covered
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.states import Together
 from uwopt.solvers.exact.ranking import Found
-
-Array = NDArray[Any]
 
 
 def may_be_better(

@@ -12,8 +12,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.catalog.parts.doubts import doubtful, each_with, taken_as
 from uwopt.catalog.records import Light, Part, Quantity, exact
 from uwopt.forward.problem import Problem
@@ -24,7 +24,6 @@ from uwopt.solvers.confidence.draws import drawn_numbers, drawn_parts, probabili
 from uwopt.solvers.confidence.waters import Waters, WaterState, drawn_states, may_leave_band
 from uwopt.solvers.part_ends import at_end
 
-Array = NDArray[Any]
 PORTS, BEAMS = 8, 8  # states of the optics of a port and of a beam, whose integrals over the image are dear
 BEAM_FACTS = frozenset({"beam_angle_deg"})
 #: Of the logarithm of a field's tangent: images whose light changes alike with the water. Of fields that differ seven

@@ -8,11 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.focus import depth_f_number, is_at_nominal
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import SceneOptics
@@ -24,7 +23,6 @@ from uwopt.solvers.exact.imagers import stands
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.seen import seen_behind
 
-Array = NDArray[Any]
 MOST = 0.9  # of the scenarios, within whose ends it is sharp
 ROUNDS, PLACES = 3, 9  # of a search for the best focus: each takes another quarter of the range
 WIDER = 0.02  # of the dioptre: how far beyond what is in doubt the best focus is looked for

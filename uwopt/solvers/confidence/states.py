@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.catalog.records import Camera, Part
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.part_columns import FLASH
@@ -44,8 +44,6 @@ from uwopt.solvers.exact.imagers import (
 from uwopt.solvers.exact.lightings import Under
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.one_hardware import parts_of
-
-Array = NDArray[Any]
 
 
 @dataclass(frozen=True)

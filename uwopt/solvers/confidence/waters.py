@@ -11,11 +11,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.catalog.curves.clarity import ClarityEnd
 from uwopt.catalog.curves.spectra import water_types
 from uwopt.forward.problem import Problem
@@ -35,7 +34,6 @@ from uwopt.mission.mission import Mission, SceneView
 from uwopt.solvers.confidence.draws import even_points, probabilities, shuffled, triangular
 from uwopt.solvers.explain.other_waters import OTHER
 
-Array = NDArray[Any]
 OPTICAL = 3  # columns before those of scattering: c, K of the lamps' way, K_d
 TOWARD: dict[ClarityEnd, int] = {"low": -1, "central": 0, "high": 1}  # sign of the clarity
 ENDS: tuple[LampLeg, LampLeg, LampLeg] = ("least", "diffuse", "most")

@@ -13,8 +13,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.model import sensor
 from uwopt.model.aberration import lens_pitch
@@ -27,7 +27,6 @@ from uwopt.solvers.settings.cell_information import square_nodes
 from uwopt.solvers.settings.closed_form import Chosen, with_exposure
 from uwopt.solvers.settings.windows import dark_e, window
 
-Array = NDArray[Any]
 ORDERS, ORDERS_IN_COLOUR = (16, 8), (24, 16)  # of the nodes; wide lateral colour needs more
 
 

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 import casadi
 import numpy as np
 
-from uwopt.solvers.continuous.optimality import Array, Attempt, Derivatives, derivatives, kkt_residual
+from uwopt.arrays import Array
+from uwopt.solvers.continuous.optimality import Attempt, Derivatives, derivatives, kkt_residual
 from uwopt.solvers.continuous.program import Smooth
 
 if TYPE_CHECKING:

@@ -19,11 +19,10 @@ import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.continuous.optimality import violations
 from uwopt.solvers.continuous.pieces import (
@@ -40,7 +39,6 @@ from uwopt.solvers.continuous.pieces import (
 from uwopt.solvers.continuous.program import scene_rules
 from uwopt.units import ratio_to_db
 
-Array = NDArray[Any]
 LEAST_W, LEAST_SNR = 1e-9, 1e-12  # stand for no power and no light, which have no logarithm
 SLACK = 1e-9  # in logarithms: by which fixed quantities may be off
 ROOM = 1e-6  # added to what a rule can be missed by

@@ -28,7 +28,8 @@ from typing import Any, Literal
 import nlopt
 import numpy as np
 
-from uwopt.solvers.continuous.optimality import Array, Attempt, derivatives, fitted_multipliers, kkt_residual
+from uwopt.arrays import Array
+from uwopt.solvers.continuous.optimality import Attempt, derivatives, fitted_multipliers, kkt_residual
 from uwopt.solvers.continuous.program import Program, Smooth, names_of_rules
 from uwopt.solvers.continuous.reduced import Reduced
 

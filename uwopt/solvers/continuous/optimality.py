@@ -12,12 +12,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.solvers.continuous.pieces import SmoothScene, SmoothSettings
 from uwopt.solvers.continuous.program import Smooth, names_of_rules
 
-Array = NDArray[Any]
 COMPLEX_STEP = 1e-30  # nothing is subtracted, so it may be as small as it likes
 ACTIVE = 1e-6  # a rule this close to its limit, in logarithms, may carry a multiplier
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.errors import SolverError
 from uwopt.forward.flash_times import WHOLE_FLASH
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
@@ -23,7 +23,6 @@ from uwopt.objectives.objective import Objective, Terms
 from uwopt.tolerances import SLACK
 from uwopt.units import ratio_to_db
 
-Array = NDArray[Any]
 Symbolic = Any  # float, complex array, or CasADi scalar
 Range = tuple[float, float]
 NUMBERS = ("f_number", "time_s", "level", "gain")  # that are set

@@ -19,8 +19,8 @@ from functools import cached_property
 from typing import Any, Literal, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.solvers.continuous.pieces import (
     NUMBERS,
     Piece,
@@ -34,7 +34,6 @@ from uwopt.solvers.continuous.pieces import (
 from uwopt.tolerances import SLACK
 from uwopt.units import ratio_to_db
 
-Array = NDArray[Any]
 Goal = Literal["power", "snr", "sum", "restore"]
 
 MARGIN_WANTED = -1.0  # restoration stops when every rule holds with this margin, in logarithms

@@ -11,15 +11,13 @@ Looks like a `Program` to solvers, which ask for what `program.Smooth` has.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.solvers.continuous.pieces import SmoothSettings, Symbolic, wanted_dn
 from uwopt.solvers.continuous.program import Program, Rules, names_of_rules
 
-Array = NDArray[Any]
 APART = 1e-8  # in logarithms: half the width of the gap that stands for an equality
 WORST = ("power", "snr", "violation")
 

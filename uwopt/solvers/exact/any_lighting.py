@@ -13,11 +13,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import groupby
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.deadline import NEVER, Deadline, spend
 from uwopt.solvers.exact.floor_rectangles import FloorLightBound
 from uwopt.solvers.exact.light_tables import FieldTables
@@ -26,7 +26,6 @@ from uwopt.solvers.exact.lightings import Lighting
 if TYPE_CHECKING:
     from uwopt.solvers.exact.bounds import Bounds
 
-Array = NDArray[Any]
 FEW = 3  # lightings: fewer are as soon bounded one by one
 ROUNDING = 1e-9  # of sums in another order
 

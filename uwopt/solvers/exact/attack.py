@@ -7,11 +7,10 @@ the best, and judged by the forward model's own figures and margins.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.catalog.compatibility import explain_pair
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.designs import Hardware
@@ -24,7 +23,6 @@ from uwopt.objectives.objective import Objective, Terms
 from uwopt.objectives.requirements import MarginRows
 from uwopt.units import ratio_to_db
 
-Array = NDArray[Any]
 POINTS, ROUNDS, NARROWER = 256, 14, 0.6
 AT_AN_END = 0.15  # share of the numbers that are drawn at either end of their range, where optima often lie
 UNCHANGED = 0.3  # share of the numbers of a point that stay as they are in the best one

@@ -7,16 +7,14 @@ of two means is nowhere below the least ratio over the paths that light can take
 from __future__ import annotations
 
 from itertools import permutations
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.scene import COLOURS
 from uwopt.forward.spectra import Contraction, sees_colours
 from uwopt.model.path_table import product
 
-Array = NDArray[Any]
 Box = tuple[float, float]
 CELLS = 64  # of paths on either leg, least where paths are short: there colours are apart least, as a rule
 SUMS_DIFFER = 0.998  # of a ratio: channels are tabulated apart, and cells of sharp beams extrapolated

@@ -9,11 +9,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.deadline import NEVER, Deadline, spend
 from uwopt.forward.detail import most_scattering_per_m, shows_detail, texture_gain
 from uwopt.forward.part_columns import FLASH, PULSED
@@ -34,8 +33,6 @@ from uwopt.solvers.exact.never_sharp import NeverSharp
 from uwopt.solvers.exact.node_bounds import NODE_RULES, NodeBounds, bit_per_px_bound, first_missed
 from uwopt.tolerances import ROUND
 from uwopt.units import ratio_to_db
-
-Array = NDArray[Any]
 
 
 class Bounds:

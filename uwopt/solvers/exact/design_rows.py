@@ -10,8 +10,8 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.deadline import Deadline
 from uwopt.forward.columns import distinct, rows_alike
 from uwopt.forward.floor_light import even_enough
@@ -26,9 +26,6 @@ from uwopt.model.image_mean import FRAME_MAY_MISS
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.bounds import Bounds
 from uwopt.solvers.exact.lightings import Under
-
-Array = NDArray[Any]
-
 
 Narrowed = Callable[[ImageLight], ImageLight]
 

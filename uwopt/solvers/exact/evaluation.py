@@ -7,11 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.deadline import NEVER, Deadline, UntilFound
 from uwopt.forward.columns import distinct, rows_alike
 from uwopt.forward.lamp_light import ImageLight, Veils
@@ -32,7 +31,6 @@ from uwopt.solvers.settings.closed_form import Chosen
 from uwopt.solvers.settings.question import GAP, Question
 from uwopt.tolerances import ROUND, SLACK
 
-Array = NDArray[Any]
 MOST_ROWS_AT_ONCE = 60_000
 ENOUGH_ASKED, MOST_REFUSED = 24, 0.9  # designs, and the share of them, that say which rules to ask first
 ROUGH_GAP = 1e-2  # of bounds over settings that are searched cell by cell

@@ -8,8 +8,8 @@ from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.lamps import one_side
 from uwopt.forward.problem import Problem
 from uwopt.model import beam as beams
@@ -19,7 +19,6 @@ from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.oblique import PlaneReach, crowding, deepest_m, path_and_field, reach_of
 
-Array = NDArray[Any]
 EDGES = 129  # rectangle edges a side in the bound's table
 EDGE_RATIO = 1.04
 

@@ -8,8 +8,8 @@ from functools import reduce
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.enclosures import beaten, fits_inside, housing_size_mm, mass_in_water_kg
 from uwopt.forward.focus import Focused
 from uwopt.forward.problem import Problem
@@ -17,7 +17,6 @@ from uwopt.forward.views import Views
 from uwopt.model.imaging import FARTHEST
 from uwopt.tolerances import ROUND
 
-Array = NDArray[Any]
 SAMPLES, MOST_SAMPLES = 24, 1024  # discarded imagers remembered per rule: about so many at a time, and most
 
 Sample = tuple[int, int, int, bool, int | None]  # camera, lens, port, landscape, lighting or None for any

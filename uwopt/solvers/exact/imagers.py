@@ -9,11 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.catalog.compatibility import (
     IMAGE_CIRCLE_TOLERANCE_FRAC,
     image_circle_ok,
@@ -39,7 +38,6 @@ from uwopt.solvers.exact.imager_rules import (
 )
 from uwopt.solvers.exact.seen import seen_behind
 
-Array = NDArray[Any]
 PAIR_SAMPLES = 256  # discarded pairs of camera and lens remembered per rule, about
 
 IMAGER_RULES = (

@@ -5,11 +5,11 @@ As `solvers.settings.joint` has them of designs; here no field is integrated, an
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.part_columns import FLASH
 from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.imagers import Imagers
@@ -28,7 +28,6 @@ from uwopt.solvers.settings.joint import (
 if TYPE_CHECKING:
     from uwopt.solvers.exact.bounds import Bounds
 
-Array = NDArray[Any]
 
 
 def joint_bound(bounds: Bounds, k: int, rows: Array) -> Array:

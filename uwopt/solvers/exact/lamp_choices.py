@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward import switching
 from uwopt.forward.columns import Columns
 from uwopt.forward.flash_times import FlashTimes
@@ -17,7 +16,6 @@ from uwopt.forward.problem import Problem
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.tolerances import COARSE_ROUND
 
-Array = NDArray[Any]
 MOST_PLACES = 1024  # rows and columns of a table of lights
 AS_MUCH = 1.0 - 1e-12  # of what is wanted, to rounding
 

@@ -7,11 +7,10 @@ imagers behind their ports is handed to whoever searches.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.problem import Problem
 from uwopt.forward.views import CORNERS_REACH, edge_m
 from uwopt.model.imaging import FARTHEST
@@ -31,7 +30,6 @@ from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.tree import Goal, Tree
 from uwopt.tolerances import COARSE_ROUND
 
-Array = NDArray[Any]
 FIRST_LEAVES, LARGEST_LEAVES = 256, 16384  # imagers that are searched together
 
 

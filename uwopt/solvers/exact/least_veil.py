@@ -14,11 +14,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.columns import distinct, groups_alike
 from uwopt.forward.problem import Problem
 from uwopt.forward.views import Views
@@ -28,7 +27,6 @@ from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.tolerances import ROUND
 
-Array = NDArray[Any]
 SIDE_STEP, ASIDE_STEP = 0.02, 0.02  # of a side's logarithm, and of the share by which places lie aside
 STEPS = 4  # from the smallest to the largest image that a row stands for
 WORTH = 0.1  # of the light near its way: less from elsewhere, a third of it the image's own, is not worth its bound

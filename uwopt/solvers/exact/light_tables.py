@@ -13,8 +13,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.columns import distinct, rows_alike
 from uwopt.forward.lamp_light import ImageLight, Veils, image_light
@@ -30,7 +30,6 @@ from uwopt.solvers.exact.floor_rectangles import FloorLightBound, Rectangles
 from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.lightings import Lighting, Under, lightings
 
-Array = NDArray[Any]
 SUN_SLACK = 1e-6  # of polynomials in place of the sun's light
 
 

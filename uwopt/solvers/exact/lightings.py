@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.columns import distinct
 from uwopt.forward.lamps import Mount
 from uwopt.forward.problem import Problem
-
-Array = NDArray[Any]
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.part_columns import FLASH, Cameras
 from uwopt.forward.scene import SceneOptics
 from uwopt.model import sensor
@@ -18,7 +18,6 @@ from uwopt.solvers.exact.light_tables import FieldTables
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.tolerances import ROUND
 
-Array = NDArray[Any]
 LATTICE_MARGIN = 0.95  # of a share of the image that is counted at places: discs are met to 0.01 of the image
 
 

@@ -5,17 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.columns import Columns
 from uwopt.model import information, sharpness
 from uwopt.objectives.objective import Terms
 from uwopt.units import db_to_ratio
 
-Array = NDArray[Any]
 NODE_RULES = (
     "light", "cost", "mass_kg", "power_w", "energy_wh", "max_white_balance", "min_mtf_half_nyquist", "resolve_mm",
     "bound",

@@ -7,8 +7,8 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.columns import distinct
 from uwopt.forward.lamp_light import ImageLight
 from uwopt.forward.problem import Problem
@@ -23,7 +23,6 @@ from uwopt.solvers.settings.mean_limit import MeanLimit
 from uwopt.solvers.settings.question import Best, Question
 from uwopt.tolerances import ROUND
 
-Array = NDArray[Any]
 FIRST_VEILS, LARGEST_VEILS = 8, 256  # imagers whose veils are worked out together
 
 

@@ -15,13 +15,12 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.problem import Problem
 from uwopt.model import port
 from uwopt.model.imaging import PortShape, descent, ray_spread
 
-Array = NDArray[Any]
 BESIDE_PORT = 1e-6  # places at the port's own distance, which images behind other ports alone may reach
 
 

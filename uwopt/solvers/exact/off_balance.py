@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.columns import distinct
 from uwopt.solvers.exact.light_tables import FieldTables
 
-Array = NDArray[Any]
 NEAR = 0.75  # of a limit: how much of their white balance images owe to the water's shortest paths, as a rule
 MET = 1.0 + 1e-8  # of a limit, beyond what an evaluation takes for met
 

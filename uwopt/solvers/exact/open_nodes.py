@@ -8,14 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.solvers.exact.node_bounds import NodeBounds, by_rule
-
-Array = NDArray[Any]
 
 
 @dataclass

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.columns import Columns
 
-Array = NDArray[Any]
 MOST_OPEN = 4_000_000  # rows that wait; beyond it the smallest groups go first, whatever their bounds
 
 

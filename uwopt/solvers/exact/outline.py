@@ -12,11 +12,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from copy import copy
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.breathing import covered_sides
 from uwopt.forward.columns import Columns
 from uwopt.forward.enclosures import bodies_of
@@ -54,7 +53,6 @@ from uwopt.solvers.exact.pair_groups import PairGroups
 from uwopt.solvers.exact.port_groups import PortGroups, empty_views, lens_focus
 from uwopt.tolerances import COARSE_ROUND
 
-Array = NDArray[Any]
 WIDE = (  # (n, 3)
     "footprint_along_m", "footprint_across_m", "covered_along_m", "covered_across_m", "area_m2", "gsd_m",
     "pixel_along_m", "pixel_across_m",

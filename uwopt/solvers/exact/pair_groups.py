@@ -12,15 +12,14 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.part_columns import Lenses
 from uwopt.forward.problem import Problem
 from uwopt.forward.views import pair_of
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.imagers import FittingPairs
 
-Array = NDArray[Any]
 SIZES = (16, 4)  # cameras, and lenses, that a group holds at most, level by level
 ALIKE = (  # cameras of a group agree in these
     "resolution_x_px", "resolution_y_px", "pixel_pitch_m", "bits", "black_level_dn", "qe_index", "fires_lamps",

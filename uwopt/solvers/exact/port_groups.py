@@ -8,11 +8,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.focus import held_at_corner, place_focus, sharp_ends_m
 from uwopt.forward.part_columns import Ports
 from uwopt.forward.problem import Problem
@@ -24,7 +23,6 @@ from uwopt.model.port import normal_port_transmittance
 from uwopt.solvers.exact.imager_rules import stops_down
 from uwopt.tolerances import COARSE_ROUND
 
-Array = NDArray[Any]
 BRANCHES = 8  # ports, or groups of them, that a group is split into
 
 

@@ -10,8 +10,8 @@ from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.columns import rows_alike
 from uwopt.forward.parts import Parts
 from uwopt.forward.problem import Problem
@@ -20,8 +20,6 @@ from uwopt.solvers.exact.imager_rules import Behind
 from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.lightings import Lighting, Under
 from uwopt.tolerances import SLACK, TIE
-
-Array = NDArray[Any]
 
 
 def told_apart(value: Array | float) -> Array:

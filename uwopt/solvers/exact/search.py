@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError, Progress, unheard
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective, Terms
@@ -36,8 +36,6 @@ from uwopt.solvers.exact.large import PairTree
 from uwopt.solvers.exact.node_bounds import NodeBounds
 from uwopt.solvers.exact.open_nodes import OpenNodes
 from uwopt.solvers.exact.tree import Goal, Tree
-
-Array = NDArray[Any]
 
 FIRST_BATCH, LARGEST_BATCH = 32, 8192
 UNBEATEN_GROWTH = 4  # of batches while nothing is found: light is cheaper for many nodes at once

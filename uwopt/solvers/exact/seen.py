@@ -7,11 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.breathing import at_focus
 from uwopt.forward.columns import distinct, rows_alike
 from uwopt.forward.focus import common_dioptre
@@ -20,8 +19,6 @@ from uwopt.forward.spacers import needed_spacer_m
 from uwopt.forward.views import Views, collecting_m2, focus_map, views
 from uwopt.model.imaging import PortShape
 from uwopt.model.port import lens_dioptre_per_m
-
-Array = NDArray[Any]
 
 
 def seen_behind(

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.deadline import Deadline, OutOfTimeError, Progress
 from uwopt.forward.columns import Columns
 from uwopt.objectives.objective import Terms
@@ -24,7 +24,6 @@ from uwopt.solvers.exact.imager_rules import Tally
 from uwopt.solvers.exact.open_rows import OpenRows, WaitingRows
 from uwopt.solvers.exact.ranking import Found
 
-Array = NDArray[Any]
 FIRST_ROWS, LARGEST_ROWS = 512, 32768  # that are bounded together
 SHARE_OF_GROUPS = 16  # of that many are taken of the first level, whose rows come apart into many
 FIRST_NODES = 400_000  # imagers times lightings that are bounded first: cheaper than to evaluate the wrong ones

@@ -9,11 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.columns import Columns, rows_alike
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.model.information import TEXTURE_CONTRAST
@@ -24,7 +23,6 @@ from uwopt.solvers.settings.information import least_blur_s
 from uwopt.tolerances import SLACK
 from uwopt.units import db_to_ratio
 
-Array = NDArray[Any]
 SnrWithin = Callable[[Hopeful, Array], Array]
 MOST_ROWS = 100_000  # whose SNR is worked out at a time
 #: ln(1 + g^2), g = C_t SNR, that tables know. A transfer m <= 1 tells (1/2) log2(1 + g^2 m^2), convex in it: between

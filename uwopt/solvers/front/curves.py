@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.solvers.beside import shares, side_by_side
 from uwopt.solvers.front.hopeful import Hopeful
 from uwopt.solvers.front.trade_curves import ABOVE, DIMMEST, Answers, Trade
 
-Array = NDArray[Any]
 CLOSE = np.array([0.5, 1.0])  # in ln f-number and ln time: between settings so near to each other others are guessed
 FEWEST_ASKED = 64  # limits of power that a core looks within
 

@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.objectives.axes import Axes, Frame
 from uwopt.objectives.dominance import NEAR
 from uwopt.quantities import TERMS
@@ -18,7 +18,6 @@ from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.front.search import Front
 
-Array = NDArray[Any]
 MOST_POINTS = 160  # of a front that are shown
 KNEE = "the point nearest to the best corner, axes scaled to the front's range (logarithms of power, cost and mass)"
 IN_WORDS = {term: one.best for term, one in TERMS.items() if one.best}

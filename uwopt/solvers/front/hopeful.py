@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from hashlib import blake2b
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.columns import Columns
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.solvers.settings import dark
 from uwopt.solvers.settings.mean_limit import MeanLimit
-
-Array = NDArray[Any]
 
 
 @dataclass(frozen=True)

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.errors import MissionError
 from uwopt.forward.problem import Problem
 from uwopt.objectives.axes import OF_SETTINGS, Axes, Frame
@@ -16,7 +15,6 @@ from uwopt.solvers.front.curves import Curves
 from uwopt.solvers.front.hopeful import Hopeful
 from uwopt.solvers.front.trade_curves import ABOVE, Answers
 
-Array = NDArray[Any]
 RESOLVED_REL = {"information": 2e-4}  # of a quality that is found to a gap
 HALVINGS = 40  # of the range of segments' sizes
 SAME_REL = 1e-6  # of the others: to this a requirement counts as met

@@ -12,11 +12,10 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError, unheard
 from uwopt.forward.lamp_light import ImageLight, Veils
 from uwopt.forward.problem import Problem
@@ -38,7 +37,6 @@ from uwopt.solvers.front.undominated import WITHOUT_BOUND, Undominated, in_layer
 from uwopt.solvers.settings import windows
 from uwopt.solvers.settings.mean_limit import MeanLimit
 
-Array = NDArray[Any]
 Progress = Callable[[float, str], None]
 FIRST_NODES, LARGEST_NODES, GROWTH = 128, 16384, 6  # nodes taken together
 ROUGH_SEGMENT, FINEST_SEGMENT = 1e-3, 1e-8  # share of the box that a segment may add: at first, and ever

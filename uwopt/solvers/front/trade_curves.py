@@ -15,8 +15,8 @@ from itertools import product
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.columns import Columns
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
@@ -31,7 +31,6 @@ from uwopt.solvers.settings.information import information_of
 from uwopt.solvers.settings.question import Best, Question
 from uwopt.units import ratio_to_db
 
-Array = NDArray[Any]
 ABOVE = 1.0 + 1e-9  # a limit that equals the least power must admit it
 POWER, SNR = Objective({"power": 1.0}), Objective({"snr_db": 1.0})
 CURVE_GAP = 5e-4  # relative, of qualities without a closed form

@@ -8,17 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.objectives.axes import Axes
 from uwopt.objectives.dominance import BestPoints, nondominated
 from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.bounds import Bounds
 
-Array = NDArray[Any]
 WITHOUT_BOUND = 1e300  # in place of infinity, which has no differences
 
 

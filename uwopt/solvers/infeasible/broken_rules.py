@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.problem import Problem
 from uwopt.solvers.exact.imager_rules import focus_rules, view_rules
 from uwopt.solvers.exact.imagers import FittingPairs, fitting_pairs, focused_behind, landscapes
 from uwopt.solvers.exact.seen import seen_behind
-
-Array = NDArray[Any]
 
 
 @dataclass(frozen=True)

@@ -9,11 +9,10 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import Selection, ToBeMade
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError
@@ -29,7 +28,6 @@ from uwopt.solvers.recommend import Sought
 from uwopt.solvers.warm.tables import imagers_of
 from uwopt.tolerances import ROUND
 
-Array = NDArray[Any]
 QUICK = 30_000  # imagers: of so many bounds tell about as soon as of a few that none of them fits
 FEW_CHEAPEST = 1500  # imagers that are tried before all, of those that cost least, of which many are of no use
 FEW_PLACES = 12  # behind which they are: ports of like optics, by orientation

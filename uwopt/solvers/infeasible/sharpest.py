@@ -8,11 +8,10 @@ from __future__ import annotations
 
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.bars import StillBars
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
@@ -21,7 +20,6 @@ from uwopt.model.sharpness import HALF_NYQUIST_CYC_PER_PX, diffraction_mtf, lens
 from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.never_sharp import INTERVALS, MAY_SHOW
 
-Array = NDArray[Any]
 SHARP = "min_mtf_half_nyquist"
 BLOCK = 4096  # imagers that are asked together
 

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.objectives.dominance import NEAR, distinct, nondominated
-
-Array = NDArray[Any]
 
 MOST_POINTS = 3000  # kept while a search runs
 FINEST_REL = 1e-5  # by which the closest of them go first

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.documents.faults import nearest
 from uwopt.errors import MissionError
 from uwopt.forward.columns import Columns
@@ -26,7 +26,6 @@ from uwopt.solvers.exact.search import Search
 from uwopt.solvers.population.decoding import Decoded, Shares, log_excess, on_curve, one_by_one
 from uwopt.tolerances import ROUND
 
-Array = NDArray[Any]
 Axis = str | OwnObjective | OwnFunction
 KINDS = (CONTINUOUS, PULSED, FLASH)
 BEST_UNITS = 500  # whose lamps are looked at one by one for the first population

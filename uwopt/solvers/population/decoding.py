@@ -8,11 +8,10 @@ nothing but these two depends on settings; else f-number, time, shutter and leve
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.part_columns import PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.solvers.settings import closed_form, windows
@@ -20,7 +19,6 @@ from uwopt.solvers.settings.closed_form import Chosen
 from uwopt.solvers.settings.windows import Sun
 from uwopt.tolerances import SLACK
 
-Array = NDArray[Any]
 DARK_ROUNDS = 6
 DARK_SETTLED_E = 1e-10
 FARTHEST = 10.0  # what a design can miss one thing by, in logarithms

@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.batch import focus_maps
 from uwopt.forward.figures import DesignRows, Figures, SettingRows, figures_of, levers_m
 from uwopt.forward.part_columns import FLASH
@@ -34,7 +34,6 @@ from uwopt.solvers.population.decoding import Decoded, shortfall
 from uwopt.solvers.population.light_store import LightStore, SeenLight
 from uwopt.units import S_PER_H, ratio_to_db
 
-Array = NDArray[Any]
 LEAST_MISS, MOST_MISS = 1e-4, 10.0  # what one requirement that is missed adds to a violation
 TERM_FIGURES = {term: one.name for term, one in TERMS.items()}
 

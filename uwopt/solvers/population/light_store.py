@@ -9,18 +9,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, Generic, TypeVar
+from typing import Generic, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.columns import Columns
 from uwopt.forward.lamp_light import ImageLight, SunLight
 from uwopt.forward.sharpness import SharpRows
 from uwopt.solvers.exact.lightings import Under
 from uwopt.solvers.exact.search import Search
 
-Array = NDArray[Any]
 Stored = TypeVar("Stored", bound=Columns)
 
 

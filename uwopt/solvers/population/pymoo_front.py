@@ -13,9 +13,9 @@ from typing import Any
 
 import moocore
 import numpy as np
-from numpy.typing import NDArray
 from pymoo.config import Config
 
+from uwopt.arrays import Array
 from uwopt.deadline import Progress
 from uwopt.documents.faults import nearest
 from uwopt.errors import MissionError
@@ -37,7 +37,6 @@ from pymoo.operators.crossover.sbx import SBX  # noqa: E402
 from pymoo.operators.mutation.pm import PM  # noqa: E402
 from pymoo.operators.repair.rounding import RoundingRepair  # noqa: E402
 
-Array = NDArray[Any]
 #: Those of pymoo that handle constraints and three objectives (MOEA/D does not) and need no further package
 #: (AGE-MOEA wants numba).
 ALGORITHMS = ("nsga2", "nsga3", "unsga3", "ctaea", "rvea", "spea2", "smsemoa")

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.deadline import NEVER, Deadline
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.evaluation.leaning import LeaningModel
@@ -32,7 +33,6 @@ from uwopt.solvers.settable.steps import EDGE, GAIN_STEP_DB, TIME_STEP_S, light_
 from uwopt.solvers.settings.few_pixels import between
 from uwopt.units import db_to_ratio, ratio_to_db
 
-Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 TIMES = 12  # looked at a row, before the search goes on between two of them

@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.evaluation.focus_marks import DIGITS
 from uwopt.forward.part_columns import Lenses, Lights
 from uwopt.model.f_stops import THIRD_STOPS
-
-Array = NDArray[np.float64]
 
 GAIN_STEP_DB = 0.1
 TIME_STEP_S = 1e-6

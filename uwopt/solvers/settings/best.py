@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.columns import put_into
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.setting_rows import SceneRows
@@ -19,7 +18,6 @@ from uwopt.solvers.settings.joint import is_bounded, joint_bound
 from uwopt.solvers.settings.question import Best, Question
 from uwopt.units import ratio_to_db
 
-Array = NDArray[Any]
 DARK_ROUNDS = 25
 SetWithDark = tuple[list[closed_form.Chosen], Array, Array]  # settings, whether there are any, and their SNR [dB]
 NO_RELATIVE_GAP = 0.1  # of an objective near 0, which has none

@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.bars import StillBars
 from uwopt.forward.columns import Columns
 from uwopt.forward.flash_times import WHOLE_FLASH
@@ -28,7 +28,6 @@ from uwopt.solvers.settings.few_pixels import deciding_pixels
 from uwopt.solvers.settings.windows import Sun
 from uwopt.tolerances import SLACK
 
-Array = NDArray[Any]
 Rows = TypeVar("Rows", bound=Columns)
 _RATIO = (
     np.sin(np.linspace(0.0, np.pi / 2.0, 20_001)) ** 2

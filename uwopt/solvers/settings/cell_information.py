@@ -20,11 +20,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.columns import Columns
 from uwopt.forward.sharpness import SharpRows
 from uwopt.model.information import (
@@ -51,7 +51,6 @@ from uwopt.model.sharpness import (
     sinc_mtf,
 )
 
-Array = NDArray[Any]
 MOST_NUMBERS = 60_000  # cells x nodes held at once, so that arrays stay in the cache
 SHARP_PX = 1.5  # of motion and of defocus: tangents are taken where the image is no worse, and lie nearer to the best
 NULL = 1e-9  # of a transfer: below it a tangent says nothing

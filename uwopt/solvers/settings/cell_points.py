@@ -6,11 +6,10 @@ Level and gain have closed forms at fixed f-number and times: least light for po
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.solvers.settings.cell_bounds import Box, Points, Reach
 from uwopt.solvers.settings.cell_pool import BoundedCells, Pool, pixel_area_m2
 from uwopt.solvers.settings.cell_tangent import (
@@ -18,7 +17,6 @@ from uwopt.solvers.settings.cell_tangent import (
 )
 from uwopt.units import ratio_to_db
 
-Array = NDArray[Any]
 LIKELY = 24  # points of a design at a time whose information is worked out
 MOST_POINTS = 4096  # tried at a time
 LEAST_SCALE = 0.1  # of the terms' sum: a sum near 0 has no relative gap

@@ -7,11 +7,10 @@ light level span a box for every design.
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.deadline import spend
 from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
@@ -29,7 +28,6 @@ from uwopt.solvers.settings.question import Question
 from uwopt.solvers.settings.windows import nominal_contrast
 from uwopt.units import ratio_to_db
 
-Array = NDArray[Any]
 QUALITIES = ("snr_db", "contrast", "information")
 SMALLEST = 1e-12  # width of a side in logarithms
 TELLS = 0.02  # of the most that halving some side lifts the bounds

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from itertools import product
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[Any]
+from uwopt.arrays import Array
+
 Cheap = Callable[[Array, Array], tuple[Array, Array]]
 SHARES = np.linspace(0.0, 1.0, 16)  # of the range of ln f-number, at the longest times
 BESIDE, SHORTER = (-0.08, 0.0, 0.08), (-0.8, -0.4, -0.15, 0.0)  # then of ln f-number and ln time from the best of those

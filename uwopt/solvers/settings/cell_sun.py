@@ -7,18 +7,15 @@ holds limits their sum: the best of the box lies in a polygon of X and Y.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.model.sensor import QUANTISATION_VARIANCE_DN2
 from uwopt.solvers.settings import closed_form, windows
 from uwopt.solvers.settings.windows import Sun
 from uwopt.tolerances import SLACK
-
-Array = NDArray[Any]
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,8 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.part_columns import PULSED
 from uwopt.model.information import TEXTURE_CONTRAST
 from uwopt.objectives.objective import LEAST
@@ -22,7 +22,6 @@ from uwopt.solvers.settings import closed_form
 from uwopt.solvers.settings.cell_bounds import Box, Reach, SceneCells
 from uwopt.solvers.settings.cell_information import Information
 
-Array = NDArray[Any]
 DIMMEST = 1e-6  # of full level: below it a level has no logarithm, and counts as none in power
 STEP = 1e-4  # of ln light, in the difference that stands for the slope of ln SNR
 DB = 20.0 / np.log(10.0)

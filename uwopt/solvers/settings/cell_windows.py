@@ -6,15 +6,14 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.lamp_light import share_of
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.model import sensor
 from uwopt.model.image_mean import reached_by_most
 from uwopt.solvers.settings.windows import Beside, Sun, dark_e, level_sides, light_asked_for
 
-Array = NDArray[Any]
 MEETS = 1e-9  # relative, by which a point may miss a requirement
 
 

@@ -7,11 +7,9 @@ design whose boxes have all died is infeasible.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.model.information import RULE_ERROR
 from uwopt.objectives.objective import LEAST
 from uwopt.solvers.settings.cell_points import TriedCells
@@ -20,7 +18,6 @@ from uwopt.solvers.settings.closed_form import Chosen
 from uwopt.solvers.settings.information import information_of
 from uwopt.solvers.settings.question import MOST_CELLS, Best, Question
 
-Array = NDArray[Any]
 BATCH = 4096  # cells halved at a time
 FEWEST = 4_000  # bounded in one call for each of up to fifty designs, where that is more than for one
 PATTERNS = (

@@ -12,19 +12,16 @@ Q / tau for at most tau. Kinds differ in what power they draw.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.model import light, sensor
 from uwopt.solvers.settings.windows import Sun, dark_e, window
 from uwopt.tolerances import SLACK
-
-Array = NDArray[Any]
 
 
 @dataclass(frozen=True)

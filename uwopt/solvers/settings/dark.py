@@ -22,11 +22,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import FLASH, PULSED
 from uwopt.forward.setting_rows import SceneRows
@@ -35,7 +34,6 @@ from uwopt.solvers.settings.closed_form import Chosen
 from uwopt.solvers.settings.windows import Window
 from uwopt.tolerances import SLACK
 
-Array = NDArray[Any]
 CUTS = 7  # of a range of times at once, in its logarithm
 MOST_ROUNDS = 40  # some twenty settle a range of many orders of magnitude
 LAST_DIGITS = 2e-14  # of a time: what powers of ratios round

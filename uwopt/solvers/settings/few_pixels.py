@@ -7,17 +7,14 @@ demanding, so that all but k reach the SNR, is then settled between a few of the
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.model.image_mean import needed_by_most
 from uwopt.solvers.settings import windows
 from uwopt.tolerances import SLACK
-
-Array = NDArray[Any]
 
 
 def deciding_pixels(rows: SceneRows) -> SceneRows:

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.part_columns import PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.solvers.settings import closed_form, windows
 from uwopt.solvers.settings.closed_form import Chosen
-
-Array = NDArray[Any]
 
 
 def least_blur_s(rows: SceneRows) -> Array:

@@ -9,11 +9,10 @@ with the higher one's defocus and lens blur, at the higher SNR. The least over t
 from __future__ import annotations
 
 from functools import cache, lru_cache
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.forward.sharpness import SharpRows
 from uwopt.model import sensor, sharpness
@@ -24,7 +23,6 @@ from uwopt.solvers.settings import dark, windows
 from uwopt.tolerances import ROUND
 from uwopt.units import db_to_ratio, ratio_to_db
 
-Array = NDArray[Any]
 F_NUMBERS = 12  # intervals between the widest and the smallest opening
 LEVELS_DB = np.concatenate([np.arange(-9.0, 12.0, 3.0), np.arange(12.0, 46.0), [48.0, 52.0, 60.0, 90.0]])
 FEW_LEVELS_DB = np.append(LEVELS_DB[:-1:3], LEVELS_DB[-1])

@@ -8,18 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.problem import Problem
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.solvers.settings import closed_form
 from uwopt.solvers.settings.closed_form import Chosen
 from uwopt.tolerances import ROUND
 
-Array = NDArray[Any]
 HALVINGS = 60  # of a range of SNR, in its logarithm
 FAINTEST = 1e-6  # of the highest SNR: where the range starts
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.columns import Columns
 from uwopt.forward.setting_rows import SceneRows
@@ -15,7 +15,6 @@ from uwopt.objectives.objective import Objective
 from uwopt.solvers.settings.closed_form import Chosen
 from uwopt.solvers.settings.mean_limit import MeanLimit
 
-Array = NDArray[Any]
 GAP = 1e-4  # relative, where cells are searched
 MOST_CELLS = 30_000  # bounded for one design, which is then left with its bound
 

@@ -10,14 +10,13 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.model import sensor
 from uwopt.model.image_mean import needed_by_most
 from uwopt.tolerances import SLACK
 
-Array = NDArray[Any]
 Light = Literal["mean", "worst", "red"]  # what an SNR may be asked of
 
 

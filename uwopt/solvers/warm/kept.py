@@ -10,11 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwopt.arrays import Array
 from uwopt.catalog.choose import Selection
 from uwopt.deadline import Deadline
 from uwopt.forward.problem import Problem
@@ -24,8 +23,6 @@ from uwopt.solvers.exact.lightings import Under
 from uwopt.solvers.exact.node_designs import NodeDesigns
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.warm.tables import imagers_of
-
-Array = NDArray[Any]
 
 
 @dataclass(frozen=True)

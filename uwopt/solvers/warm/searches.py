@@ -13,8 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from numpy.typing import NDArray
-
+from uwopt.arrays import Array
 from uwopt.catalog.choose import Selection, ToBeMade
 from uwopt.catalog.records import Kind
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError
@@ -261,7 +260,7 @@ class Warm:
             made = KeptBounds.of(search, kept.selection, self._least(search, tight=True))
             family.keep(stage.asks, kept.with_some(some, made))
 
-    def _least(self, search: Search, *, tight: bool = False) -> NDArray[Any]:
+    def _least(self, search: Search, *, tight: bool = False) -> Array:
         """Bounds of the nodes of a search."""
         slow = not tight or self._is_slow(search.problem, search.objective)
         return (least_of_nodes if slow else least_of_designs)(search, self.deadline)
@@ -287,7 +286,7 @@ class Warm:
         return best, ceiling
 
     def _of_nodes(
-        self, mission: Mission, kept: KeptBounds, some: NDArray[Any], ceiling: float = math.inf
+        self, mission: Mission, kept: KeptBounds, some: Array, ceiling: float = math.inf
     ) -> Search:
         """A search of some nodes for a mission."""
         problem = asking(kept.problem, mission, kept.selection)
@@ -342,7 +341,7 @@ class Warm:
 
     def _search(
         self, problem: Problem, goal: Objective, *, ceiling: float = math.inf, imagers: Imagers | None = None,
-        lights: NDArray[Any] | None = None, widest_m: Sequence[float] | None = None,
+        lights: Array | None = None, widest_m: Sequence[float] | None = None,
     ) -> Search:  # fmt: skip
         """One certified search, of some imagers and lights or of all."""
         only = {} if lights is None else {"light": lights}

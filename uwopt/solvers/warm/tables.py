@@ -6,8 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from numpy.typing import NDArray
-
+from uwopt.arrays import Array
 from uwopt.catalog.choose import Selection
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.assembly import build_problem
@@ -16,7 +15,6 @@ from uwopt.mission.mission import Mission
 from uwopt.solvers.exact.imager_rules import Behind
 from uwopt.solvers.exact.imagers import Imagers, PortBlock, imagers_in, landscapes, no_tally
 
-Array = NDArray[Any]
 Pairs = Mapping[tuple[int, bool], tuple[Array, Array]]  # camera and lens by the first of like ports and landscape
 
 
