@@ -47,7 +47,6 @@ from uwopt.solvers.exact.imagers import Imagers, enumerate_imagers  # noqa: E402
 from uwopt.solvers.exact.lightings import Lighting  # noqa: E402
 from uwopt.solvers.exact.ranking import Found  # noqa: E402
 from uwopt.solvers.one_hardware import pieces_of  # noqa: E402
-from uwopt.solvers.recommend import hardware_of  # noqa: E402
 from uwopt.units import format_quantity  # noqa: E402
 
 PROBLEMS = ROOT / "problems"
@@ -168,7 +167,7 @@ def is_better(goal: Objective, one: Confidence, ours: Confidence) -> bool:
 
 def judged(problem: Problem, found: Found, goal: Objective, asked: float) -> Confidence:
     """As `evaluate --confidence` counts a system, at whatever stop holds often enough with the least median."""
-    return confidence_of(problem, hardware_of(found), goal, asked, FREE, None)
+    return confidence_of(problem, found.hardware, goal, asked, FREE, None)
 
 
 def counted(problem: Problem, found: list[Found], goal: Objective, scenarios: Any, asked: float) -> list[Counted]:

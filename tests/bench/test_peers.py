@@ -17,7 +17,6 @@ from uwopt.bench import contest, peers
 from uwopt.bench.contest import Contest, Referee
 from uwopt.bench.suite import BenchRow, Budget
 from uwopt.forward.problem import Problem
-from uwopt.solvers.recommend import hardware_of
 
 LEAST_GAP = -1e-6  # requirements count as met to 1e-6, which buys as much of the objective
 SEEDS = drawn((3,), (3, 9))  # random catalogues that have designs
@@ -90,10 +89,10 @@ def test_claim_that_misses_a_requirement_is_refused() -> None:
     found = outcome.best[0]
     referee = Referee(one, 10.0, one.problem())
     dark = [{**numbers, "level": numbers["level"] * 1e-3} for numbers in found.settings]
-    referee.claim(found.minimised - 1.0, hardware_of(found), dark)
+    referee.claim(found.minimised - 1.0, found.hardware, dark)
     assert referee.refused == 1 and referee.gap is None
     referee.claim(
-        found.minimised - 1.0, hardware_of(found), found.settings
+        found.minimised - 1.0, found.hardware, found.settings
     )  # its true value counts, not its word
     assert referee.gap == pytest.approx(0.0, abs=1e-6)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from planted.defect import Defect
 
-ANY, SETTLED = "uwopt/solvers/exact/any_lighting.py", "uwopt/solvers/infeasible/settled.py"
+ANY, SETTLED = "uwopt/solvers/exact/any_lighting.py", "uwopt/solvers/infeasible/freed_rules.py"
 TESTS, AT_HAND = "tests/solvers/test_any_lighting.py", "tests/solvers/test_hardware_at_hand.py"
 DARK = f"{TESTS}::test_only_what_is_dark_under_each_lighting_is_left_dark[level]"
 ONLY = f"{TESTS}::test_only_what_discarded_nothing_is_settled"

@@ -51,7 +51,7 @@ DEFECTS = (
     Defect(
         name="what is best by central numbers is not counted where the choice fails",
         file="uwopt/api/certainty.py",
-        old="lambda: confidence_of(problem, hardware_of(found), goal, asked, given, design, deadline), None,",
+        old="lambda: confidence_of(problem, found.hardware, goal, asked, given, design, deadline), None,",
         new="lambda: None, None,",
         test="tests/api/test_confidence.py::test_what_is_best_by_central_numbers_alone_is_counted_all_the_same",
     ),
@@ -496,7 +496,7 @@ DEFECTS = (
     ),
     Defect(
         name="hardware with room is looked for with lenses in focus",
-        file=f"{ROOM}/candidates.py",
+        file=f"{ROOM}/worst_case.py",
         old="problem if np.ptp(foci) == 0.0 else problem.focused_at(shares)",
         new="problem",
         test=f"{TESTS}::test_hardware_with_room_is_sharp_wherever_the_lens_may_stand",

@@ -32,7 +32,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="colours seen ahead may be a little off balance",
-        file="uwopt/solvers/exact/off_balance.py",
+        file="uwopt/solvers/exact/balance.py",
         old="off[doubtful] = seen > most * MET",
         new="off[doubtful] = seen > most * 1.001",
         test=f"{COLOUR}::test_colours_seen_ahead_discard_what_an_evaluation_would",
@@ -46,7 +46,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="colours are bounded where nothing asks for light",
-        file="uwopt/solvers/exact/off_balance.py",
+        file="uwopt/solvers/exact/balance.py",
         old="if tables.problem.scenes[index].view.requirements.min_snr:  # without",
         new="if True:  # without",
         test=f"{COLOUR}::test_without_light_no_colour_is_too_strong",
@@ -54,7 +54,7 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="colours that the water takes apart are left to the integrals",
         file="uwopt/solvers/exact/bounds.py",
-        old="off_balance.by_water(self.tables, k, rows))",
+        old="balance.by_water(self.tables, k, rows))",
         new="np.zeros(n, bool))",
         test=f"{UNITS}[max_white_balance]",
     ),

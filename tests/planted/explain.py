@@ -240,7 +240,7 @@ DEFECTS = (
     ),
     Defect(
         name="dear cameras are taken for what the last designs fall by",
-        file="uwopt/solvers/infeasible/suspects.py",
+        file="uwopt/solvers/infeasible/freed_rules.py",
         old="lost[rule] - each * tally.get(rule, 0) for",
         new="lost[rule] for",
         test=f"{SOON}::test_what_imagers_lose_by_themselves_is_not_their_last_fall",
@@ -254,14 +254,14 @@ DEFECTS = (
     ),
     Defect(
         name="an earlier budget is settled whatever a later one discarded",
-        file="uwopt/solvers/infeasible/settled.py",
+        file="uwopt/solvers/infeasible/freed_rules.py",
         old="if are_idle(*BUDGETS[place:]))",
         new="if are_idle(BUDGETS[place]))",
         test="tests/solvers/test_any_lighting.py::test_only_what_discarded_nothing_is_settled",
     ),
     Defect(
         name="of rules of imagers the first is taken for the likeliest in the way",
-        file="uwopt/solvers/infeasible/suspects.py",
+        file="uwopt/solvers/infeasible/freed_rules.py",
         old="else lost[::-1])]",
         new="else lost)]",
         test=f"{SOON}::test_likeliest_in_the_way_is_what_the_last_designs_fall_by[lost1-0-suspects1]",
@@ -401,7 +401,7 @@ DEFECTS = (
     ),
     Defect(
         name="without a requirement the best is told that is best with it",
-        file="uwopt/solvers/explain/without_each.py",
+        file="uwopt/solvers/explain/prices.py",
         old="found.best[0].minimised if found.best else best",
         new="best",
         test=f"{EVERY}::test_what_is_told_to_do_without_a_requirement_is_the_optimum_without_it",

@@ -40,7 +40,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a contrast that lenses do not reach is known not to help",
-        file="uwopt/solvers/infeasible/settled.py",
+        file="uwopt/solvers/infeasible/freed_rules.py",
         old="(name for name in OF_BOUNDS if are_idle(name))",
         new="OF_BOUNDS",
         test="tests/solvers/test_any_lighting.py::test_only_what_discarded_nothing_is_settled",

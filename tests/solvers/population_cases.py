@@ -18,7 +18,6 @@ from uwopt.forward.focus import place_focus
 from uwopt.objectives.dominance import nondominated
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.recommend import hardware_of
 from uwopt.solvers.settable.rounding import exact_settings
 
 SMALL: dict[str, Any] = {"pop_size": 40, "generations": 25}
@@ -54,7 +53,7 @@ def front(seed: int, names: tuple[str, ...], **options: Any) -> tuple[Search, An
 
 def evaluated(search: Search, found: Any, objective: Objective) -> Any:
     """What `evaluate` says of a found design."""
-    hardware = hardware_of(found)
+    hardware = found.hardware
     model = design_model(search.problem, hardware)
     given = [exact_settings(model, i, numbers) for i, numbers in enumerate(found.settings)]
     return evaluate_design(search.problem, hardware, given, objective)

@@ -13,8 +13,8 @@ from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact import search as searching
 from uwopt.solvers.exact.account import Account
 from uwopt.solvers.exact.bounds import Bounds
+from uwopt.solvers.infeasible.freed_rules import untouched
 from uwopt.solvers.infeasible.moves import Mover
-from uwopt.solvers.infeasible.settled import untouched
 from uwopt.solvers.infeasible.singles import Singles
 from uwopt.solvers.infeasible.trials import Trials
 from uwopt.solvers.recommend import Sought, seek

@@ -23,7 +23,6 @@ from uwopt.forward.views import focus_map
 from uwopt.mission.doubt import Doubt
 from uwopt.model.port import lens_dioptre_per_m, water_distance_m
 from uwopt.solvers.confidence import search as search_module
-from uwopt.solvers.confidence.candidates import worse_problem
 from uwopt.solvers.confidence.information_value import gained, is_no_luck, worth_of_knowing
 from uwopt.solvers.confidence.outcomes import outcomes
 from uwopt.solvers.confidence.scenarios import Scenarios
@@ -40,6 +39,7 @@ from uwopt.solvers.confidence.search import (
 from uwopt.solvers.confidence.states import Together
 from uwopt.solvers.confidence.summary import ids, missed_centrally, surest, told
 from uwopt.solvers.confidence.waters import BANDS
+from uwopt.solvers.confidence.worst_case import worse_problem
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.one_hardware import parts_of, problem_of
 from uwopt.solvers.recommend import Sought

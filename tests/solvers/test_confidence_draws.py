@@ -12,13 +12,12 @@ from one_of_each import one
 from uwopt.catalog.parts.quantity import Quantity
 from uwopt.mission.doubt import Doubt
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.confidence.candidates import worse_problem
 from uwopt.solvers.confidence.draws import drawn_parts, even_points, probabilities, triangular
 from uwopt.solvers.confidence.panels import panel_of
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.summary import wilson
 from uwopt.solvers.confidence.waters import Waters, WaterState, drawn_states, over_band
-from uwopt.solvers.confidence.worst_case import EndScenarios
+from uwopt.solvers.confidence.worst_case import EndScenarios, worse_problem
 
 
 @pytest.mark.parametrize(

@@ -27,8 +27,7 @@ from uwopt.solvers.confidence.counted import Counted, Looked, best_of, names, ra
 from uwopt.solvers.confidence.local_search import Glance, polish
 from uwopt.solvers.confidence.outcomes import Outcomes, groups_of, outcomes_of_each
 from uwopt.solvers.confidence.panels import anchors_of, best_scene, least_covered, panel_of
-from uwopt.solvers.confidence.proof import Prover
-from uwopt.solvers.confidence.scenario_bounds import bounds_of
+from uwopt.solvers.confidence.proof import Prover, bounds_of
 from uwopt.solvers.confidence.scenarios import Scenarios, SomeScenarios, loss
 from uwopt.solvers.confidence.search import Certain, can_be_proven
 from uwopt.solvers.confidence.states import Together

@@ -17,7 +17,6 @@ from thorough import THOROUGH, drawn
 from uwopt.catalog.records import exact
 from uwopt.evaluation.design import evaluate_design
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.recommend import hardware_of
 from uwopt.solvers.settable.rounding import given_of
 from uwopt.solvers.settings.best import best_settings
 from uwopt.solvers.settings.cells import best_by_cells
@@ -49,7 +48,7 @@ def test_claims_hold_with_an_energy_limit(seed: int) -> None:
     case = energy_case(seed)
     mission = case.mission
     for found in case.solve()[1].best:
-        problem, hardware = case.problem(), hardware_of(found)
+        problem, hardware = case.problem(), found.hardware
         given = given_of(problem, hardware, found.settings)
         design = evaluate_design(problem, hardware, given, case.objective)
         assert design.feasible
@@ -125,7 +124,7 @@ def test_bounds_of_the_mean_power_are_no_higher_than_what_designs_draw() -> None
     for found in outcome.best:
         k = next(i for i, one in enumerate(search.tables.lightings) if one is found.lighting)
         bound = search.bounds.of_nodes(k, np.array([found.imager])).mean_power_w[0]
-        problem, hardware = case.problem(), hardware_of(found)
+        problem, hardware = case.problem(), found.hardware
         given = given_of(problem, hardware, found.settings)
         design = evaluate_design(problem, hardware, given, case.objective)
         assert bound <= float(np.dot(shares, [s.figures["power_w"] for s in design.scenes])) * (1 + 1e-9)

@@ -30,7 +30,6 @@ from uwopt.forward.part_columns import CONTINUOUS
 from uwopt.forward.parts import Parts
 from uwopt.solvers.exact import evaluation
 from uwopt.solvers.exact.account import Outcome
-from uwopt.solvers.recommend import hardware_of
 from uwopt.solvers.settable.rounding import exact_settings
 
 EVERY_KIND = {
@@ -139,7 +138,7 @@ def test_claims_hold_in_the_forward_model(seed: int) -> None:
     """Listed designs are feasible and worth what the search says, by `evaluate_design` on fresh tables."""
     outcome, objective = solved(seed), case(seed).objective
     for found in drawn(outcome.best[:1] + outcome.best[1:][-1:], outcome.best):
-        problem, hardware = case(seed).problem(), hardware_of(found)
+        problem, hardware = case(seed).problem(), found.hardware
         model = DesignModel(problem, hardware)
         settings = [exact_settings(model, i, numbers) for i, numbers in enumerate(found.settings)]
         design = evaluate_design(problem, hardware, settings, objective)

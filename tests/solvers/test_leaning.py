@@ -14,7 +14,7 @@ from uwopt.evaluation.leaning import leaning
 from uwopt.forward.problem import Problem
 from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL
 from uwopt.results.design import Design
-from uwopt.solvers.recommend import Sought, best_settable, hardware_of
+from uwopt.solvers.recommend import Sought, best_settable
 from uwopt.solvers.settable.rounding import Rounded, rounded_design
 
 NARROW = replace(ON, id="narrow", beam_angle_deg=replace(ON.beam_angle_deg, value=14.0, low=14.0, high=14.0))
@@ -37,7 +37,7 @@ def found(made: rc.Case) -> tuple[Problem, Any]:
 
 def missed(made: rc.Case, problem: Problem, best: Any, set_: Rounded, by_deg: float) -> list[str]:
     """What these settings miss when the lamps are built in with another tilt, by the forward model of that design."""
-    hardware = hardware_of(best)
+    hardware = best.hardware
     hardware = replace(hardware, mount=leaning(hardware.mount, by_deg))
     plain = Problem(made.mission.with_changes(reserve={"tilt_deg": 0.0}), made.parts, paper=False)
     design = evaluate_design(
@@ -55,7 +55,7 @@ def test_settings_to_set_hold_with_lamps_that_lean(asked: dict[str, Any]) -> Non
     for off_deg in (0.0, OFF_DEG):
         made = case((STEPS,), off_deg, **asked)
         problem, best = found(made)
-        set_ = rounded_design(problem, hardware_of(best), best.settings, made.objective)
+        set_ = rounded_design(problem, best.hardware, best.settings, made.objective)
         assert set_.design.feasible
         assert set_.design.objective_value >= best.minimised * (1 - 1e-9)  # the bound of the search holds
         lost[off_deg] = [missed(made, problem, best, set_, by_deg) for by_deg in (-OFF_DEG, 0.0, OFF_DEG)]

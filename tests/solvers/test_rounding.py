@@ -28,7 +28,7 @@ from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.short import full_text_blocks
 from uwopt.results.design import SettableCheck
-from uwopt.solvers.recommend import SETTINGS_TO_SET, Sought, best_settable, hardware_of
+from uwopt.solvers.recommend import SETTINGS_TO_SET, Sought, best_settable
 from uwopt.solvers.settable.rounding import exact_settings, rounded_design
 from uwopt.solvers.settable.scene import few_pixels
 from uwopt.solvers.settable.steps import rates_hz, stops, time_steps
@@ -93,7 +93,7 @@ def test_sunlight_counts_when_a_sunlit_optimum_is_rounded() -> None:
         "power", (BURNING,), {"min_snr_db": 25.0, "max_blur_px": 1.0, "mean_level": 0.3}, scenes=bright
     )
     problem, best = best_of(case)
-    made = rounded_design(problem, hardware_of(best), best.settings, case.objective).design
+    made = rounded_design(problem, best.hardware, best.settings, case.objective).design
     assert made.feasible
     to_set = made.scenes[0].settings
     assert to_set["dim_frac"] == 0.0
@@ -106,7 +106,7 @@ def test_pulsed_lamp_that_the_sun_makes_idle_is_rounded() -> None:
     bright = ({"sun_lux": 2e4, "depth_m": 10.0},)
     case = rc.planted("power", (replace(STEPPED, dim_levels=None),), {"min_snr_db": 10.0}, scenes=bright)
     problem, best = best_of(case)
-    made = rounded_design(problem, hardware_of(best), best.settings, case.objective).design
+    made = rounded_design(problem, best.hardware, best.settings, case.objective).design
     assert made.feasible
     assert made.scenes[0].settings["dim_frac"] == 0.0
 
@@ -118,7 +118,7 @@ def test_few_pixels_say_of_any_settings_whether_the_snr_holds(prnu_frac: float) 
     camera = {"prnu_frac": exact(prnu_frac), "dark_current_e_s": exact(50.0)}
     case = rc.planted("power", (BURNING,), murky, camera=camera)
     problem, best = best_of(case)
-    model = design_model(problem, hardware_of(best))
+    model = design_model(problem, best.hardware)
     few = few_pixels(model, 0)
     every, some = (one.rows[0].light.worst_e for one in (model, few))
     assert every is not None and some is not None and some.shape[2] < every.shape[2]
@@ -135,7 +135,7 @@ def test_what_misses_at_any_setting_is_told_where_pixels_ask_too() -> None:
     murky: dict[str, Any] = {"min_snr_db": 8.0, "snr_at": "worst"}
     _, best = best_of(rc.planted("power", (BURNING,), murky))
     still = rc.planted("power", (BURNING,), murky | {"max_blur_px": 1e-9})
-    made = rounded_design(still.problem(), hardware_of(best), best.settings, still.objective).design
+    made = rounded_design(still.problem(), best.hardware, best.settings, still.objective).design
     assert not made.feasible
     assert {margin.requirement for margin in made.scenes[0].margins if not margin.satisfied} >= {"max_blur_px"}
 
@@ -159,8 +159,8 @@ def test_no_setting_of_a_whole_grid_draws_less_power() -> None:
         "power", (STEPPED,), {"min_snr_db": 20.0, "max_blur_px": 1.0}, camera={"max_gain_db": exact(0.0)}
     )
     problem, best = best_of(case)
-    model = design_model(problem, hardware_of(best))
-    made = rounded_design(problem, hardware_of(best), best.settings, case.objective).design
+    model = design_model(problem, best.hardware)
+    made = rounded_design(problem, best.hardware, best.settings, case.objective).design
     assert made.feasible
     given = made.scenes[0].settings
     assert given["focus_distance_m"] is not None
@@ -192,7 +192,7 @@ def test_without_an_objective_rounding_stays_near_the_optimum() -> None:
     """A bright point of a front is not dimmed to the least that its mission asks for."""
     case = rc.planted("snr_db", (BURNING,), {"min_snr_db": 10.0, "max_blur_px": 1.0})
     problem, best = best_of(case)
-    made = rounded_design(problem, hardware_of(best), best.settings, None).design
+    made = rounded_design(problem, best.hardware, best.settings, None).design
     assert made.feasible
     assert made.scenes[0].figures["snr_db"] == pytest.approx(
         best.snr_db, abs=0.3
@@ -212,8 +212,8 @@ def test_manual_lens_keeps_stop_and_ring_in_both_scenes() -> None:
     light = replace(BURNING, flux_lm=exact(3e5), dim_levels=(1.0,))
     case = rc.planted("snr_db", (light,), wanted, scenes=two, camera={"min_exposure_us": exact(5000.0)})
     problem, best = best_of(with_lens(case, aperture_control="manual"))
-    model = design_model(problem, hardware_of(best))
-    made = rounded_design(problem, hardware_of(best), best.settings, case.objective)
+    model = design_model(problem, best.hardware)
+    made = rounded_design(problem, best.hardware, best.settings, case.objective)
     assert made.design.feasible
     first, second = (model.settings(i, given) for i, given in enumerate(made.given))
     assert first.f_number == second.f_number > 2.0
@@ -245,7 +245,7 @@ def test_level_between_two_microseconds_is_not_offered() -> None:
     # the level is proportional to the exposure: 10 us give 4.8 % too little, 11 us 4.8 % too much, and 1.2 % count
     problem, best = best_of(between_two_microseconds())
     assert best.settings[0]["exposure_s"] == pytest.approx(10.5e-6, rel=1e-6)
-    made = rounded_design(problem, hardware_of(best), best.settings, None).design
+    made = rounded_design(problem, best.hardware, best.settings, None).design
     assert not made.feasible
     assert made.scenes[0].settings["exposure_ms"] in (pytest.approx(0.010), pytest.approx(0.011))
 
@@ -388,7 +388,7 @@ def test_long_exposures_keep_to_the_digits_that_are_printed() -> None:
 def test_exact_settings_are_left_as_the_search_found_them() -> None:
     case = rc.planted("power", (STEPPED,), {"min_snr_db": 20.0})
     problem, best = best_of(case)
-    given = exact_settings(design_model(problem, hardware_of(best)), 0, best.settings[0])
+    given = exact_settings(design_model(problem, best.hardware), 0, best.settings[0])
     assert given.pulse_s == best.settings[0]["time_s"]
 
 
@@ -396,5 +396,5 @@ def test_an_iris_that_is_fixed_is_printed_as_it_stands() -> None:
     made = rc.planted("power", (BURNING,), {"max_blur_px": 1.0, "min_snr_db": 10.0})
     fixed = replace(made, mission=made.mission.with_changes(fixed={"f_number": 2.3}))  # between two marks of the lens
     problem, best = best_of(fixed)
-    to_set = rounded_design(problem, hardware_of(best), best.settings, fixed.objective).design.scenes[0].settings
+    to_set = rounded_design(problem, best.hardware, best.settings, fixed.objective).design.scenes[0].settings
     assert to_set["f_number"] == 2.3

@@ -20,11 +20,11 @@ from uwopt.results.basis import WhyNothing
 from uwopt.solvers.exact.account import Account, Outcome
 from uwopt.solvers.exact.certificate import certificate
 from uwopt.solvers.exact.search import Search
+from uwopt.solvers.infeasible.freed_rules import of_lamps, suspects_of
 from uwopt.solvers.infeasible.joint_changes import first_of_all, least_set
 from uwopt.solvers.infeasible.least_change import same_hardware
 from uwopt.solvers.infeasible.relaxer import Relaxer
 from uwopt.solvers.infeasible.singles import Singles
-from uwopt.solvers.infeasible.suspects import of_lamps, suspects_of
 from uwopt.solvers.infeasible.trials import BRIGHT, Trials
 from uwopt.solvers.infeasible.why_nothing import why_nothing
 from uwopt.solvers.recommend import Sought, seek

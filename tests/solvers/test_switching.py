@@ -17,7 +17,6 @@ from thorough import THOROUGH
 from uwopt.evaluation.design import evaluate_design
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.recommend import hardware_of
 from uwopt.solvers.settable.rounding import given_of
 from uwopt.solvers.settings.best import best_settings
 from uwopt.solvers.settings.cells import best_by_cells
@@ -38,7 +37,7 @@ def test_search_with_lamps_off_between_images_equals_enumeration(batches: str, s
 def test_claims_hold_with_lamps_off_between_images(seed: int) -> None:
     case = switched_case(seed)
     for found in case.solve()[1].best:
-        problem, hardware = case.problem(), hardware_of(found)
+        problem, hardware = case.problem(), found.hardware
         design = evaluate_design(
             problem, hardware, given_of(problem, hardware, found.settings), case.objective
         )

@@ -13,7 +13,6 @@ from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import MissionError
 from uwopt.evaluation.accuracy import Accuracy, Estimator, coarsest, parts_that_count
 from uwopt.evaluation.design import evaluate_design
-from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.model.fineness import DEFAULT, Fineness
@@ -52,15 +51,14 @@ def checked_tolerance(tolerance: Any) -> float | None:
 def estimator_of_search(sought: Sought, deadline: Deadline = NEVER) -> Estimator:
     """Errors of the best design of a search: of figures with its settings, of the objective with the best ones."""
     from uwopt.solvers.one_hardware import best_of, problem_of
-    from uwopt.solvers.recommend import hardware_of
     from uwopt.solvers.settable.rounding import given_of
     from uwopt.solvers.settings.best import scenes_need_cells
 
     found, problem, goal = sought.outcome.best[0], sought.problem, sought.goal
     slow = scenes_need_cells(problem.scenes, goal)
     small = problem_of(problem, found)
-    hardware = Hardware(0, 0, 0, found.landscape, 0, found.count, found.lighting.mount)
-    given = given_of(problem, hardware_of(found), found.settings)
+    hardware = found.hardware.alone
+    given = given_of(problem, found.hardware, found.settings)
 
     def evaluate(at: Problem) -> Design:
         deadline.check()

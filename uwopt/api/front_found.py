@@ -23,7 +23,7 @@ from uwopt.solvers.exact.certificate import accounted, scope
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.front.search import Front
-from uwopt.solvers.recommend import hardware_of, part_warnings
+from uwopt.solvers.recommend import part_warnings
 from uwopt.solvers.settable.rounding import given_of
 from uwopt.tolerances import AGREES_REL
 
@@ -114,7 +114,7 @@ def front_status(front: Front) -> str:
 def figures_of(problem: Problem, founds: Sequence[Found]) -> list[Design]:
     """Designs evaluated again through the forward model: figures and margins."""
     asked = [
-        (hardware := hardware_of(found), given_of(problem, hardware, found.settings)) for found in founds
+        (hardware := found.hardware, given_of(problem, hardware, found.settings)) for found in founds
     ]
     designs = evaluate_designs(problem, asked, Objective({"power": 1.0}))
     return [

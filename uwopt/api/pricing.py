@@ -16,8 +16,7 @@ from uwopt.objectives.goal import goal_of
 from uwopt.results.basis import Price
 from uwopt.results.result import Result
 from uwopt.results.whatif import WhatIfPoint
-from uwopt.solvers.explain.prices import costs_nothing, priced_keys, prices
-from uwopt.solvers.explain.without_each import without_each
+from uwopt.solvers.explain.prices import costs_nothing, priced_keys, prices, without_each
 from uwopt.solvers.recommend import Sought
 from uwopt.solvers.warm.searches import Warm
 from uwopt.units import split_unit
@@ -71,7 +70,7 @@ def every_price(
     """What every requirement costs as far as there is time, and whether nobody interrupted it.
 
     First a step more of each with the system as it is, and up to where it costs nothing; then what would be best
-    without each, as `without_each`; then as `range_prices`.
+    without each, as `prices.without_each`; then as `range_prices`.
     """
     told, mission = list(result.prices), sought.problem.mission
     if result.recommendation is None:

@@ -17,7 +17,7 @@ from uwopt.objectives.goal import taken_instead
 from uwopt.results.result import Result
 from uwopt.solvers.exact.certificate import certificate
 from uwopt.solvers.explain.assumptions import assumptions
-from uwopt.solvers.recommend import BETTER_UNSETTABLE, colour_notes, hardware_of
+from uwopt.solvers.recommend import BETTER_UNSETTABLE, colour_notes
 from uwopt.solvers.settable.rounding import given_of
 from uwopt.tolerances import PROVEN_GAP_REL
 
@@ -26,7 +26,7 @@ def recommended(chosen: Recommendation) -> Result:
     """The result, before anything is told beyond the proof."""
     sought, winner, sure, mission = chosen.sought, chosen.design, chosen.made_sure, chosen.mission
     problem, goal, best = sought.problem, sought.goal, sought.outcome.best[0]
-    hardware = hardware_of(best)
+    hardware = best.hardware
     influences = influences_of(problem, hardware, given_of(problem, hardware, best.settings))
     proof = certificate(sought.selection, problem, chosen.proven, goal)
     wide = chosen.is_proven and (proof.gap_rel or 0.0) > PROVEN_GAP_REL

@@ -51,7 +51,7 @@ from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain.assumptions import assumptions
 from uwopt.solvers.front.designs import few, found_of, objectives_of, picks_of, values_of
 from uwopt.solvers.front.search import FrontSearch
-from uwopt.solvers.recommend import hardware_of, with_rounded
+from uwopt.solvers.recommend import with_rounded
 from uwopt.solvers.settable.rounding import given_of
 
 EXACT_S = 120.0  # for the exact front, unless the call says otherwise
@@ -343,7 +343,7 @@ class ParetoCall:
         curves: dict[Any, str] = {}
         points = []
         for n, (found, design) in enumerate(zip(founds, self.evaluated(sought.problem, founds), strict=True)):
-            hardware = hardware_of(found)
+            hardware = found.hardware
             claimed = {o.name: float(v) for o, v in zip(objectives, values[n] * signs, strict=True)}
             reported = {**claimed, **values_of(design, objectives)}
             check_claim(claimed, reported, design)
@@ -395,7 +395,7 @@ class ParetoCall:
 
     def effects(self, sought: FrontSearched, found: Found) -> list[UsedEffect]:
         """How much each effect matters to one design."""
-        hardware = hardware_of(found)
+        hardware = found.hardware
         given = given_of(sought.problem, hardware, found.settings)
         influences = influences_of(sought.problem, hardware, given)
         return [item.used() for item in proven_in_full(influences)]

@@ -30,7 +30,6 @@ from uwopt.solvers.population.coding import CodedHardware, Coding, cost_of, mass
 from uwopt.solvers.population.decoding import shortfall
 from uwopt.solvers.population.evaluator import Evaluator, lacking_without_veils, scene_rows
 from uwopt.solvers.population.light_store import LightStore
-from uwopt.solvers.recommend import hardware_of
 from uwopt.solvers.settable.rounding import given_of
 from uwopt.tolerances import ROUND
 
@@ -213,7 +212,7 @@ class VectorGround(Ground):
         if len(vectors) and minimised[first] < self.referee.best:
             _, found = self.evaluator.found(vectors[first : first + 1])
             if found:
-                self.referee.claim(float(minimised[first]), hardware_of(found[0]), found[0].settings)
+                self.referee.claim(float(minimised[first]), found[0].hardware, found[0].settings)
         return minimised, violation
 
 

@@ -32,7 +32,6 @@ from uwopt.solvers.continuous.solve_settings import ALGORITHMS, FEASIBLE, Method
 from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.ranking import Ranking
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.recommend import hardware_of
 
 TARGET = 1e-3  # relative gap that counts as arrived
 CASES_A_TABLE = 5  # missions beside each other
@@ -70,7 +69,7 @@ class Watched(Ranking):
         if self.best:
             self.search.referee.evaluations = self.search.account.evaluated
             self.search.referee.claim(
-                self.best[0].minimised, hardware_of(self.best[0]), self.best[0].settings
+                self.best[0].minimised, self.best[0].hardware, self.best[0].settings
             )
 
 

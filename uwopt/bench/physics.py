@@ -59,7 +59,7 @@ def subjects(missions: Sequence[str]) -> Iterator[Subject]:
     """The best system of each mission, found by the exact search in physics `full`."""
     from uwopt.bench.contest import mission_of
     from uwopt.forward.assembly import load_catalog
-    from uwopt.solvers.recommend import hardware_of, seek
+    from uwopt.solvers.recommend import seek
 
     sources: Sequence[str | None] = missions or (None,)
     for source in sources:
@@ -68,7 +68,7 @@ def subjects(missions: Sequence[str]) -> Iterator[Subject]:
         if not sought.outcome.best:
             continue
         found = sought.outcome.best[0]
-        given = tuple(given_of(sought.problem, hardware_of(found), found.settings))
+        given = tuple(given_of(sought.problem, found.hardware, found.settings))
         all_parts = sought.problem.parts
         parts = Parts(
             (all_parts.cameras[found.camera],), (all_parts.lenses[found.lens],), (all_parts.ports[found.port],),
@@ -79,7 +79,7 @@ def subjects(missions: Sequence[str]) -> Iterator[Subject]:
             name,
             mission,
             parts,
-            Hardware(0, 0, 0, found.landscape, 0, found.count, found.lighting.mount),
+            found.hardware.alone,
             given,
         )
 

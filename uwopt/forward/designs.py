@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from uwopt.arrays import Array
 from uwopt.forward.lamps import Mount
@@ -20,6 +20,11 @@ class Hardware:
     count: int
     mount: Mount
     spacer_m: float | None = None  # ring behind the lens; None: the one that the searched focus needs
+
+    @property
+    def alone(self) -> Hardware:
+        """The same as indices into the tables of its own parts alone."""
+        return replace(self, camera=0, lens=0, port=0, light=0)
 
 
 @dataclass(frozen=True)

@@ -50,12 +50,12 @@ def problem_of(
 ) -> Problem:  # fmt: skip
     """A problem over one design's parts, count and mount, or over variants of them.
 
-    mission : another one brings its own scenes; scenes : in their place; lists : variants of each kind of part
+    mission : another one brings its own scenes; scenes : in their place; lists : variants of a kind of part
     """
-    lists = lists or {kind: [part] for kind, part in parts_of(base, found)}
+    every: dict[str, Sequence[Any]] = {kind: [part] for kind, part in parts_of(base, found)} | dict(lists or {})
     mount = found.mount if isinstance(found, Hardware) else found.lighting.mount
     return base.over(
-        Parts(*(tuple(lists[kind]) for kind in KINDS)), mission=mission, scenes=scenes,
+        Parts(*(tuple(every[kind]) for kind in KINDS)), mission=mission, scenes=scenes,
         counts=(found.count, found.count), mounts=[mount],
     )  # fmt: skip
 

@@ -82,13 +82,6 @@ def seek(
     return Sought.of(selection, problem, objective, **how)
 
 
-def hardware_of(found: Found) -> Hardware:
-    """A found design's hardware."""
-    return Hardware(
-        found.camera, found.lens, found.port, found.landscape, found.light, found.count, found.lighting.mount
-    )
-
-
 def scene_rows_of(search: Search, found: Found) -> list[SceneRows]:
     """The settings' view of one found design, by scene."""
     imager, under = np.array([found.imager]), Under.one(found.lighting, 1)
@@ -101,7 +94,7 @@ def design_of(
 ) -> Design:
     """A found design as a result: evaluated again, checked, and rounded as far as there is time."""
     problem, objective = sought.problem, sought.goal
-    hardware, design = hardware_of(found), evaluated(problem, found, objective)
+    hardware, design = found.hardware, evaluated(problem, found, objective)
     check_claim(design, found, objective)
     design = replace(design, warnings=[*part_warnings(problem, hardware), *design.warnings])
 
@@ -215,7 +208,7 @@ def better_but_unsettable(first: Design, chosen: Design, objective: Objective, c
 
 def evaluated(problem: Problem, found: Found, objective: Objective) -> Design:
     """A found design with all its figures and margins, by the forward model."""
-    hardware = hardware_of(found)
+    hardware = found.hardware
     return evaluate_design(problem, hardware, given_of(problem, hardware, found.settings), objective)
 
 
@@ -244,7 +237,7 @@ def with_rounded(
     What is ordered and warned of is then what belongs to the settings to set. Without an objective they are those
     nearest to the design's own. Raises OutOfTimeError past the deadline.
     """
-    again = rounded_design(problem, hardware_of(found), found.settings, objective, deadline).design
+    again = rounded_design(problem, found.hardware, found.settings, objective, deadline).design
     missed = list(dict.fromkeys(m.requirement for s in again.scenes for m in s.margins if not m.satisfied))
     if not again.feasible:
         rounded = SettableCheck(False, None, missed)
@@ -256,7 +249,7 @@ def with_rounded(
         for scene, other in zip(design.scenes, again.scenes, strict=True)
     ]
     rounded = SettableCheck(True, again.objective_value, missed, again.totals.power_w, again.totals)
-    notes = [*part_warnings(problem, hardware_of(found)), *again.warnings]
+    notes = [*part_warnings(problem, found.hardware), *again.warnings]
     return replace(design, scenes=scenes, rounded=rounded, bom=again.bom, warnings=notes)
 
 

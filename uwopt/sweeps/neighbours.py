@@ -21,7 +21,7 @@ from uwopt.mission.doubt import CENTRAL
 from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import Yield, with_yields
 from uwopt.objectives.goal import goal_of, taken_instead
-from uwopt.solvers.recommend import WORTH_REL, Sought, colour_notes, design_of, hardware_of, value_as_set
+from uwopt.solvers.recommend import WORTH_REL, Sought, colour_notes, design_of, value_as_set
 from uwopt.solvers.warm.searches import Warm, WarmAnswer
 from uwopt.sweeps.rows import NOTHING_FITS, Row, row_of, with_gave_way, with_practice_held
 from uwopt.tolerances import PROVEN_GAP_REL
@@ -86,7 +86,7 @@ def row_of_best(
             *selection_warnings(sought.selection),
             *winner.warnings,
             *taken_instead(sought.problem.mission),
-            *colour_notes(sought.problem, hardware_of(best)),
+            *colour_notes(sought.problem, best.hardware),
             *gain_warnings(mission, sought, winner),
         ],
     )

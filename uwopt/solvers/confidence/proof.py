@@ -1,29 +1,32 @@
 """That no other hardware holds as often as asked with a better median: panels, bounds, and counts of what they leave.
 
-A panel (`panels`) is searched for all hardware at once; what it leaves is bounded in groups of scenarios
-(`scenario_bounds`); what these leave is counted in every scenario, at every stop of its ring. Each combination is
-accounted for once.
+A panel (`panels`) is searched for all hardware at once; what it leaves is bounded in groups of scenarios of like water,
+the worst first: what those discard is lost in too many whatever the others would say. What these leave is counted in
+every scenario, at every stop of its ring. Each combination is accounted for once.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 from math import prod
 from typing import Any
 
 import numpy as np
 
+from uwopt.arrays import Array
 from uwopt.deadline import Deadline, OutOfTimeError, Progress
 from uwopt.forward.problem import Problem
+from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.counted import Counted, Looked, names
 from uwopt.solvers.confidence.local_search import compare
-from uwopt.solvers.confidence.outcomes import Outcomes, outcomes_where
-from uwopt.solvers.confidence.panels import anchors_of, least_covered, panel_of
-from uwopt.solvers.confidence.scenario_bounds import may_be_better
-from uwopt.solvers.confidence.states import imagers_among
+from uwopt.solvers.confidence.outcomes import Judge, Outcomes, groups_of, outcomes_where
+from uwopt.solvers.confidence.panels import Anchor, anchors_of, least_covered, panel_of
+from uwopt.solvers.confidence.scenarios import Scenarios
+from uwopt.solvers.confidence.states import Together, imagers_among
 from uwopt.solvers.exact.certificate import per_light
 from uwopt.solvers.exact.imagers import landscapes
 from uwopt.solvers.exact.ranking import Found
@@ -122,14 +125,9 @@ class Prover:
         best = self.seen.best
         if best is None or not np.isfinite(ceiling):
             return best is not None and best.held > OFTEN
-        found, parts = best.found, self.seen.problem.parts
-        port = parts.ports[found.port].enclosure_id
-        lists: dict[str, list[Any]] = {
-            "camera": [panel.parts.cameras[found.camera]], "lens": [panel.parts.lenses[found.lens]],
-            "port": [one for one in panel.parts.ports if one.enclosure_id == port],
-            "light": [panel.parts.lights[found.light]],
-        }  # fmt: skip
-        alone = problem_of(panel, found, lists=lists)
+        port = self.seen.problem.parts.ports[best.found.port].enclosure_id
+        both_ends = [one for one in panel.parts.ports if one.enclosure_id == port]
+        alone = problem_of(panel, best.found, lists={"port": both_ends})
         seen = Search(alone, self.seen.objective, top=1, deadline=self.deadline).whole().best
         return bool(seen) and ceiling - seen[0].minimised > HOPELESS * abs(ceiling)
 
@@ -211,3 +209,49 @@ class Prover:
 def below(ceiling: float) -> float:
     """What is better than a value by more than rounding."""
     return ceiling - TIE * abs(ceiling) if np.isfinite(ceiling) else ceiling
+
+
+# ---------------------------------------------------------------- bounds by groups of scenarios
+
+
+def may_be_better(
+    base: Problem, found: Sequence[Found], objective: Objective, scenarios: Scenarios, anchors: Sequence[Anchor], *,
+    share: float, ceiling: float, deadline: Deadline,
+) -> Array:  # fmt: skip
+    """Of each hardware whether it may hold in so large a share of the scenarios with a median below the ceiling."""
+    lost, worse = least_covered(scenarios.count, share), least_covered(scenarios.count, 0.5)
+    rule, left = partial(passes, ceiling=ceiling, lost_at_most=lost, worse_at_most=worse), np.ones(len(found), bool)
+    for places in groups_of(found):
+        group = Together.of(base, [found[k] for k in places], scenarios, in_focus=True)
+        left[places] = rule(bounds_of(group, objective, anchors, deadline, rule))
+    return left
+
+
+def bounds_of(
+    group: Together, objective: Objective, anchors: Sequence[Anchor], deadline: Deadline,
+    wanted: Callable[[Array], Array],
+) -> Array:  # fmt: skip
+    """Lower bounds of the objective by hardware and scenario, as far as they are wanted of the bounds so far."""
+    value = bounds_before_light(group)
+    for anchor in anchors:
+        ours = np.flatnonzero(wanted(value)[group.hardware] & np.isin(group.scenario, anchor.scenarios))
+        if len(ours):
+            deadline.check()
+            some = group.only(ours)
+            rows = some.bounded_rows(objective, anchor, deadline)
+            judge = Judge.of(some, objective, rows, np.arange(len(ours)), np.full(len(ours), np.nan))
+            value[some.hardware, some.scenario] = judge.verdict(judge.adapted())[0]
+    return value
+
+
+def bounds_before_light(group: Together) -> Array:
+    """Bounds of the objective by hardware and scenario: inf where a rule that knows no light discards it."""
+    value = np.full((len(group.found), group.scenarios.count), np.inf)
+    value[group.hardware, group.scenario] = -np.inf
+    return value
+
+
+def passes(value: Array, *, ceiling: float, lost_at_most: int, worse_at_most: int) -> Array:
+    """Which rows are lost in few scenarios, and no better than the ceiling in few."""
+    lost, worse = np.isinf(value) & (value > 0.0), value >= ceiling
+    return np.asarray((lost.sum(axis=1) < lost_at_most) & (worse.sum(axis=1) < worse_at_most))

@@ -19,13 +19,12 @@ from uwopt.errors import MissionError
 from uwopt.forward.problem import Problem
 from uwopt.mission.doubt import ENDS
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.confidence.candidates import worse_problem
 from uwopt.solvers.confidence.counted import Counted, Looked, names, rank
 from uwopt.solvers.confidence.local_search import polish
 from uwopt.solvers.confidence.outcomes import outcomes, outcomes_of_each
 from uwopt.solvers.confidence.proof import NoneBetter, Prover
 from uwopt.solvers.confidence.scenarios import Scenarios
-from uwopt.solvers.confidence.worst_case import EndScenarios
+from uwopt.solvers.confidence.worst_case import EndScenarios, worse_problem
 from uwopt.solvers.exact.imager_rules import Behind
 from uwopt.solvers.exact.imagers import Imagers, imagers_in
 from uwopt.solvers.exact.ranking import Found, told_apart

@@ -1,4 +1,6 @@
-"""The worst case of all estimates: every number of a part at its bad end, in each water that the doubts leave open."""
+"""Worse numbers: all of them at their bad ends, in each water that the doubts leave open; or each worse than in most
+of its draws, in water murkier than most, where a search finds hardware with room, best first.
+"""
 
 from __future__ import annotations
 
@@ -9,10 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from uwopt.catalog.records import Light, Part
+from uwopt.catalog.parts.doubts import taken_as, with_numbers
+from uwopt.catalog.records import Light, Part, Quantity
+from uwopt.forward.part_columns import FAVOURED
+from uwopt.forward.parts import Parts
+from uwopt.forward.problem import Problem
 from uwopt.forward.scene import SceneOptics
 from uwopt.mission.doubt import Doubt
 from uwopt.mission.mission import Mission
+from uwopt.solvers.confidence.draws import triangular
 from uwopt.solvers.confidence.scenarios import Scenarios, brighter
 from uwopt.solvers.confidence.waters import Waters, WaterState
 from uwopt.solvers.part_ends import at_end, with_either_end
@@ -70,3 +77,40 @@ class EndScenarios(Scenarios):
     def favoured_light(self, part: Light) -> Light:
         """A light likewise."""
         return brighter(self.favoured(part), self.doubt.lamp_output[0])
+
+
+# ---------------------------------------------------------------- worse than in most
+
+
+def worse_part(part: Any, share: float) -> Any:
+    """A part each of whose uncertain numbers is worse than in so large a share of its draws."""
+
+    def value_at(name: str, known: Quantity) -> Quantity | None:
+        sign = FAVOURED.get(name, 0)
+        probability = np.array(1.0 - share if sign > 0 else share)
+        value = float(triangular(probability, known.low, known.value, known.high))
+        return taken_as(name, known, value) if sign else None
+
+    return with_numbers(part, value_at)
+
+
+def worse_problem(base: Problem, scenarios: Scenarios, share: float) -> Problem:
+    """The same parts, all worse than in a share of the scenarios, in water that is murkier than in as many.
+
+    What must be sharp is so wherever lenses stand in as many.
+    """
+    parts, doubt = base.parts, scenarios.doubt
+    low, high = doubt.lamp_output
+    output = float(triangular(np.array(1.0 - share), low, 1.0, high))
+
+    def worse(some: Sequence[Any]) -> tuple[Any, ...]:
+        return tuple(worse_part(part, share) for part in some) if doubt.parts else tuple(some)
+
+    made = Parts(
+        worse(parts.cameras), worse(parts.lenses), worse(parts.ports),
+        tuple(brighter(light, output) for light in worse(parts.lights)),
+    )  # fmt: skip
+    problem = base.over(made, scenes=scenarios.scenes_at(share), have_estimates=True)
+    foci = np.array([1.0, *np.quantile(scenarios.focus, [0.5 * (1.0 - share), 0.5 * (1.0 + share)])])
+    shares = np.repeat(foci[:, None], len(parts.cameras), axis=1)
+    return problem if np.ptp(foci) == 0.0 else problem.focused_at(shares)

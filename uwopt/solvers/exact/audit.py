@@ -121,9 +121,7 @@ def neighbours(problem: Problem, best: Found, count: int, rng: np.random.Generat
 
     Of each kind as many while there are some; parts that do not go together are no use.
     """
-    home = Hardware(
-        best.camera, best.lens, best.port, best.landscape, best.light, best.count, best.lighting.mount
-    )
+    home = best.hardware
     choices = {
         name: [value for value in options if value != getattr(home, name)]
         for name, options in options_of(problem).items()

@@ -21,7 +21,7 @@ from uwopt.forward.views import CORNER_FIELD, RMS_FIELD
 from uwopt.model import sensor
 from uwopt.model.aberration import field_blur
 from uwopt.objectives.objective import Objective, Terms
-from uwopt.solvers.exact import off_balance
+from uwopt.solvers.exact import balance
 from uwopt.solvers.exact.any_lighting import AnyLighting
 from uwopt.solvers.exact.imager_rules import limit
 from uwopt.solvers.exact.imagers import Imagers
@@ -106,7 +106,7 @@ class Bounds:
             return bounds
         for lamps in self.of_kinds[k]:
             bounds = bounds.better_of(self._of_kind(self.tables.lightings[k], lamps, rows, pixel_e or {}))
-        return bounds.but_for("max_white_balance", off_balance.by_water(self.tables, k, rows))
+        return bounds.but_for("max_white_balance", balance.by_water(self.tables, k, rows))
 
     def asks_of_images(self) -> bool:
         """Whether `of_pixels` may know more than `of_nodes`: pixels or colours count that lamps alone light."""
@@ -145,7 +145,7 @@ class Bounds:
         That pixel has at most the light that `likely_pixel` finds, whatever the number of lamps, and no less is needed
         of it at the farthest altitude than at any. No bound is lower than that of the mean alone.
         """
-        off = off_balance.by_image(self.tables, k, rows)
+        off = balance.by_image(self.tables, k, rows)
         bounds = NodeBounds.missing(len(rows), "max_white_balance")
         return bounds if off.all() else bounds.put(np.flatnonzero(~off), self._of_pixels(k, rows[~off]))
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from uwopt.arrays import Array
 from uwopt.forward.columns import rows_alike
+from uwopt.forward.designs import Hardware
 from uwopt.forward.parts import Parts
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Terms
@@ -60,6 +61,12 @@ class Found:
             imager, int(imagers.camera[imager]), int(imagers.lens[imager]), int(imagers.port[imager]),
             bool(imagers.landscape[imager]), settings=scenes, pulse_s=max(s["time_s"] for s in scenes), **own,
         )  # fmt: skip
+
+    @property
+    def hardware(self) -> Hardware:
+        """Without its settings."""
+        mount = self.lighting.mount
+        return Hardware(self.camera, self.lens, self.port, self.landscape, self.light, self.count, mount)
 
     @property
     def behind(self) -> Behind:

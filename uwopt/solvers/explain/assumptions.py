@@ -13,7 +13,6 @@ from uwopt.forward.problem import Problem
 from uwopt.results.basis import Assumption
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.one_hardware import pieces_of
-from uwopt.solvers.recommend import hardware_of
 
 UNITS_BY_SUFFIX = {
     "_e": "e-", "_e_s": "e-/s", "_db": "dB", "_us": "µs", "_hz": "Hz", "_w": "W", "_g": "g", "_lm": "lm",
@@ -39,7 +38,7 @@ def assumptions(problem: Problem, found: Found) -> list[Assumption]:
         for kind, part in pieces_of(problem, found)
         for name, value in doubtful(part)
     ]  # fmt: skip
-    hardware = hardware_of(found)
+    hardware = found.hardware
     model = design_model(problem, hardware)
     for item, _ in beside_parts(problem, hardware, model.spacer_m, model.disks_gb):
         items += [

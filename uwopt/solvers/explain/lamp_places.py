@@ -25,7 +25,7 @@ from uwopt.results.design import Design
 from uwopt.solvers.exact.imagers import enumerate_imagers
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.one_hardware import best_of, problem_of
-from uwopt.solvers.recommend import Sought, hardware_of
+from uwopt.solvers.recommend import Sought
 from uwopt.solvers.settings.best import scenes_need_cells
 
 TRIED_DEG = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
@@ -94,7 +94,7 @@ def missed_when_leaning(own: Problem, found: Found, design: Design, by_deg: floa
     own : the problem over the design's parts alone
     """
     mount = leaning(found.lighting.mount, by_deg)
-    hardware = replace(hardware_of(found), camera=0, lens=0, port=0, light=0, mount=mount)
+    hardware = replace(found.hardware.alone, mount=mount)
     model = DesignModel(own.standing_at(mount), hardware)
     missed = []
     for index, scene in enumerate(design.scenes):

@@ -5,6 +5,9 @@
 lambda is the multiplier of ln(SNR) >= ln(least SNR) in the program of the winner's settings, in the objective's unit.
 The slope is confirmed by a central difference of the search of that hardware, which owes nothing to CasADi. Of other
 keys, which are no constraints of that program of their own, the slope is that difference alone.
+
+As a whole a requirement costs what the best system without it is better by: a search for something better, below what
+is known, says how much, or that nothing is.
 """
 
 from __future__ import annotations
@@ -13,18 +16,20 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
+from uwopt.catalog.choose import ToBeMade
 from uwopt.deadline import Deadline
 from uwopt.errors import MissionError
 from uwopt.mission.mission import Mission
 from uwopt.mission.reserves import asked_when_held
 from uwopt.mission.varying import Varied, VariedMission, rounded
-from uwopt.mission.weakened import RELAXABLE, asked_value, is_from_above
+from uwopt.mission.weakened import RELAXABLE, asked_value, is_from_above, without
 from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Opinion, Price
 from uwopt.results.design import Design
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.infeasible.least_change import rounded_away
 from uwopt.solvers.infeasible.reached import reached_value
+from uwopt.solvers.infeasible.relaxer import Relaxer
 from uwopt.solvers.one_hardware import best_of, problem_of
 from uwopt.solvers.recommend import Sought
 from uwopt.units import split_unit
@@ -213,3 +218,32 @@ def snr_slope(opinions: Sequence[Opinion], goal: Objective) -> float | None:
     rules = opinions[0].multipliers.items()
     found = [value for name, value in rules if value is not None and name.startswith(SNR_RULE)]
     return sum(found) * math.log(10.0) / 20.0 if found else None
+
+
+# ---------------------------------------------------------------- as a whole
+
+
+TURN = 0.4  # of the time left: what one search may take of it
+
+
+def without_each(
+    sought: Sought, keys: Sequence[str], generic: ToBeMade, deadline: Deadline
+) -> Iterator[tuple[str, float]]:
+    """Requirements by their keys, and the objective as it is reported of the best system without each, as time allows.
+
+    sought : a complete search, whose parts, light and imagers are known
+    """
+    goal = sought.goal
+    mission, best = sought.problem.mission, sought.outcome.best[0].minimised
+    relaxer, ceiling = Relaxer(mission, sought.selection.catalog, generic, sought), best - goal.step(SAME_REL, best)
+    for name, (section, key, _) in RELAXABLE.items():
+        weaker = without(mission, section, key) if key in keys else None
+        if weaker is None or deadline.passed():
+            continue
+        found = relaxer.seek(
+            weaker, goal, {name}, deadline=deadline.at_most(TURN * deadline.left_s), ceiling=ceiling
+        ).outcome  # fmt: skip
+        if found.interrupted:
+            raise KeyboardInterrupt
+        if found.complete:
+            yield key, goal.reported(found.best[0].minimised if found.best else best)

@@ -11,7 +11,7 @@ from typing import Any
 
 from uwopt.catalog.parts.camera import Camera
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError
-from uwopt.solvers.one_hardware import KINDS, best_of_each, parts_of, problem_of
+from uwopt.solvers.one_hardware import KINDS, best_of_each, problem_of
 from uwopt.solvers.recommend import Sought
 
 COMPLETE = "complete camera"
@@ -27,8 +27,7 @@ def siblings(sought: Sought, deadline: Deadline = NEVER) -> list[dict[str, Any]]
     alike = [camera for camera in problem.parts.cameras if has_sensor_of(own, camera)]
     if not alike:
         return []
-    lists: dict[str, list[Any]] = {kind: [part] for kind, part in parts_of(problem, winner)}
-    others = problem_of(problem, winner, lists=lists | {"camera": alike})
+    others = problem_of(problem, winner, lists={"camera": alike})
     places = [dict.fromkeys(KINDS, 0) | {"camera": place} for place in range(len(alike))]
     try:
         values = best_of_each(others, objective, places, deadline)

@@ -108,8 +108,7 @@ class PartTrial:
     def values(self, variants: Sequence[dict[str, float]]) -> list[float]:
         """Best minimised objective of each variant of the part's numbers; inf where no settings do."""
         made = [changed(self.part, variant) for variant in variants]
-        lists = {name: [part] for name, part in parts_of(self.base, self.hardware)} | {self.kind: made}
-        one = problem_of(self.base, self.hardware, lists=lists)
+        one = problem_of(self.base, self.hardware, lists={self.kind: made})
         places = [dict.fromkeys(KINDS, 0) | {self.kind: n} for n in range(len(made))]
         return best_of_each(one, self.objective, places)
 

@@ -78,7 +78,7 @@ def with_ends(
 ) -> float:  # fmt: skip
     """Best objective of a design whose parts of these kinds are at one end of their estimates; inf: infeasible."""
     parts, against = dict(parts_of(problem, own)), dict(parts_of(problem, other))
-    lists: dict[str, list[Any]] = {kind: [part] for kind, part in parts.items()}
+    lists: dict[str, list[Any]] = {}
     for kind in differing:
         part: Any = parts[kind]
         alike = kind == "port" and part.id == against[kind].id  # another housing alone

@@ -59,8 +59,7 @@ def in_worse_water(
         if deadline.passed():
             break
         one, goal = alone(problem, hardware, mission), goal_of(mission)
-        own = Hardware(0, 0, 0, hardware.landscape, 0, hardware.count, hardware.mount, hardware.spacer_m)
-        planned = evaluate_design(one, own, given, goal, level_tolerance_rel=LEVEL_TOLERANCE_REL)
+        planned = evaluate_design(one, hardware.alone, given, goal, level_tolerance_rel=LEVEL_TOLERANCE_REL)
         share, design, obstacle = nearest_that_does(problem, hardware, mission, deadline)
         found.append(InWorseWater(water, planned, share, design, obstacle))
         if design is None:
@@ -77,10 +76,10 @@ def with_its_iris(mission: Mission, problem: Problem, hardware: Hardware, given:
 
 def alone(problem: Problem, hardware: Hardware, mission: Mission) -> Problem:
     """Tables of one hardware in another mission; parts written out without a mount stand together as they do."""
-    own: dict[str, Any] = dict(parts_of(problem, hardware))
+    own, lists = dict[str, Any](parts_of(problem, hardware)), dict[str, list[Any]]()
     if not (own["camera"].mounts and own["lens"].mounts):
-        own |= {kind: replace(own[kind], mounts=ANY_MOUNT) for kind in ("camera", "lens")}
-    return problem_of(problem, hardware, mission=mission, lists={kind: [part] for kind, part in own.items()})
+        lists = {kind: [replace(own[kind], mounts=ANY_MOUNT)] for kind in ("camera", "lens")}
+    return problem_of(problem, hardware, mission=mission, lists=lists)
 
 
 def nearest_that_does(

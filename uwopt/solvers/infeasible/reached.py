@@ -8,7 +8,6 @@ from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import ToBeMade
 from uwopt.deadline import Deadline
 from uwopt.evaluation.design import evaluate_design
-from uwopt.forward.designs import Hardware
 from uwopt.mission.mission import Mission
 from uwopt.mission.weakened import RELAXABLE
 from uwopt.objectives.objective import Objective
@@ -24,9 +23,8 @@ def judged_by(mission: Mission, found: Sought, objective: Objective) -> Design:
     """The best design of a relaxed search, judged by the mission as it stands: what it misses shows."""
     best = found.outcome.best[0]
     problem = problem_of(found.problem, best, mission=mission)
-    hardware = Hardware(0, 0, 0, best.landscape, 0, best.count, best.lighting.mount)
-    given = given_of(problem, hardware, best.settings)
-    return evaluate_design(problem, hardware, given, objective)
+    hardware = best.hardware.alone
+    return evaluate_design(problem, hardware, given_of(problem, hardware, best.settings), objective)
 
 
 def missed_by(design: Design, names: Collection[str]) -> set[str]:

@@ -28,10 +28,10 @@ from uwopt.solvers.infeasible.freed_rules import (
     OF_LIGHT,
     OTHER_WATER,
     in_the_way,
+    untouched,
 )
 from uwopt.solvers.infeasible.none_left import DEPTH
 from uwopt.solvers.infeasible.relaxed_imagers import RelaxedImagers, few_places, in_best_housing
-from uwopt.solvers.infeasible.settled import untouched
 from uwopt.solvers.infeasible.sharpest import SHARP, asked_of, most_of_parts
 from uwopt.solvers.recommend import Sought, seek
 from uwopt.solvers.warm.tables import asking, imagers_of

@@ -14,13 +14,19 @@ from uwopt.deadline import Deadline
 from uwopt.mission.mission import Mission
 from uwopt.mission.weakened import RELAXABLE, with_central_prices, without
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.infeasible.freed_rules import MAY_PASS, OF_LIGHT
+from uwopt.solvers.infeasible.freed_rules import (
+    MAY_PASS,
+    MOST_SUSPECTS,
+    OF_LIGHT,
+    asked_by,
+    of_lamps,
+    suspects_of,
+)
 from uwopt.solvers.infeasible.joint_changes import few_that_give
 from uwopt.solvers.infeasible.least_change import in_rounds, same_hardware
 from uwopt.solvers.infeasible.least_limit import LeastLimit, Without
 from uwopt.solvers.infeasible.reached import missed_by
 from uwopt.solvers.infeasible.relaxer import ANY, CHEAPEST, FEW_IMAGERS, hope
-from uwopt.solvers.infeasible.suspects import MOST_SUSPECTS, asked_by, of_lamps, suspects_of
 from uwopt.solvers.infeasible.trials import BRIGHT, FINEST, Trials
 from uwopt.solvers.recommend import Sought
 
