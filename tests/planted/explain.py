@@ -616,9 +616,33 @@ DEFECTS = (
     Defect(
         name="parts that the mission does not name are told as what is left out",
         file="uwopt/solvers/infeasible/none_left.py",
-        old="(one.part_id in asked or not patterns)]",
-        new="True]",
+        old="named = [one for one in wanted if one.part_id in asked]",
+        new="named = wanted",
         test="tests/solvers/test_nearest_fit.py::test_a_hull_that_lacks_a_size_is_named_with_what_it_lacks",
+    ),
+    Defect(
+        name="the shallowest rating is told for the deepest",
+        file="uwopt/solvers/infeasible/none_left.py",
+        old="deepest = max(rated",
+        new="deepest = min(rated",
+        test="tests/solvers/test_none_left.py"
+        "::test_each_rule_tells_how_many_parts_it_takes_out_and_the_deepest_rating_is_named",
+    ),
+    Defect(
+        name="parts without a rating are told to be rated for less",
+        file="uwopt/report/text/nothing_fits.py",
+        old="rows = [(count - short.unrated, less)",
+        new="rows = [(count, less)",
+        test="tests/solvers/test_none_left.py"
+        "::test_each_rule_tells_how_many_parts_it_takes_out_and_the_deepest_rating_is_named",
+    ),
+    Defect(
+        name="a part that would go deep enough is not named with the fact that it lacks",
+        file="uwopt/solvers/infeasible/none_left.py",
+        old=">= mission.required_depth_m]",
+        new="> 1e9]",
+        test="tests/solvers/test_none_left.py"
+        "::test_a_part_that_is_rated_deep_enough_is_named_with_the_fact_that_it_lacks",
     ),
     Defect(
         name="what a design alone misses is not taken for what helps",

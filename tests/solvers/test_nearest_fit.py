@@ -9,6 +9,7 @@ import pytest
 from test_least_change import FILES
 
 from uwopt.api.solving import solve
+from uwopt.report.text.layout import Grid, Text
 from uwopt.report.text.nothing_fits import fit_sentence, no_change_helps, none_left_lines
 from uwopt.results.basis import NearestFit
 from uwopt.results.result import Result
@@ -111,8 +112,10 @@ def test_a_hull_that_lacks_a_size_is_named_with_what_it_lacks(
     assert told.infeasible is not None
     (none,) = told.infeasible.none_left
     assert none.kind == "housing" and set(none.reasons) == {"zz-narrow", "zz-short"}
-    (line,) = none_left_lines(told)
-    assert line.plain.startswith("No housing is left to choose: zz-narrow: length inside unknown; zz-short: ")
+    first, table, last = none_left_lines(told)
+    assert isinstance(first, Text) and isinstance(table, Grid) and isinstance(last, Text)
+    assert first.plain.startswith("No housing is left to choose of the ")
+    assert last.plain.startswith("Named, but zz-narrow: length inside unknown; zz-short: ")
     assert no_change_helps(told) == "No requirement alone stands in the way"
 
 

@@ -181,12 +181,30 @@ class NearestFit(Record):
 
 
 @dataclass(frozen=True, config=RECORD)
+class TooShallow(Record):
+    """Parts of a kind that are left out for their depth rating alone."""
+
+    needed_m: Number = Field(description="depth for which parts must be rated, reserve included")
+    unrated: Whole = Field(description="number of them of which no rating is known; the others are rated for less")
+    deepest: str = Field(description="id of the one that is rated deepest; empty where no rating is known")
+    deepest_m: Number | None = Field(description="what that is rated for")
+
+
+@dataclass(frozen=True, config=RECORD)
 class NoneLeft(Record):
     """A kind of part of which a mission's choice leaves none, whatever else is asked."""
 
     kind: str = Field(description="camera, lens, port, light or housing")
-    reasons: dict[str, str] = Field(description="of parts that the mission names, by id, why each is left out: a few")
+    reasons: dict[str, str] = Field(
+        description="why each is left out, by id: a few parts that the mission names; else those rated deep enough"
+    )
     n_others: int = Field(description="number of further parts left out")
+    by_rule: dict[str, Whole] = Field(
+        default_factory=dict, description="number of parts that each rule leaves out first: all of them together"
+    )
+    too_shallow: TooShallow | None = Field(
+        default=None, description="those that the rule on depth ratings leaves out; null: none"
+    )
 
 
 @dataclass(frozen=True, config=RECORD)

@@ -113,17 +113,22 @@ def in_part_text(looked_at: Mapping[str, int]) -> str:
 def depth_lines(result: Result | FrontResult) -> list[Line]:
     """That no part of a kind is rated deep enough with its reserve, or that this alone stands in the way."""
     why, factor = result.infeasible, factor_of_depth(result.mission)
-    names = [item.name for item in why.requirements] if why else []
-    if why is None or not any(name.endswith(OF_DEPTH) for name in names):
+    if why is None or not any(item.name.endswith(OF_DEPTH) for item in why.requirements):
         return []
     asked_m, kept = asked_depth_m(result.mission), ""
     told = f"{formats.quantity(asked_m * factor, 'm', 4)} that they must be rated for"
     if factor > 1.0:
         kept = f" ({formats.quantity(asked_m, 'm', 4)} asked for, times {factor:g} kept in reserve: reserve.depth)"
     made: list[Line] = []
-    last = names[-1].partition(": ")[0]  # the kind of which none is left, where none is
-    if all(": " in name for name in names) and last + OF_DEPTH in names:
-        made.append(sentence(f"No {last} that the mission allows otherwise reaches the {told}{kept}."))
+    if shallow := {one.kind: one.too_shallow for one in why.none_left if one.too_shallow is not None}:
+        kinds = words.listed([*shallow], "or")
+        deepest = [
+            f"{kind} {formats.one_line(short.deepest, 60)}, {formats.quantity(short.deepest_m, 'm', 4)}"
+            for kind, short in shallow.items()
+            if short.deepest_m is not None
+        ]
+        ends = f". Deepest: {'; '.join(deepest)}." if deepest else "."
+        made.append(sentence(f"No {kinds} that the mission allows otherwise reaches the {told}{kept}{ends}"))
     needed_m = next((one.needed for one in why.relaxations if one.name == "depth_rating_m"), None)
     if needed_m is not None and factor > 1.0 and needed_m * factor >= asked_m:
         least = math.floor(1e3 * needed_m * factor / asked_m) / 1e3

@@ -20,7 +20,7 @@ from uwopt.report.text.helps import (
     not_known_lines,
 )
 from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, sentence
-from uwopt.results.basis import Excluded, Moved, Relaxed
+from uwopt.results.basis import Excluded, Moved, Relaxed, TooShallow
 from uwopt.results.design import PRACTICE_IN_VAIN
 from uwopt.results.result import Result
 from uwopt.units import split_unit
@@ -38,6 +38,8 @@ SMALLER = "Or these together, each a smaller share of what is asked than any of 
 TOGETHER = "All of these together would let a system through; less of some may do:"
 FAR = "Out of reach, though alone it would let a system through:"
 LESS, NO_LESS = "less may do", "no less will do"
+DEPTH = "depth rating"  # rule of parts that are not rated as deep as is needed
+LEFT_OUT = {"generic": "to be made, which catalog.generic leaves out"}  # where that is said otherwise than of a search
 
 
 def infeasible_block(result: Result | FrontResult) -> Block:
@@ -143,12 +145,31 @@ def none_left_lines(result: Result | FrontResult) -> list[Line]:
     """Kinds of parts of which none is left, and why those that the mission names are not."""
     made: list[Line] = []
     for one in [] if result.infeasible is None else result.infeasible.none_left:
-        reasons = "; ".join(
-            f"{formats.one_line(name, 60)}: {formats.one_line(why, 120)}" for name, why in one.reasons.items()
-        )
-        others = f"; {formats.count_text(one.n_others)} others are not allowed" if one.n_others else ""
-        made.append(sentence(f"No {one.kind} is left to choose: {reasons}{others}."))
+        table = columns(("parts", "right"), ("left out because", "left"))
+        for rule, count in sorted(one.by_rule.items(), key=lambda item: (item[0] != DEPTH, -item[1])):
+            short = one.too_shallow if rule == DEPTH else None
+            rows = [(count, words.rule_name(rule))] if short is None else shallow_rows(short, count)
+            for number, why in rows:
+                table.add_row(Text(formats.count_text(number)), Text(LEFT_OUT.get(rule, why)))
+        every = formats.count_text(sum(one.by_rule.values()))
+        made += [sentence(f"No {one.kind} is left to choose of the {every} in the catalogue:"), table]
+        if one.reasons:
+            by_id = one.reasons.items()
+            told = "; ".join(f"{formats.one_line(name, 60)}: {formats.one_line(why, 120)}" for name, why in by_id)
+            made.append(sentence(f"{'Named' if names_kind(result, one.kind) else 'Rated deep enough'}, but {told}."))
     return made
+
+
+def shallow_rows(short: TooShallow, count: int) -> list[tuple[int, str]]:
+    """How many parts are rated for less than is needed, and how many have no rating; `depth_lines` has the deepest."""
+    less = f"rated for less than {formats.quantity(short.needed_m, 'm', 4)}"
+    rows = [(count - short.unrated, less), (short.unrated, "without a known depth rating")]
+    return [row for row in rows if row[0]]
+
+
+def names_kind(result: Result | FrontResult, kind: str) -> bool:
+    """Whether a mission names parts of a kind."""
+    return bool((result.mission.get("catalog") or {}).get("lenses" if kind == "lens" else f"{kind}s"))
 
 
 def fit_sentence(result: Result | FrontResult) -> Text | None:
