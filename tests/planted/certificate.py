@@ -152,7 +152,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="rows that wait forget the others of their block",
-        file="uwopt/solvers/exact/open_rows.py",
+        file="uwopt/solvers/exact/tree.py",
         old="self._with(depth, (*level[:place], *rest, *level[place + 1 :]))",
         new="self._with(depth, (*level[:place], *level[place + 1 :]))",
         test="tests/solvers/test_large.py::test_the_front_of_a_large_catalogue_is_that_of_a_small_one",

@@ -151,8 +151,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="groups of ports are as roomy as their tightest housing",
         file="uwopt/solvers/exact/port_groups.py",
-        old='**high("refractive_index", "room_diameter_m", "room_length_m"),',
-        new='**high("refractive_index"), **low("room_diameter_m", "room_length_m"),',
+        old='(*sizes, "price", "limit_price", "mass_kg"), ("refractive_index", "room_diameter_m", "room_length_m")',
+        new='(*sizes, "price", "limit_price", "mass_kg", "room_diameter_m", "room_length_m"), ("refractive_index",)',
         test="tests/solvers/test_housings.py::test_no_group_of_ports_is_tighter_than_its_roomiest_housing",
     ),
     Defect(

@@ -104,7 +104,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a lamp is made before a housing",
-        file="uwopt/solvers/made.py",
+        file="uwopt/solvers/recommend.py",
         old="TO_BE_MADE: tuple[Kind, ...] = get_args(MadeKind)",
         new="TO_BE_MADE: tuple[Kind, ...] = get_args(MadeKind)[::-1]",
         test="tests/solvers/test_made.py::test_the_kinds_are_the_most_liked_of_all_that_fit",
@@ -411,8 +411,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="groups of ports cost as much as their dearest",
         file="uwopt/solvers/exact/port_groups.py",
-        old='first, **low(*sizes, "price", "limit_price", "mass_kg"),',
-        new='first, **low(*sizes, "limit_price", "mass_kg"), **high("price"),',
+        old='"price", "limit_price", "mass_kg"), ("refractive_index", "room_diameter_m", "room_length_m")',
+        new='"limit_price", "mass_kg"), ("price", "refractive_index", "room_diameter_m", "room_length_m")',
         test=f"{BOUNDS}test_a_group_of_ports_is_bounded_by_its_best[lamps in steps]",
     ),
     Defect(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from itertools import chain, combinations
 
-from uwopt.solvers.made import fewest_made
+from uwopt.solvers.recommend import fewest_made
 
 KINDS = ("housing", "port", "light")
 SETS = [frozenset(some) for some in chain.from_iterable(combinations(KINDS, size) for size in range(4))]

@@ -18,12 +18,12 @@ from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Moved
-from uwopt.solvers.infeasible.contradiction import Contradiction, contradiction
 from uwopt.solvers.infeasible.joint_changes import CommonShare
 from uwopt.solvers.infeasible.least_change import CLOSER, in_rounds
 from uwopt.solvers.infeasible.move_keys import tries_of
 from uwopt.solvers.infeasible.moves import Mover, NearestType
 from uwopt.solvers.infeasible.trials import Trials
+from uwopt.solvers.infeasible.why_nothing import Contradiction, contradiction
 from uwopt.solvers.recommend import seek
 
 POWER = Objective.of("power")

@@ -18,8 +18,7 @@ from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.explain.robustness import SLOW_S
-from uwopt.solvers.made import TO_BE_MADE, fewest_made
-from uwopt.solvers.recommend import GENERIC_GAIN, Sought, seek
+from uwopt.solvers.recommend import GENERIC_GAIN, TO_BE_MADE, Sought, fewest_made, seek
 from uwopt.solvers.settings.best import scenes_need_cells
 
 MOST_IN_VAIN = 200_000  # designs below a cap of gain that yields, of which none fits: then it is asked if any does

@@ -1,4 +1,4 @@
-"""From a mission to a recommendation: select, search, read back, round, doubt, explain.
+"""From a mission to a recommendation: select, search, read back, round, doubt, explain; of which kinds parts are made.
 
 The search works on tables; here its designs become results. Every design is evaluated again through
 the forward model, and a claim that does not hold there is a defect, not a result.
@@ -7,15 +7,16 @@ the forward model, and a claim that does not hold there is a defect, not a resul
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
 from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import Selection, ToBeMade
 from uwopt.catalog.compatibility import explain_pair
+from uwopt.catalog.records import Kind
 from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import SolverError
 from uwopt.evaluation.design import evaluate_design
@@ -24,6 +25,7 @@ from uwopt.forward.assembly import build_problem, selected, wish
 from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
 from uwopt.forward.setting_rows import SceneRows
+from uwopt.mission.keys import MadeKind
 from uwopt.mission.mission import Mission
 from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.objective import Objective
@@ -282,3 +284,23 @@ def part_warnings(problem: Problem, hardware: Hardware) -> list[Note]:
         parts.lights[hardware.light],
     )  # fmt: skip
     return [Note(f.rule, "hardware", f.message) for f in findings if f.severity == "warning"]
+
+
+# ---------------------------------------------------------------- as few to be made as serve
+
+
+#: The worst first: a lamp has to be developed, a dome is ground to order, a tube is turned in any workshop.
+TO_BE_MADE: tuple[Kind, ...] = get_args(MadeKind)
+
+
+def fewest_made(serves: Callable[[tuple[Kind, ...]], bool]) -> tuple[Kind, ...]:
+    """The kinds of part to be made, all of which serve: each is left out in turn if the others serve still.
+
+    serves : whether parts to be made of these kinds and no others do; False where that is not known
+    """
+    made = TO_BE_MADE
+    for kind in TO_BE_MADE:
+        fewer = tuple(other for other in made if other != kind)
+        if fewer and serves(fewer):  # of no kind at all nothing fits
+            made = fewer
+    return made

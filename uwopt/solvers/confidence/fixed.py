@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,6 +22,9 @@ from uwopt.solvers.settings.closed_form import Chosen
 from uwopt.solvers.settings.question import Best
 from uwopt.tolerances import ROUND
 from uwopt.units import ratio_to_db
+
+if TYPE_CHECKING:
+    from uwopt.solvers.confidence.outcomes import Judge
 
 BEYOND = (0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)  # of the way from the share asked for to all
 FEWER = (0.5, 0.75)  # of the scenarios: where no settings hold as often as asked
@@ -40,19 +43,8 @@ class SceneSetting:
 Settings = list[SceneSetting]  # by scene
 
 
-class WithVerdict(Protocol):
-    """Rows with the iris of each at its stop, and what settings of theirs are worth."""
-
-    @property
-    def rows(self) -> list[SceneRows]:
-        """By scene of the mission."""
-
-    def verdict(self, best: Best) -> tuple[Array, Array]:
-        """Minimised objective, inf where something is missed, and what."""
-
-
 def best_fixed(
-    judge: WithVerdict, adapted: Best, sizes: Sequence[int], count: int, share: float, given: Settings | None = None
+    judge: Judge, adapted: Best, sizes: Sequence[int], count: int, share: float, given: Settings | None = None
 ) -> tuple[tuple[Array, Array], list[Settings]]:
     """The verdict of the best settings of each block of rows, one hardware at one stop each; and those settings.
 

@@ -34,7 +34,6 @@ from uwopt.solvers.continuous.pieces import (
     SmoothSettings,
     Symbolic,
     pieces_of,
-    wanted_dn,
 )
 from uwopt.solvers.continuous.program import scene_rules
 from uwopt.units import ratio_to_db
@@ -161,7 +160,7 @@ class MixedProgram:
                 found.append(low - slack - logs[key])
             if self.ranges[key][1] > high:
                 found.append(logs[key] - high - slack)
-        wanted = wanted_dn(scene)
+        wanted = scene.wanted_dn
         if wanted is not None:
             off = np.log(scene.digital_dn(scene.total_e[scene.nominal], at, offset_dn=0.0) / wanted)
             found += [off - SLACK, -off - SLACK]

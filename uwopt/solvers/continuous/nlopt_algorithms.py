@@ -23,7 +23,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import nlopt
 import numpy as np
@@ -32,8 +32,6 @@ from uwopt.arrays import Array
 from uwopt.solvers.continuous.optimality import Attempt, derivatives, fitted_multipliers, kkt_residual
 from uwopt.solvers.continuous.program import Program, Smooth, names_of_rules
 from uwopt.solvers.continuous.reduced import Reduced
-
-Algorithm = Literal["slsqp", "cobyla", "global", "mma", "ccsaq", "lbfgs", "isres", "ags", "direct_l", "mlsl"]
 
 RULE_TOLERANCE = 1e-9  # in logarithms
 HUGE = 1e6  # stands in for a value that is no number
@@ -138,7 +136,7 @@ def finite(values: Array) -> Array:
 
 
 def solve(
-    program: Program, start: Array, *, algorithm: Algorithm = "slsqp", max_seconds: float | None = None
+    program: Program, start: Array, *, algorithm: str, max_seconds: float | None = None
 ) -> Attempt:
     """One run from a start; multipliers are those that fit best, and the residual says how well."""
     if len(start) == 0:

@@ -126,6 +126,19 @@ class SmoothScene:
             return self.full_power_w > 0.0
         return (self.pulse_energy_j if self.kind == FLASH else self.full_power_w) * self.rate_hz > 0.0
 
+    @property
+    def wanted_dn(self) -> float | None:
+        """Digital numbers above black that the wanted mean level asks for."""
+        return None if self.mean_level is None else self._above_black_dn(self.mean_level)
+
+    @property
+    def headroom_dn(self) -> float:
+        """Digital numbers above black that the brightest mean level may reach."""
+        return self._above_black_dn(1.0 / self.highlight_ratio)
+
+    def _above_black_dn(self, level: float) -> float:
+        return float(sensor.above_black_dn(level, full_scale_dn=self.full_scale_dn, offset_dn=self.black_level_dn))
+
     def exposure_s(self, time_s: float) -> float:
         """Exposure that collects light for a time, as `SceneRows.exposure_s` has it."""
         whole = self.kind == FLASH and time_s >= self.flash_full_s * WHOLE_FLASH
@@ -172,11 +185,7 @@ class SmoothScene:
             return light.continuous_power_w(at.level, full_power_w=self.full_power_w, count=1)
         if self.kind == PULSED:
             return light.pulsed_led_power_w(
-                at.level,
-                full_power_w=self.full_power_w,
-                count=1,
-                pulse_s=at.time_s,
-                frame_rate_hz=self.rate_hz,
+                at.level, full_power_w=self.full_power_w, count=1, pulse_s=at.time_s, frame_rate_hz=self.rate_hz
             )
         return light.flash_power_w(
             self.pulse_energy_j * at.level, count=1, frame_rate_hz=self.rate_hz, charging_efficiency=1.0
@@ -365,7 +374,7 @@ def ruled_out(scene: SmoothScene, piece: Piece) -> bool:
     widest = max(scene.n_high, scene.n_low)
     dim = SmoothSettings(widest, shortest, piece.level_low, scene.min_gain, piece.exposure_s(shortest))
     nominal, brightest = scene.total_e[scene.nominal], max(scene.total_e)
-    wanted, headroom = wanted_dn(scene), headroom_dn(scene)
+    wanted, headroom = scene.wanted_dn, scene.headroom_dn
     if any(scene.snr(signal, bright, total_e=total) < snr * (1.0 - 1e-9) for signal, total, snr in scene.wanted):
         return True
     if headroom <= 0.0 or scene.digital_dn(brightest, dim, offset_dn=0.0) > headroom * (1.0 + 1e-9):
@@ -378,23 +387,6 @@ def ruled_out(scene: SmoothScene, piece: Piece) -> bool:
     return wanted <= 0.0 or not (
         scene.digital_dn(nominal, dim, offset_dn=0.0) <= wanted * (1.0 + 1e-9)
         and scene.digital_dn(nominal, bright, offset_dn=0.0) >= wanted * (1.0 - 1e-9)
-    )
-
-
-def wanted_dn(scene: SmoothScene) -> float | None:
-    """Digital numbers above black that the wanted mean level asks for."""
-    return None if scene.mean_level is None else above_black_dn(scene, scene.mean_level)
-
-
-def headroom_dn(scene: SmoothScene) -> float:
-    """Digital numbers above black that the brightest mean level may reach."""
-    return above_black_dn(scene, 1.0 / scene.highlight_ratio)
-
-
-def above_black_dn(scene: SmoothScene, level: float) -> float:
-    """Digital numbers above black at a mean level."""
-    return float(
-        sensor.above_black_dn(level, full_scale_dn=scene.full_scale_dn, offset_dn=scene.black_level_dn)
     )
 
 

@@ -28,8 +28,6 @@ from uwopt.solvers.continuous.pieces import (
     SmoothScene,
     SmoothSettings,
     Symbolic,
-    headroom_dn,
-    wanted_dn,
 )
 from uwopt.tolerances import SLACK
 from uwopt.units import ratio_to_db
@@ -239,7 +237,7 @@ class Program:
         each = zip(self.scenes, self.pieces, self.settings(list(x)), strict=True)
         for index, (scene, piece, at) in enumerate(each):
             inequalities |= {f"{name}[{index}]{where}": v for (name, where), v in scene_rules(scene, at).items()}
-            wanted = wanted_dn(scene)
+            wanted = scene.wanted_dn
             if wanted is not None:
                 nominal_dn = scene.digital_dn(scene.total_e[scene.nominal], at, offset_dn=0.0)
                 equalities[f"mean_level[{index}]"] = np.log(nominal_dn / wanted)
@@ -263,7 +261,7 @@ def scene_rules(scene: SmoothScene, at: SmoothSettings) -> dict[tuple[str, str],
         rules["min_snr", where] = -np.log(scene.snr(signal, at, total_e=total) / wanted)
     brightest = max(scene.total_e)
     if brightest > 0.0:
-        rules["saturation", ""] = np.log(scene.digital_dn(brightest, at, offset_dn=0.0) / headroom_dn(scene))
+        rules["saturation", ""] = np.log(scene.digital_dn(brightest, at, offset_dn=0.0) / scene.headroom_dn)
     if np.isfinite(scene.well_e) and brightest > 0.0:
         allowed = scene.well_e / scene.highlight_ratio
         rules["full_well", ""] = np.log((scene.electrons(brightest, at) + scene.dark_e(at)) / allowed)

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from uwopt.arrays import Array
-from uwopt.solvers.continuous.pieces import SmoothSettings, Symbolic, wanted_dn
+from uwopt.solvers.continuous.pieces import SmoothSettings, Symbolic
 from uwopt.solvers.continuous.program import Program, Rules, names_of_rules
 
 APART = 1e-8  # in logarithms: half the width of the gap that stands for an equality
@@ -74,7 +74,7 @@ class Reduced:
     def _determined(self, index: int, name: str, at: SmoothSettings) -> Symbolic:
         """The logarithm of gain or level that gives the wanted mean level, the other settings as they are."""
         scene = self.program.scenes[index]
-        wanted, total_e = wanted_dn(scene) or np.nan, scene.total_e[scene.nominal]
+        wanted, total_e = scene.wanted_dn or np.nan, scene.total_e[scene.nominal]
         if name.startswith("gain"):
             unit = SmoothSettings(at.f_number, at.time_s, at.level, 1.0, at.exposure_s)
             return np.log(wanted / scene.digital_dn(total_e, unit, offset_dn=0.0))

@@ -16,32 +16,24 @@ import itertools
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 
 from uwopt.errors import SolverError
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.continuous.optimality import Attempt, derivatives, optimality_gap, rule_names, violations
-from uwopt.solvers.continuous.pieces import (
-    Piece,
-    SmoothDesign,
-    SmoothSettings,
-    pieces_of,
-    worst_light_w,
-)
+from uwopt.solvers.continuous.pieces import Piece, SmoothDesign, SmoothSettings, pieces_of, worst_light_w
 from uwopt.solvers.continuous.program import Goal, Program
 from uwopt.tolerances import TIE
 from uwopt.units import ratio_to_db
 
 Method = Literal[
-    "casadi", "slsqp", "cobyla", "global", "mma", "ccsaq", "lbfgs", "isres", "ags", "direct_l", "mlsl"
+    "casadi", "global", "slsqp", "mma", "ccsaq", "lbfgs", "cobyla", "isres", "ags", "direct_l", "mlsl"
 ]
 Status = Literal["optimal", "feasible", "infeasible", "failed"]
 #: Algorithms of NLopt one by one. Of these some only come near.
-ALGORITHMS: tuple[Method, ...] = (
-    "slsqp", "mma", "ccsaq", "lbfgs", "cobyla", "isres", "ags", "direct_l", "mlsl"
-)  # fmt: skip
+ALGORITHMS: tuple[Method, ...] = get_args(Method)[2:]
 FEASIBLE = 1e-6  # relative, of any rule
 GAP = 1e-6  # of what is called optimal, in the program's objective: a logarithm of power or of SNR
 
@@ -54,13 +46,9 @@ class Proof:
     kkt_residual: float
 
 
-PROOF = {
-    "casadi": Proof(1e-7, 1e-6),
-    "slsqp": Proof(1e-6, 1e-5),
-    "cobyla": Proof(1e-6, 1e-4),
-    "global": Proof(1e-6, 1e-5),
-    **dict.fromkeys(("mma", "ccsaq", "lbfgs", "isres", "ags", "direct_l", "mlsl"), Proof(1e-6, 1e-5)),
-}
+PROOF: dict[str, Proof] = dict.fromkeys(get_args(Method), Proof(1e-6, 1e-5)) | {
+    "casadi": Proof(1e-7, 1e-6), "cobyla": Proof(1e-6, 1e-4),
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -82,15 +70,11 @@ class Task:
 
     def program(self, pieces: Sequence[Piece], only: int | None = None) -> Program:
         """The smooth program of one choice of pieces; of one scene alone when asked."""
+        scenes = self.design.scenes if only is None else (self.design.scenes[only],)
         return Program(
-            scenes=self.design.scenes if only is None else (self.design.scenes[only],),
-            pieces=tuple(pieces),
-            motorised=self.design.motorised,
-            goal=self.goal,
-            power_weight=self.objective.weight("power"),
-            snr_weight=self.objective.weight("snr_db"),
-            light_limit_w=self.power_limit_w - self.design.camera_power_w,
-        )
+            scenes, tuple(pieces), self.design.motorised, self.goal, self.objective.weight("power"),
+            self.objective.weight("snr_db"), self.power_limit_w - self.design.camera_power_w,
+        )  # fmt: skip
 
     def value_per_unit(self, program: Program, x: Any) -> float:
         """Change of the minimised value per unit of the program's objective; watts when power is a tie."""
@@ -161,14 +145,9 @@ def solve_settings(
     if min(objective.weight("power"), objective.weight("snr_db")) < 0.0:
         raise SolverError("continuous solvers take no negative weight of power or snr_db")
     began = time.perf_counter()
-    task = Task(
-        design=design,
-        objective=objective,
-        power_limit_w=power_limit_w,
-        method=method,
-        deadline=None if max_seconds is None else began + max_seconds,
-    )
-    return replace(best_choice(task), run_time_s=time.perf_counter() - began)
+    deadline = None if max_seconds is None else began + max_seconds
+    found = best_choice(Task(design, objective, power_limit_w, method, deadline))
+    return replace(found, run_time_s=time.perf_counter() - began)
 
 
 def best_choice(task: Task) -> Verdict:
@@ -250,9 +229,9 @@ def attempt(task: Task, program: Program, start: Any) -> Attempt:
         from uwopt.solvers.continuous import casadi_ipopt
 
         return casadi_ipopt.solve(program, start, max_seconds=task.seconds_left())
-    from uwopt.solvers.continuous import nlopt_algorithms as nlopt_solvers
+    from uwopt.solvers.continuous import nlopt_algorithms
 
-    return nlopt_solvers.solve(program, start, algorithm=task.method, max_seconds=task.seconds_left())
+    return nlopt_algorithms.solve(program, start, algorithm=task.method, max_seconds=task.seconds_left())
 
 
 def solve_program(task: Task, program: Program) -> Verdict:
@@ -281,12 +260,10 @@ def solve_program(task: Task, program: Program) -> Verdict:
 def judged(task: Task, program: Program, found: Attempt) -> Verdict:
     """What an attempt is worth: rules in their own terms first, then the conditions of an optimum."""
     settings = program.set_points(found.x)
-    missed = violations(
-        program.scenes, settings, motorised=program.motorised, light_limit_w=program.light_limit_w
-    )
+    motorised, proof = program.motorised, PROOF[task.method]
+    missed = violations(program.scenes, settings, motorised=motorised, light_limit_w=program.light_limit_w)
     worst = max(missed, key=lambda name: missed[name])
     max_violation = max(missed[worst], 0.0)
-    proof = PROOF[task.method]
     feasible = max_violation <= FEASIBLE
     optimal = max_violation <= proof.violation and found.kkt_residual <= proof.kkt_residual
     if optimal and len(found.x):

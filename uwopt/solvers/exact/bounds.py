@@ -46,16 +46,13 @@ class Bounds:
         self.searched = np.ones(len(self.problem.parts.lights), bool) if lights is None else lights
         self.limits = self.problem.mission.limits
         self.needs = ImagerNeeds(tables)
-        self.light_tables: list[LampChoices] = (
-            [LampChoices.of(self.problem, lighting, self.searched) for lighting in tables.lightings]
-            if like is None
-            else like.light_tables
-        )
-        self.of_kinds: list[list[LampsOfKind]] = (  # by lighting
-            [[*LampsOfKind.each(self.problem, table)] for table in self.light_tables]
-            if like is None
-            else like.of_kinds
-        )
+        self.light_tables: list[LampChoices]  # by lighting
+        self.of_kinds: list[list[LampsOfKind]]
+        if like is None:
+            self.light_tables = [LampChoices.of(self.problem, one, self.searched) for one in tables.lightings]
+            self.of_kinds = [[*LampsOfKind.each(self.problem, table)] for table in self.light_tables]
+        else:
+            self.light_tables, self.of_kinds = like.light_tables, like.of_kinds
         self._any_lighting = AnyLighting(self)
         self._never_sharp = NeverSharp(self.problem, self.imagers)
 

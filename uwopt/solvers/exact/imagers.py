@@ -99,13 +99,8 @@ class Imagers(Columns):
 
     def sample(self, row: int, lighting: int | None) -> Sample:
         """One imager under one lighting, or any, for an audit."""
-        return (
-            int(self.camera[row]),
-            int(self.lens[row]),
-            int(self.port[row]),
-            bool(self.landscape[row]),
-            lighting,
-        )
+        own = int(self.camera[row]), int(self.lens[row]), int(self.port[row])
+        return *own, bool(self.landscape[row]), lighting
 
 
 def enumerate_imagers(

@@ -6,7 +6,7 @@ Each group stands as the two ports that would favour a design in every respect, 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -21,6 +21,7 @@ from uwopt.forward.views import Views, focus_map
 from uwopt.model import lens, port
 from uwopt.model.port import normal_port_transmittance
 from uwopt.solvers.exact.imager_rules import stops_down
+from uwopt.solvers.exact.pair_groups import at_best
 from uwopt.tolerances import COARSE_ROUND
 
 BRANCHES = 8  # ports, or groups of them, that a group is split into
@@ -52,15 +53,8 @@ class PortGroups:
     @staticmethod
     def of(problem: Problem, order: Array, start: Array) -> PortGroups:
         """The groups that begin at these places."""
-        ports = problem.ports
-
-        def low(*names: str) -> dict[str, Array]:
-            return {name: np.minimum.reduceat(getattr(ports, name)[order], start) for name in names}
-
-        def high(*names: str) -> dict[str, Array]:
-            return {name: np.maximum.reduceat(getattr(ports, name)[order], start) for name in names}
-
-        tie, first, sizes = problem.ties[2][order], ports.take(order[start]), ("outer_radius_m", "gap_m", "thickness_m")
+        ports, tie, sizes = problem.ports, problem.ties[2][order], ("outer_radius_m", "gap_m", "thickness_m")
+        wanted = (*sizes, "price", "limit_price", "mass_kg"), ("refractive_index", "room_diameter_m", "room_length_m")
         passed = [
             normal_port_transmittance(n_water=scene.n_water, n_glass=ports.refractive_index[order])
             for scene in problem.scenes
@@ -68,11 +62,7 @@ class PortGroups:
         return PortGroups(
             order, start, np.append(start[1:], len(order)),
             np.minimum.reduceat(tie, start), np.maximum.reduceat(tie, start),
-            replace(
-                first, **low(*sizes, "price", "limit_price", "mass_kg"),
-                **high("refractive_index", "room_diameter_m", "room_length_m"),
-            ),
-            replace(first, **high(*sizes), **low("refractive_index")),
+            at_best(ports, order, start, *wanted), at_best(ports, order, start, ("refractive_index",), sizes),
             np.array([np.maximum.reduceat(column, start) for column in passed]),
         )  # fmt: skip
 

@@ -150,10 +150,7 @@ class Mover:
 
     def __post_init__(self) -> None:
         self.base = VariedMission(self.mission, {})
-        known = self.trials.relaxer.settled
-        self.useless |= {one.key.name: known[one.key.name] for one in self.tries if one.key.name in known}
-        never = {one.key.name: self.trials.relaxer.never_without(one.key.name) for one in self.tries}
-        self.useless |= {name: rules for name, rules in never.items() if rules}
+        self.useless |= self.trials.relaxer.useless_alone([one.key.name for one in self.tries])
 
     @property
     def mission(self) -> Mission:

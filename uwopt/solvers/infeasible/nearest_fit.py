@@ -14,7 +14,7 @@ from uwopt.forward.views import widest_corner
 from uwopt.results.basis import Lacking, NearestFit
 from uwopt.solvers.exact.imagers import landscapes
 from uwopt.solvers.exact.seen import seen_behind
-from uwopt.solvers.infeasible.broken_rules import Broken
+from uwopt.solvers.infeasible.relaxed_imagers import Broken
 from uwopt.solvers.infeasible.relaxer import Relaxer
 from uwopt.tolerances import ROUND
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from functools import cached_property
 from typing import Any
 
@@ -212,6 +212,11 @@ class Relaxer(RelaxedImagers):
         if like is None or not like.outcome.complete or like.outcome.best or like.problem.mission != self.mission:
             return {}
         return {name: in_the_way(like, name) for name in untouched(like.outcome.account)}
+
+    def useless_alone(self, names: Iterable[str]) -> dict[str, tuple[str, ...]]:
+        """Requirements or keys of these that are known not to help alone, and what is in the way even so."""
+        known = {name: self.settled[name] for name in names if name in self.settled}
+        return known | {name: rules for name in names if (rules := self.never_without(name))}
 
     def never_without(self, name: str) -> tuple[str, ...]:
         """What stands in the way whatever a requirement or key is, as no part ever meets it; nothing where any may."""

@@ -64,11 +64,9 @@ class Singles:
     unmet: list[str] = field(default_factory=list)  # which nothing meets where no other is asked: each has to give
 
     def __post_init__(self) -> None:
-        known = self.trials.relaxer.settled
-        self.useless |= {name: known[name] for name in self.trials.limits if name in known}
-        never = {name: self.trials.relaxer.never_without(name) for name in self.trials.limits}
-        self.useless |= {name: rules for name, rules in never.items() if rules}
-        self.unmet += dict.fromkeys(rule for rules in never.values() for rule in rules)
+        relaxer, names = self.trials.relaxer, self.trials.limits
+        self.useless |= relaxer.useless_alone(names)
+        self.unmet += dict.fromkeys(rule for name in names for rule in relaxer.never_without(name))
 
     def ask_suspects(self) -> None:
         """First of all drop those that likely stand in the way.

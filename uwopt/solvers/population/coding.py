@@ -89,13 +89,9 @@ class BoundedNodes:
         tables, n, none = search.tables, len(search.imagers), np.empty(0, int)
         n_optics, n_mounts = len(search.problem.optics), max(1, len(search.problem.mounts))
         row_of = np.full((len(tables.lightings), len(KINDS)), -1)
-        room = MOST_BOUNDED // max(1, n * n_optics)
-        if room == 0 or n == 0:
-            return BoundedNodes(
-                np.ones((n, n_optics), bool), row_of, np.empty((0, n)), none, none, np.empty((0, len(axes)))
-            )
+        room = MOST_BOUNDED // max(1, n * n_optics) if n else 0  # in less than one nothing is bounded, and all may be
         some = np.unique(np.linspace(0, n_mounts - 1, min(room, n_mounts)).round().astype(int))
-        alive = np.zeros((n, n_optics), bool)
+        alive = np.full((n, n_optics), room == 0)
         wanted: list[Array] = []
         ideals, imager, lighting = [], [], []
         every = np.arange(n)

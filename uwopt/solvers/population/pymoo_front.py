@@ -9,6 +9,8 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from importlib import import_module
+from math import comb
 from typing import Any
 
 import moocore
@@ -40,6 +42,8 @@ from pymoo.operators.repair.rounding import RoundingRepair  # noqa: E402
 #: Those of pymoo that handle constraints and three objectives (MOEA/D does not) and need no further package
 #: (AGE-MOEA wants numba).
 ALGORITHMS = ("nsga2", "nsga3", "unsga3", "ctaea", "rvea", "spea2", "smsemoa")
+WITH_DIRECTIONS = ("nsga3", "unsga3", "ctaea", "rvea")
+MODULES = {"smsemoa": "sms"}  # of other names than theirs
 POP_SIZE = 200
 GENERATIONS = 1000
 SBX_ETA, PM_ETA = 5.0, 10.0
@@ -117,7 +121,7 @@ class PymooRun:
     def until(self, seconds: float | None, generations: int | None, progress: Progress) -> str:
         """Breed until the front stagnates, or generations or seconds are over; why it ended."""
         most = generations or GENERATIONS
-        marks = [self._mark()]
+        marks = [self.archive.values]
         try:
             algorithm = self._algorithm(most, self._scouted(seconds))
             while self.generations < most:
@@ -128,7 +132,7 @@ class PymooRun:
                 progress(min(share, 1.0), f"{len(self.archive)} designs on the front")
                 if seconds is not None and spent > seconds:
                     return "stopped"
-                marks.append(self._mark())
+                marks.append(self.archive.values)
                 if generations is None and self._stagnates(marks):
                     break
         except KeyboardInterrupt:  # what the archive holds is kept
@@ -167,9 +171,6 @@ class PymooRun:
         self.history.append((self.seconds, self.archive.values))
         if len(self.history) > SNAPSHOTS:
             self.history = [*self.history[:-1:2], self.history[-1]]
-
-    def _mark(self) -> Array:
-        return self.archive.values
 
     def _stagnates(self, marks: list[Array]) -> bool:
         """Whether the hypervolume hardly grew over many generations, measured in the box of the front today."""
@@ -224,12 +225,7 @@ class Vectors(Problem):
 
     def __init__(self, run: PymooRun):
         super().__init__(
-            n_var=len(run.coding.upper),
-            n_obj=len(run.axes),
-            n_ieq_constr=1,
-            xl=0,
-            xu=run.coding.upper,
-            vtype=int,
+            n_var=len(run.coding.upper), n_obj=len(run.axes), n_ieq_constr=1, xl=0, xu=run.coding.upper, vtype=int
         )
         self.run = run
 
@@ -285,52 +281,23 @@ def terminator(name: str, generations: int) -> Any:
 
 def create(name: str, n_axes: int, pop_size: int, common: dict[str, Any]) -> Algorithm:
     """One of pymoo's algorithms; imported one by one, since that takes time."""
-    if name == "nsga2":
-        from pymoo.algorithms.moo.nsga2 import NSGA2
-
-        return NSGA2(pop_size=pop_size, **common)
-    if name == "spea2":
-        from pymoo.algorithms.moo.spea2 import SPEA2
-
-        return SPEA2(pop_size=pop_size, **common)
-    if name == "smsemoa":
-        from pymoo.algorithms.moo.sms import SMSEMOA
-
-        return SMSEMOA(pop_size=pop_size, **common)
+    algorithm = getattr(import_module(f"pymoo.algorithms.moo.{MODULES.get(name, name)}"), name.upper())
+    if name not in WITH_DIRECTIONS:
+        return algorithm(pop_size=pop_size, **common)
     directions = reference_directions(n_axes, pop_size)
-    if name == "ctaea":
-        from pymoo.algorithms.moo.ctaea import CTAEA
-
-        common = {**common, "sampling": common["sampling"][: len(directions)]}
-        return CTAEA(ref_dirs=directions, **common)
-    if name == "rvea":
-        from pymoo.algorithms.moo.rvea import RVEA
-
-        return RVEA(ref_dirs=directions, pop_size=pop_size, **common)
-    if name == "unsga3":
-        from pymoo.algorithms.moo.unsga3 import UNSGA3
-
-        return UNSGA3(ref_dirs=directions, pop_size=pop_size, **common)
-    from pymoo.algorithms.moo.nsga3 import NSGA3
-
-    return NSGA3(ref_dirs=directions, pop_size=pop_size, **common)
+    if name == "ctaea":  # has as many vectors as directions
+        return algorithm(ref_dirs=directions, **common | {"sampling": common["sampling"][: len(directions)]})
+    return algorithm(ref_dirs=directions, pop_size=pop_size, **common)
 
 
 def reference_directions(n_axes: int, pop_size: int) -> Array:
-    """Evenly spread directions, no more than the population."""
+    """Evenly spread directions, those of the finest simplex lattice that has no more than the population."""
     from pymoo.util.ref_dirs import get_reference_directions
 
     steps = 1
-    while n_directions(n_axes, steps + 1) <= pop_size:
+    while comb(steps + n_axes, n_axes - 1) <= pop_size:
         steps += 1
     return np.asarray(get_reference_directions("das-dennis", n_axes, n_partitions=steps))
-
-
-def n_directions(n_axes: int, steps: int) -> int:
-    """How many directions a simplex lattice of so many steps has."""
-    from math import comb
-
-    return comb(steps + n_axes - 1, n_axes - 1)
 
 
 __all__ = ["ALGORITHMS", "PopulationFront", "population_front"]

@@ -28,8 +28,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.imagers import Imagers, enumerate_imagers, fitting_pairs
 from uwopt.solvers.exact.ranking import Found, comes_before
 from uwopt.solvers.exact.search import Search, are_too_many
-from uwopt.solvers.made import fewest_made
-from uwopt.solvers.recommend import GENERIC_GAIN, Sought
+from uwopt.solvers.recommend import GENERIC_GAIN, Sought, fewest_made
 from uwopt.solvers.settings.best import scenes_need_cells
 from uwopt.solvers.warm.family import Family, Met
 from uwopt.solvers.warm.kept import KeptBounds, least_of_designs, least_of_nodes, some_nodes
