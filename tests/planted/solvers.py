@@ -517,6 +517,13 @@ DEFECTS: tuple[Defect, ...] = (
         "[information of pulses under the sun]",
     ),
     Defect(
+        name="the tangent under the sun lets every level fill the pixel",
+        file="uwopt/solvers/settings/cell_bounds.py",
+        old="(reach.x_lo, reach.x_hi), y)",
+        new="(reach.x_lo, reach.x_cap), y)",
+        test=f"{CELLS}test_bounds_of_cells_close_the_gap_soon[information against power under the sun]",
+    ),
+    Defect(
         name="the sun gives a node half of its light",
         file="uwopt/forward/sun_light.py",
         old="floor_log = chebyshev.chebval(-np.ones(1),",

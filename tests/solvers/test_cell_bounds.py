@@ -67,6 +67,10 @@ BY_CELLS: dict[str, tuple[dict[str, Any], Any]] = {
     "power in steps under the sun": (dict(sun=(3e3, 2e3), open_max_s=5e-3, min_snr=12.0, **STEPS), "power"),
     "pulses under the sun": (dict(sun=(3e3, 2e3), open_max_s=5e-3, min_snr=12.0, **LED), "power"),
     "information of pulses under the sun": (dict(sun=(3e4, 2e4), open_max_s=5e-3, **LED), "information"),
+    "information against power under the sun": (
+        dict(sun=(3e5, 4e5), open_max_s=5e-3, signal_e=[12.0, 10.0, 8.0], well_e=2e4),
+        {"information": 1e-5, "power": 0.01},
+    ),
     "power over the frame under the sun": (
         dict(sun=(3e3, 2e3), open_max_s=5e-3, min_snr=12.0, may_miss=3), "power",
     ),
@@ -134,7 +138,7 @@ def test_no_point_is_better_than_the_bound_of_a_cell_that_holds_it(name: str) ->
 CELLS_ENOUGH = {  # halved until a gap of 1e-4 closes, a quarter more than it takes: looser bounds take many more
     "information under lamps": 5, "information with a veil and dark current": 6,
     "information of a bright image": 11, "signal under the sun": 112, "pulses under the sun": 500,
-    "signal against power": 1370, "hardly sharp by steps of light": 25,
+    "signal against power": 1370, "hardly sharp by steps of light": 25, "information against power under the sun": 151,
 }  # fmt: skip
 #: Sharpness alone tells f-numbers apart under a faint sun: cells halved in time only see it after 8700 of them.
 HARDLY_SHARP: tuple[dict[str, Any], str] = (

@@ -326,7 +326,7 @@ class SceneCells:
         rows = self.rows.take(d)
         n_w2 = [np.square(n * rows.working_factor) for n in (box.n_hi, box.n_lo)]
         y = box.open_lo / n_w2[0], box.open_hi / n_w2[1]
-        mixture = self._mixture(rows, box, (reach.u_lo, reach.u_hi), (reach.x_lo, reach.x_cap), y)
+        mixture = self._mixture(rows, box, (reach.u_lo, reach.u_hi), (reach.x_lo, reach.x_hi), y)
         return mixture.brightest(self._quiet(rows, box))
 
     def _quiet(self, rows: SceneRows, box: Box) -> SceneRows:
