@@ -265,14 +265,14 @@ DEFECTS = (
     ),
     Defect(
         name="what luck alone saves counts",
-        file=f"{ROOM}/information_value.py",
+        file=f"{ROOM}/deciding.py",
         old="        ours, theirs = rows[chosen::2], rows[1 - chosen :: 2]",
         new="        ours, theirs = rows, rows",
         test=f"{TESTS}::test_a_number_is_worth_what_choosing_by_it_saves",
     ),
     Defect(
         name="what is worth as much in half of all shuffles is told",
-        file=f"{ROOM}/information_value.py",
+        file=f"{ROOM}/deciding.py",
         old="for _ in range(SHUFFLED))",
         new="for _ in range(1))",
         test=f"{TESTS}::test_what_luck_is_worth_is_not_told",

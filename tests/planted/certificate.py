@@ -173,7 +173,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="pairs are left out of a front that are cheap or thrifty alone",
-        file="uwopt/solvers/front/undominated.py",
+        file="uwopt/solvers/front/points.py",
         old="return self.archive.beats(ideals)",
         new="return self.archive.beats(ideals * np.where(ideals > 0.0, 1.3, 1.0))",
         test="tests/solvers/test_large.py::test_the_front_of_a_large_catalogue_is_that_of_a_small_one",

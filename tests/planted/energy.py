@@ -161,7 +161,7 @@ DEFECTS = (
     ),
     Defect(
         name="power of lamps that are off between images is bounded as if they burnt on",
-        file="uwopt/solvers/exact/lamp_choices.py",
+        file="uwopt/solvers/exact/lightings.py",
         old="return np.minimum(1.0, rate_hz * (self.lead_s + time_s))",
         new="return np.ones_like(rate_hz)",
         test=f"{SWITCHED_SEARCH}test_bounds_are_no_higher_than_what_switched_lamps_draw",

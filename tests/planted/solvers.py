@@ -312,14 +312,14 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="nodes are kept whose bright lamps are too slow",
-        file="uwopt/solvers/exact/lamp_choices.py",
+        file="uwopt/solvers/exact/lightings.py",
         old="np.append(-suffix_min(-self.lamps.max_rate_hz), -np.inf)[place]",
         new="np.append(0.0 * self.capacity + self.lamps.max_rate_hz.max(), -np.inf)[place]",
         test=f"{RULES}test_a_unit_falls_when_no_lamp_is_both_bright_and_quick_enough",
     ),
     Defect(
         name="nodes fall where the brightest lamp alone is too slow",
-        file="uwopt/solvers/exact/lamp_choices.py",
+        file="uwopt/solvers/exact/lightings.py",
         old="np.append(-suffix_min(-self.lamps.max_rate_hz), -np.inf)[place]",
         new="np.append(suffix_min(self.lamps.max_rate_hz), -np.inf)[place]",
         test=f"{RULES}test_a_unit_falls_when_no_lamp_is_both_bright_and_quick_enough",
@@ -922,14 +922,14 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="the bad end is the good one",
-        file="uwopt/solvers/part_ends.py",
+        file="uwopt/solvers/one_hardware.py",
         old='taken_as(name, known, best if end == "good" else worst)',
         new='taken_as(name, known, best if end == "bad" else worst)',
         test=f"{DOUBT}test_the_bad_end_of_a_camera_harms[price-3.0-1.0]",
     ),
     Defect(
         name="more light harms",
-        file="uwopt/solvers/part_ends.py",
+        file="uwopt/solvers/one_hardware.py",
         old="best, worst = (known.high, known.low) if",
         new="best, worst = (known.low, known.low) if",
         test=f"{DOUBT}test_the_bad_end_of_a_camera_harms[saturation_e-1.0-3.0]",

@@ -56,7 +56,7 @@ DEFECTS = (
     ),
     Defect(
         name="only a small dome is doubted",
-        file="uwopt/solvers/part_ends.py",
+        file="uwopt/solvers/one_hardware.py",
         old='known.low if end == "low" else known.high',
         new="known.low",
         test="tests/solvers/test_robustness.py::test_a_dome_whose_radius_is_estimated_fails_at_whichever_end_harms",

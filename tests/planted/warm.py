@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from planted.defect import Defect
 
-SEARCHES, KEPT, FAMILY = (f"uwopt/solvers/warm/{name}.py" for name in ("searches", "kept", "family"))
+SEARCHES, KEPT = (f"uwopt/solvers/warm/{name}.py" for name in ("searches", "kept"))
 TESTS = "tests/solvers/test_warm.py"
 ORDER = f"{TESTS}::test_missions_in_any_order_have_the_optima_of_their_own_searches"
 
@@ -18,14 +18,14 @@ DEFECTS = (
     ),
     Defect(
         name="what is found refutes no proof made before",
-        file=FAMILY,
+        file=KEPT,
         old="if any(one.asks.asks_no_more(asks) and is_below",
         new="if any(False and is_below",
         test=f"{TESTS}::test_a_wrong_warm_start_is_caught[a few parts]",
     ),
     Defect(
         name="a proof is held against nothing that was found before",
-        file=FAMILY,
+        file=KEPT,
         old="if asks.asks_no_more(stricter) and is_below(goal, reached, lower_bound):",
         new="if asks == stricter and is_below(goal, reached, lower_bound):",
         test=f"{TESTS}::test_a_wrong_proof_is_caught_by_what_was_shown_before",

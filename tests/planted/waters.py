@@ -74,7 +74,7 @@ DEFECTS = (
     ),
     Defect(
         name="the card turns the iris behind a sealed port",
-        file="uwopt/solvers/explain/worse_water.py",
+        file="uwopt/solvers/explain/other_waters.py",
         old="    if problem.lenses.motorised[hardware.lens]:",
         new="    if True:",
         test="tests/solvers/test_worse_water.py::test_behind_a_sealed_port_the_iris_stays_as_it_is",

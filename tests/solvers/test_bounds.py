@@ -25,9 +25,9 @@ from uwopt.solvers.exact.account import Account
 from uwopt.solvers.exact.attack import attack
 from uwopt.solvers.exact.bounds import Bounds
 from uwopt.solvers.exact.imagers import FittingPairs, Imagers, fitting_pairs
-from uwopt.solvers.exact.lamp_choices import suffix_min
 from uwopt.solvers.exact.large import PairTree
 from uwopt.solvers.exact.light_tables import FieldTables
+from uwopt.solvers.exact.lightings import suffix_min
 from uwopt.solvers.exact.node_bounds import bit_per_px_bound
 from uwopt.solvers.exact.outline import Level, OutlineRows, OutlineTables
 from uwopt.solvers.exact.pair_groups import PairGroups

@@ -23,7 +23,7 @@ from uwopt.forward.views import focus_map
 from uwopt.mission.doubt import Doubt
 from uwopt.model.port import lens_dioptre_per_m, water_distance_m
 from uwopt.solvers.confidence import search as search_module
-from uwopt.solvers.confidence.information_value import gained, is_no_luck, worth_of_knowing
+from uwopt.solvers.confidence.deciding import gained, is_no_luck, worth_of_knowing
 from uwopt.solvers.confidence.outcomes import outcomes
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.search import (

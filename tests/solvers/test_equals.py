@@ -9,8 +9,8 @@ from one_of_each import one, with_parts
 
 from uwopt.catalog.parts.quantity import Quantity
 from uwopt.deadline import Deadline, OutOfTimeError
-from uwopt.solvers.explain import ties as module
-from uwopt.solvers.explain.ties import equals
+from uwopt.solvers.explain import robustness as module
+from uwopt.solvers.explain.robustness import equals
 from uwopt.solvers.recommend import Sought
 
 Ends = tuple[float, float, float]

@@ -19,13 +19,13 @@ from uwopt.deadline import Deadline
 from uwopt.forward.problem import Problem
 from uwopt.objectives.dominance import hypervolume
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.exact import lamp_choices, large, port_groups, tree
+from uwopt.solvers.exact import large, lightings, port_groups, tree
 from uwopt.solvers.exact import search as exact_search
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.audit import audit
 from uwopt.solvers.exact.bounds import Bounds
 from uwopt.solvers.exact.imagers import Imagers, enumerate_imagers, fitting_pairs
-from uwopt.solvers.exact.lamp_choices import Corner
+from uwopt.solvers.exact.lightings import Corner
 from uwopt.solvers.exact.outline import Level, OutlineRows, OutlineScene
 from uwopt.solvers.exact.pair_groups import PairGroups
 from uwopt.solvers.exact.port_groups import port_tree
@@ -329,7 +329,7 @@ def test_many_lights_share_places_of_a_table(monkeypatch: pytest.MonkeyPatch) ->
     at, left = np.arange(61).repeat(20), np.tile(np.linspace(-0.1, 1.2, 20), 61)
     least = [value[a:][budget[a:] <= b].min(initial=np.inf) for a, b in zip(at, left, strict=True)]
     assert (Corner.of(value, budget).within(at, left) == least).all()
-    monkeypatch.setattr(lamp_choices, "MOST_PLACES", 7)
+    monkeypatch.setattr(lightings, "MOST_PLACES", 7)
     small = Corner.of(value, budget)
     assert small.least.shape == (7, 7) and (small.within(at, left) <= least).all()
 

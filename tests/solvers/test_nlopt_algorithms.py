@@ -14,9 +14,9 @@ from uwopt.forward.part_columns import CONTINUOUS, PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.continuous import nlopt_algorithms
+from uwopt.solvers.continuous.nlopt_algorithms import Reduced
 from uwopt.solvers.continuous.pieces import SmoothDesign, SmoothScene, pieces_of
 from uwopt.solvers.continuous.program import Program, names_of_rules
-from uwopt.solvers.continuous.reduced import Reduced
 from uwopt.solvers.continuous.solve_settings import ALGORITHMS, FEASIBLE, Verdict, solve_settings
 from uwopt.solvers.settings.best import best_settings
 from uwopt.solvers.settings.question import Question

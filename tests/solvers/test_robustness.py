@@ -21,8 +21,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.solvers.explain.assumptions import assumptions
 from uwopt.solvers.explain.lamp_places import missed_when_leaning
 from uwopt.solvers.explain.robustness import at_worst, doubtful, mixed_problem, robustness
-from uwopt.solvers.one_hardware import KINDS, among, best_of_each, parts_of, problem_of
-from uwopt.solvers.part_ends import at_end
+from uwopt.solvers.one_hardware import KINDS, among, at_end, best_of_each, parts_of, problem_of
 from uwopt.solvers.recommend import Sought, evaluated, seek
 
 ROOT = Path(__file__).parents[2]

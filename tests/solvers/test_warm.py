@@ -19,7 +19,8 @@ from uwopt.mission.strictness import Asking, sign_of
 from uwopt.mission.varying import VariedMission
 from uwopt.objectives.goal import goal_of
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.warm import family, searches
+from uwopt.solvers.warm import kept as kept_bounds
+from uwopt.solvers.warm import searches
 from uwopt.solvers.warm.kept import KeptBounds, sizes
 from uwopt.solvers.warm.searches import Warm, WarmAnswer, weakest_first
 
@@ -78,8 +79,8 @@ def agree(warm: Warm, mission: Mission, *, ahead: bool = True) -> tuple[Any, ...
 def small_sizes(monkeypatch: pytest.MonkeyPatch) -> None:
     """Sizes as shipped are larger than a small catalogue; these make every way of using bounds count."""
     for module, name, value in (
-        (searches, "FIRST", 1), (searches, "WORTH_BOUNDING", 0), (searches, "MANY", 0), (family, "MOST_BOUNDS", 2),
-        (family, "LEAST_GUESS", 0.0), (family, "MOST_GUESS", 0.0),
+        (searches, "FIRST", 1), (searches, "WORTH_BOUNDING", 0), (searches, "MANY", 0), (kept_bounds, "MOST_BOUNDS", 2),
+        (kept_bounds, "LEAST_GUESS", 0.0), (kept_bounds, "MOST_GUESS", 0.0),
     ):  # fmt: skip
         monkeypatch.setattr(module, name, value)
 

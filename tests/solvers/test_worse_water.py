@@ -10,7 +10,13 @@ from priced_system import PRICED
 from uwopt.api.evaluating import evaluate
 from uwopt.evaluation.recompute import given_settings, replay
 from uwopt.mission.mission import load_mission
-from uwopt.solvers.explain.worse_water import InWorseWater, flown, in_worse_water, worse_missions, worse_scene
+from uwopt.solvers.explain.other_waters import (
+    InWorseWater,
+    flown,
+    in_worse_water,
+    worse_missions,
+    worse_scene,
+)
 
 MISSION: dict[str, Any] = {
     "physics": "paper", "practice": "bare", "scene": {"water": "II", "seafloor": "sand", "depth_m": 20},

@@ -1,4 +1,7 @@
-"""One hardware of a search, or a few variants of it, solved again: other places, scenes, limits or estimates."""
+"""One hardware of a search, or a few variants of it, solved again: other places, scenes, limits or estimates.
+
+Parts whose doubtful numbers stand at an end of their ranges, and which of these can matter at all.
+"""
 
 from __future__ import annotations
 
@@ -8,9 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from uwopt.catalog.records import Part, Port
+from uwopt.catalog.parts.doubts import doubtful, taken_as, with_numbers
+from uwopt.catalog.parts.kinds import EITHER
+from uwopt.catalog.records import Part, Port, Quantity, exact
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.designs import Hardware
+from uwopt.forward.part_columns import FAVOURED
 from uwopt.forward.parts import Parts
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import SceneOptics
@@ -131,3 +137,46 @@ def among(problem: Problem, found: Found, mixed: Problem) -> Found:
         for kind, part in parts_of(mixed, found)
     }
     return replace(found, **places)
+
+
+# ---------------------------------------------------------------- parts at an end of what is estimated
+
+
+def at_end(part: Any, end: str, only: str | None = None) -> Any:
+    """A part with its doubtful numbers (or one of them) put at one end of their ranges.
+
+    `good` and `bad` move what has such ends; `low` and `high` what may favour a design at either.
+    """
+
+    def value_at(name: str, known: Quantity) -> Quantity | None:
+        if only is not None and name != only:
+            return None
+        if end in ("low", "high"):
+            value = known.low if end == "low" else known.high
+            return exact(value, known.status, known.source) if name in EITHER else None
+        best, worst = (known.high, known.low) if FAVOURED.get(name, 0) > 0 else (known.low, known.high)
+        return taken_as(name, known, best if end == "good" else worst) if FAVOURED.get(name, 0) else None
+
+    return with_numbers(part, value_at, housing=only is None)
+
+
+def with_either_end(part: Any) -> list[Any]:
+    """A part as it is, and at both ends of what may favour a design at either."""
+    if any(name in EITHER for name, _ in doubtful(part)):
+        return [part, at_end(part, "low"), at_end(part, "high")]
+    return [part]
+
+
+def housing_at_end(port: Port, end: str, only: str | None = None) -> Port:
+    """A port whose housing's doubtful numbers (or one of them) are put at one end of their ranges."""
+    return replace(port, housing=at_end(port.housing, end, only))
+
+
+def matters(name: str, problem: Problem, objective: Objective) -> bool:
+    """Whether a field can enter the objective or a limit at all."""
+    limits = problem.mission.limits
+    if name == "price":
+        return bool(objective.weight("cost")) or limits.cost is not None
+    if name == "mass_g":
+        return bool(objective.weight("mass")) or limits.mass_kg is not None
+    return bool(FAVOURED.get(name)) or name in EITHER

@@ -38,7 +38,7 @@ from uwopt.model.scattering import PhaseTable
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.draws import drawn_facts
 from uwopt.solvers.confidence.scenarios import Scenarios, loss
-from uwopt.solvers.part_ends import with_either_end
+from uwopt.solvers.one_hardware import with_either_end
 
 STEEP = {
     "power": ("power_w", "host_power_w", "wake_up_s", "standby_w", "output_factor", "flux_lm"),

@@ -22,7 +22,7 @@ from uwopt.mission.doubt import Doubt
 from uwopt.mission.mission import Mission
 from uwopt.solvers.confidence.draws import drawn_numbers, drawn_parts, probabilities, shuffled, triangular
 from uwopt.solvers.confidence.waters import Waters, WaterState, drawn_states, may_leave_band
-from uwopt.solvers.part_ends import at_end
+from uwopt.solvers.one_hardware import at_end
 
 PORTS, BEAMS = 8, 8  # states of the optics of a port and of a beam, whose integrals over the image are dear
 BEAM_FACTS = frozenset({"beam_angle_deg"})

@@ -22,8 +22,7 @@ from uwopt.results.certainty import (
     WorthKnowing,
 )
 from uwopt.solvers.confidence.counted import Counted, rank
-from uwopt.solvers.confidence.deciding import decided_by
-from uwopt.solvers.confidence.information_value import worth_of_knowing
+from uwopt.solvers.confidence.deciding import decided_by, worth_of_knowing
 from uwopt.solvers.confidence.outcomes import outcomes
 from uwopt.solvers.confidence.proof import NoneBetter
 from uwopt.solvers.confidence.scenarios import Scenarios

@@ -22,7 +22,7 @@ from uwopt.mission.mission import Mission
 from uwopt.solvers.confidence.draws import triangular
 from uwopt.solvers.confidence.scenarios import Scenarios, brighter
 from uwopt.solvers.confidence.waters import Waters, WaterState
-from uwopt.solvers.part_ends import at_end, with_either_end
+from uwopt.solvers.one_hardware import at_end, with_either_end
 
 ENDS = (-1.0, 1.0)
 PORT_VARIANTS = 3  # of a dome whose radius is in doubt: as it is, and both ends

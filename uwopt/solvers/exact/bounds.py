@@ -25,9 +25,8 @@ from uwopt.solvers.exact import balance
 from uwopt.solvers.exact.any_lighting import AnyLighting
 from uwopt.solvers.exact.imager_rules import limit
 from uwopt.solvers.exact.imagers import Imagers
-from uwopt.solvers.exact.lamp_choices import LampChoices, LampsOfKind, quickest
 from uwopt.solvers.exact.light_tables import FieldTables
-from uwopt.solvers.exact.lightings import Lighting
+from uwopt.solvers.exact.lightings import LampChoices, LampsOfKind, Lighting, quickest
 from uwopt.solvers.exact.needs import ImagerNeeds, Needs, light_for_signal, light_times, most_held_e
 from uwopt.solvers.exact.never_sharp import NeverSharp
 from uwopt.solvers.exact.node_bounds import NODE_RULES, NodeBounds, bit_per_px_bound, first_missed

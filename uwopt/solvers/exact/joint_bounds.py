@@ -13,7 +13,7 @@ from uwopt.arrays import Array
 from uwopt.forward.part_columns import FLASH
 from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.imagers import Imagers
-from uwopt.solvers.exact.lamp_choices import LampsOfKind
+from uwopt.solvers.exact.lightings import LampsOfKind
 from uwopt.solvers.exact.needs import Needs
 from uwopt.solvers.settings.joint import (
     F_NUMBERS,

@@ -17,8 +17,7 @@ from uwopt.mission.sections.limits import Limits
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.exact.imager_rules import limit
 from uwopt.solvers.exact.imagers import Imagers
-from uwopt.solvers.exact.lamp_choices import LampChoices
-from uwopt.solvers.exact.lightings import Under
+from uwopt.solvers.exact.lightings import LampChoices, Under
 from uwopt.solvers.settings.mean_limit import MeanLimit
 from uwopt.solvers.settings.question import Best, Question
 from uwopt.tolerances import ROUND

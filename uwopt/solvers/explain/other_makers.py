@@ -2,10 +2,15 @@
 
 Each maker gets its own exact search over the same tables, its parts alone in the place of all of that kind. What
 it finds is worse than the recommendation, or dominated by a point of the front; or nothing it sells fits.
+
+Why not the same sensor in another case or with another interface: a sensor is told by its chip, colour, shutter, pixel
+pitch and size. What each is put into is solved again by central numbers, with all else as it is: one that meets the
+mission may be bought instead, whatever it draws.
 """
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
@@ -14,8 +19,9 @@ from typing import Any
 import numpy as np
 
 from uwopt.catalog.choose import Selection
+from uwopt.catalog.parts.camera import Camera
 from uwopt.catalog.records import Part
-from uwopt.deadline import NEVER, Deadline, effort_s
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError, effort_s
 from uwopt.forward.problem import Problem
 from uwopt.objectives.axes import Axes
 from uwopt.objectives.objective import Objective
@@ -26,10 +32,11 @@ from uwopt.results.front import FrontObjective, FrontPoint, FrontResult
 from uwopt.solvers.exact.account import RULES
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.front.designs import values_of
-from uwopt.solvers.recommend import evaluated
+from uwopt.solvers.one_hardware import KINDS, best_of_each, problem_of
+from uwopt.solvers.recommend import Sought, evaluated
 from uwopt.tolerances import TIE
 
-KINDS = ("camera", "light")
+OF_MAKERS = ("camera", "light")
 MOST_MAKERS = 12  # of a kind
 LONGEST_S = 5.0  # of work, or where time is given of that: what is not reached by then is left out
 
@@ -59,7 +66,7 @@ def beside_best(
             text += " than the best by central numbers" if apart else ""
         return replace(item, values=values, outcome="worse", text=text)
 
-    shown = {kind: {best.hardware.parts[kind].id} for kind in KINDS}
+    shown = {kind: {best.hardware.parts[kind].id} for kind in OF_MAKERS}
     return told(selection, search, goal, shown, judged, deadline)
 
 
@@ -79,7 +86,7 @@ def beside_front(
         text = f"{by.id} is at least as good in everything" + (f": {gains}" if gains else "")
         return replace(item, values=values, outcome="dominated", by=by.id, text=text)
 
-    shown = {kind: {p.design.hardware.parts[kind].id for p in front.points} for kind in KINDS}
+    shown = {kind: {p.design.hardware.parts[kind].id for p in front.points} for kind in OF_MAKERS}
     goal = Objective({axes.names[0]: 1.0})
     return told(selection, search, goal, shown, judged, deadline)
 
@@ -120,7 +127,7 @@ def other_makers(
     selection: Selection, problem: Problem, shown: dict[str, set[str]]
 ) -> Iterator[tuple[str, str, np.ndarray[Any, Any] | None]]:
     """Makers of cameras and lights none of whose parts is shown, with a mask of those that may be searched."""
-    for kind in KINDS:
+    for kind in OF_MAKERS:
         searched: Sequence[Part] = getattr(problem.parts, f"{kind}s")
         known: Sequence[Part] = selection.catalog.parts(kind)
         taken = {part.manufacturer for part in known if part.id in shown[kind]}
@@ -176,3 +183,48 @@ def better_by(values: dict[str, float], point: FrontPoint, objectives: Sequence[
 def spoken(name: str) -> str:
     """An objective's name in a sentence."""
     return "SNR in dB" if name == "snr_db" else TERMS[name].words if name in TERMS else name
+
+
+# ---------------------------------------------------------------- the same sensor in another case
+
+
+COMPLETE = "complete camera"
+SAME_SIZE = 0.02  # of the pixels along a side: makers read out a few columns more or less of one chip
+UNREACHED = "whether other cameras with the same sensor would do"
+
+
+def siblings(sought: Sought, deadline: Deadline = NEVER) -> list[dict[str, Any]]:
+    """Other cameras of the search with the sensor of the first system's that meet the mission in its place, the best
+    first: `part`, `name`, `interface` and the objective's `value`."""
+    problem, objective, winner = sought.problem, sought.goal, sought.outcome.best[0]
+    own = problem.parts.cameras[winner.camera]
+    alike = [camera for camera in problem.parts.cameras if has_sensor_of(own, camera)]
+    if not alike:
+        return []
+    others = problem_of(problem, winner, lists={"camera": alike})
+    places = [dict.fromkeys(KINDS, 0) | {"camera": place} for place in range(len(alike))]
+    try:
+        values = best_of_each(others, objective, places, deadline)
+    except OutOfTimeError:
+        deadline.left_out.append(UNREACHED)
+        return []
+    able = sorted((value, place) for place, value in enumerate(values) if math.isfinite(value))
+    return [
+        {
+            "part": alike[place].id,
+            "name": f"{alike[place].manufacturer} {alike[place].model}".strip() or alike[place].id,
+            "interface": alike[place].interface,
+            "value": objective.reported(value),
+        }
+        for value, place in able
+    ]
+
+
+def has_sensor_of(own: Camera, other: Camera) -> bool:
+    """Whether another camera takes the same images: the same chip and colour, read out alike."""
+    if other.id == own.id or not own.chip or COMPLETE in (own.purpose, other.purpose):
+        return False
+    if (other.chip, other.colour, other.shutter) != (own.chip, own.colour, own.shutter):
+        return False
+    sides = ("resolution_x_px", "resolution_y_px", "pixel_pitch_um")
+    return all(math.isclose(getattr(own, side), getattr(other, side), rel_tol=SAME_SIZE) for side in sides)

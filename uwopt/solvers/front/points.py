@@ -1,8 +1,13 @@
-"""Points that a search for a front has found, and what they leave of curves that are not asked to their end."""
+"""Points that a search for a front has found, and what they leave of curves that are not asked to their end.
+
+What nodes, or groups of them, are at best is a point, too; where a point found is as good as it in every objective, no
+design of theirs is missed: a search looks for what is left.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,7 +15,9 @@ from uwopt.arrays import Array
 from uwopt.errors import MissionError
 from uwopt.forward.problem import Problem
 from uwopt.objectives.axes import OF_SETTINGS, Axes, Frame
-from uwopt.objectives.dominance import BestPoints, clearly, hypervolume, would_add
+from uwopt.objectives.dominance import BestPoints, clearly, hypervolume, nondominated, would_add
+from uwopt.objectives.objective import Terms
+from uwopt.solvers.exact.bounds import Bounds
 from uwopt.solvers.front.curves import Curves
 from uwopt.solvers.front.hopeful import Hopeful
 from uwopt.solvers.front.trade_curves import ABOVE, Answers
@@ -174,3 +181,41 @@ def quality_of(problem: Problem, axes: Axes) -> str | None:
             "beside power, cost, mass and gsd_mm. Leave one out, or use a population solver such as nsga2."
         )
     return found[0] if found else None
+
+
+# ---------------------------------------------------------------- what a search looks for
+
+
+WITHOUT_BOUND = 1e300  # in place of infinity, which has no differences
+
+
+@dataclass(frozen=True)
+class Undominated:
+    """Designs that no point found beats, as the goal of a search."""
+
+    axes: Axes
+    archive: BestPoints
+    search: Callable[[Bounds, Array], Array]
+
+    def ideals(self, terms: Terms) -> Array:
+        """The best of each objective, (n, n_axes)."""
+        return np.clip(self.axes.minimised(terms), -WITHOUT_BOUND, WITHOUT_BOUND)
+
+    def beaten(self, ideals: Array) -> Array:
+        """What some point found is as good as in every objective."""
+        return self.archive.beats(ideals)
+
+    def order(self, ideals: Array) -> Array:
+        """As `in_layers` has them."""
+        return in_layers(ideals)
+
+
+def in_layers(ideals: Array) -> Array:
+    """Places of ideal points (n, n_axes): those that no other dominates, then by the worst of their ranks."""
+    first = nondominated(ideals)
+    order = np.argsort(ideals, axis=0, kind="stable")
+    rank = np.empty_like(order)
+    for column in range(ideals.shape[1]):
+        rank[order[:, column], column] = np.arange(len(ideals))
+    worst = rank.max(axis=1, initial=0)
+    return np.argsort(np.where(first, -1.0, worst), kind="stable")

@@ -31,9 +31,15 @@ from uwopt.solvers.exact.node_designs import NodeDesigns
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.front.curves import Curves
 from uwopt.solvers.front.hopeful import Hopeful
-from uwopt.solvers.front.points import PointsFound, largest_left, quality_of
+from uwopt.solvers.front.points import (
+    WITHOUT_BOUND,
+    PointsFound,
+    Undominated,
+    in_layers,
+    largest_left,
+    quality_of,
+)
 from uwopt.solvers.front.trade_curves import Answers, Trade
-from uwopt.solvers.front.undominated import WITHOUT_BOUND, Undominated, in_layers
 from uwopt.solvers.settings import windows
 from uwopt.solvers.settings.mean_limit import MeanLimit
 

@@ -1,7 +1,7 @@
-"""Fronts by pymoo's population algorithms: integer-coded vectors, rounding repair, an external archive.
+"""Fronts by pymoo's population algorithms: integer-coded vectors, rounding repair, an archive of what nothing beats.
 
 The only module that imports pymoo; import it late. It decides which vectors to try; what they are worth is
-worked out in batches by `population_eval`. Nothing here knows the exact front.
+worked out in batches by `evaluator`. Nothing here knows the exact front.
 """
 
 from __future__ import annotations
@@ -22,11 +22,10 @@ from uwopt.deadline import Progress
 from uwopt.documents.faults import nearest
 from uwopt.errors import MissionError
 from uwopt.objectives.axes import LOGARITHMIC, scale
-from uwopt.objectives.dominance import MARGIN, in_box
+from uwopt.objectives.dominance import MARGIN, NEAR, distinct, in_box, nondominated
 from uwopt.objectives.own import OwnObjective
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.population.archive import Archive
 from uwopt.solvers.population.coding import Axis, Coding, layers, resolved_axes
 from uwopt.solvers.population.evaluator import Evaluator
 
@@ -300,4 +299,44 @@ def reference_directions(n_axes: int, pop_size: int) -> Array:
     return np.asarray(get_reference_directions("das-dennis", n_axes, n_partitions=steps))
 
 
-__all__ = ["ALGORITHMS", "PopulationFront", "population_front"]
+
+
+# ---------------------------------------------------------------- what was met
+
+
+MOST_POINTS = 3000  # kept while a search runs
+FINEST_REL = 1e-5  # by which the closest of them go first
+
+
+class Archive:
+    """All nondominated points seen; points that are alike go only at the end, or where there are very many."""
+
+    def __init__(self, log: Array, n_genes: int):
+        self.log = log  # axes that are compared by ratio
+        self.values = np.empty((0, len(log)))
+        self.vectors = np.empty((0, n_genes), int)
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def add(self, vectors: Array, values: Array) -> bool:
+        """Merge feasible points; whether anything changed."""
+        fresh = np.nonzero(nondominated(values))[0]
+        if len(fresh) == 0:
+            return False
+        every = np.concatenate([self.values, values[fresh]])
+        keep = np.nonzero(nondominated(every))[0]
+        tolerance = FINEST_REL
+        while len(keep) > MOST_POINTS and tolerance < NEAR:
+            keep = keep[distinct(every[keep], self.log, tolerance)]
+            tolerance *= 3.0
+        changed = len(keep) != len(self.values) or bool((keep >= len(self.values)).any())
+        if changed:
+            self.vectors = np.concatenate([self.vectors, vectors[fresh]])[keep]
+            self.values = every[keep]
+        return changed
+
+    def thinned(self) -> tuple[Array, Array]:
+        """Vectors and values without those that are alike, sorted by the columns."""
+        keep = distinct(self.values, self.log)
+        return self.vectors[keep], self.values[keep]

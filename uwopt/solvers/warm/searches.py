@@ -30,8 +30,7 @@ from uwopt.solvers.exact.ranking import Found, comes_before
 from uwopt.solvers.exact.search import Search, are_too_many
 from uwopt.solvers.recommend import GENERIC_GAIN, Sought, fewest_made
 from uwopt.solvers.settings.best import scenes_need_cells
-from uwopt.solvers.warm.family import Family, Met
-from uwopt.solvers.warm.kept import KeptBounds, least_of_designs, least_of_nodes, some_nodes
+from uwopt.solvers.warm.kept import Family, KeptBounds, Met, least_of_designs, least_of_nodes, some_nodes
 from uwopt.solvers.warm.parts import PartIds, ids_of, joined_ids, only
 from uwopt.solvers.warm.tables import asking
 from uwopt.tolerances import AGREES_REL
