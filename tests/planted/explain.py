@@ -444,9 +444,9 @@ DEFECTS = (
     ),
     Defect(
         name="a figure that was reached is told with digits that nobody types",
-        file="uwopt/solvers/infeasible/least_limit.py",
-        old="rounded_away(needed, self.one.limit)",
-        new="needed",
+        file="uwopt/solvers/infeasible/trials.py",
+        old="rounded_away(asked_when_held(self.mission.reserve, key, value), self.limits[name])",
+        new="asked_when_held(self.mission.reserve, key, value)",
         test="tests/solvers/test_least_change.py::test_best_figure_said_to_be_possible_can_be_typed_and_is_enough",
     ),
     Defect(

@@ -289,7 +289,7 @@ def test_point_that_misses_the_optimum_is_not_called_optimal(monkeypatch: pytest
 
     honest = casadi_ipopt.solve
 
-    def early(program: Program, start: Any, *, max_seconds: float | None = None) -> Any:
+    def early(program: Program, start: Any, *, max_seconds: float = np.inf) -> Any:
         found = honest(program, start, max_seconds=max_seconds)
         return replace(found, x=0.5 * (found.x + program.middle()), kkt_residual=1.0)
 

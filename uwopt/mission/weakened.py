@@ -64,6 +64,12 @@ def asked_value(mission: Mission, section: str, key: str) -> float | None:
     return None
 
 
+def in_all_scenes(mission: Mission, section: str, key: str) -> Any:
+    """A requirement as asked, or a key of the vehicle, where it is the same in all scenes; None where they differ."""
+    values = {getattr(view.vehicle if section == "vehicle" else view.asked, key) for view in mission.views}
+    return values.pop() if len(values) == 1 else None
+
+
 #: What good practice fills in of the requirements.
 FILLED_IN = {
     **RECOMMENDED_KEYS["requirements"], "min_uniformity": LEAST_UNIFORMITY, "min_dof_m": SHARP_OVER_THE_BAND,

@@ -29,7 +29,14 @@ from uwopt.errors import MissionError
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Varied, VariedMission
-from uwopt.mission.weakened import LEAST_SNR_DB, RELAXABLE, asked_value, is_from_above, with_limit
+from uwopt.mission.weakened import (
+    LEAST_SNR_DB,
+    RELAXABLE,
+    asked_value,
+    in_all_scenes,
+    is_from_above,
+    with_limit,
+)
 from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Moved
 from uwopt.results.certainty import Decides
@@ -186,8 +193,7 @@ def eases(mission: Mission, missed: Iterable[str]) -> Iterator[Ease]:
         yield Ease(key, unit, asked, (far,), with_value)
     battery = (FARTHEST,) if OF_BATTERY in wanted else ()
     for key, shares in ((BATTERY, battery), (TOLERANCE, STEADIER), (ALTITUDE, LOWER)):
-        values = {getattr(view.vehicle, key) for view in mission.views}
-        if shares and len(values) == 1 and (asked := values.pop()):
+        if shares and (asked := in_all_scenes(mission, "vehicle", key)):
             varied, there = VariedMission(mission, {}), Varied(key, "vehicle", key, ())
 
             def of_vehicle(value: float, varied: VariedMission = varied, there: Varied = there) -> Mission:

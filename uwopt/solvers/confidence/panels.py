@@ -293,7 +293,7 @@ def most_adverse(scenarios: Scenarios, count: int) -> Array:
 
     Looked for among those of one table or any, within bands of K, which differ least from each other.
     """
-    taken = np.array([sum(map(loss, scenes)) for scenes in scenarios.scenes])
+    taken = scenarios.loss
     leg = np.array([state.lamp_leg for state in scenarios.states])
     table = np.array([state.other_table for state in scenarios.states])
     rank = np.argsort(np.argsort(leg, kind="stable")) / scenarios.count
@@ -326,8 +326,7 @@ def anchors_of(base: Problem, scenarios: Scenarios) -> list[Anchor]:
 
     Each group asks for light of its own in every image: where no reading is in doubt, two tables are groups enough.
     """
-    states = scenarios.states
-    taken = np.array([sum(map(loss, scenes)) for scenes in scenarios.scenes])
+    states, taken = scenarios.states, scenarios.loss
     groups = [np.arange(scenarios.count)]
     if not base.paper:
         table = np.array([state.other_table for state in states])

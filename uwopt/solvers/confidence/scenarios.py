@@ -101,14 +101,14 @@ class Scenarios:
         return [self.waters.at(state) for state in self.states]
 
     @cached_property
-    def by_loss(self) -> Array:
-        """Scenarios in the order of what their water takes of the light."""
-        return np.argsort([sum(loss(scene) for scene in scenes) for scenes in self.scenes], kind="stable")
+    def loss(self) -> Array:
+        """What the water of each takes of the light, all scenes together, (count,)."""
+        return np.array([sum(map(loss, scenes)) for scenes in self.scenes])
 
     def scenes_at(self, share: float) -> list[SceneOptics]:
         """The scenes in water that takes more of the light than in so large a share of the scenarios."""
         place = min(int(share * self.count), self.count - 1)
-        return self.waters.kept(self.states[int(self.by_loss[place])])
+        return self.waters.kept(self.states[int(np.argsort(self.loss, kind="stable")[place])])
 
     def favoured(self, part: Any) -> Any:
         """A part that is in no scenario more favourable."""

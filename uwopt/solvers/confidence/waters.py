@@ -16,7 +16,6 @@ import numpy as np
 
 from uwopt.arrays import Array
 from uwopt.catalog.curves.clarity import ClarityEnd
-from uwopt.catalog.curves.spectra import water_types
 from uwopt.forward.problem import Problem
 from uwopt.forward.rough import rough
 from uwopt.forward.scene import (
@@ -32,7 +31,7 @@ from uwopt.forward.scene import (
 from uwopt.mission.doubt import Doubt
 from uwopt.mission.mission import Mission, SceneView
 from uwopt.solvers.confidence.draws import even_points, probabilities, shuffled, triangular
-from uwopt.solvers.explain.other_waters import OTHER
+from uwopt.solvers.explain.other_waters import other_table, own_table
 
 OPTICAL = 3  # columns before those of scattering: c, K of the lamps' way, K_d
 TOWARD: dict[ClarityEnd, int] = {"low": -1, "central": 0, "high": 1}  # sign of the clarity
@@ -87,7 +86,7 @@ class Waters:
         known = [nodes for nodes in self.nodes_of if not nodes.scene.paper]
         return doubt.model_copy(update={
             "clarity": doubt.clarity and any(nodes.scene.clarity is not None for nodes in known),
-            "other_water_table": doubt.other_water_table if any(nodes.other_table() for nodes in known) else 0.0,
+            "other_water_table": doubt.other_water_table if any(other_table(nodes.scene) for nodes in known) else 0.0,
         })  # fmt: skip
 
     def seen_by(self, mission: Mission, scenes: Sequence[SceneOptics]) -> Waters:
@@ -129,7 +128,7 @@ class KnownWaters:
         reflectance = np.minimum(scene.reflectance * state.floor, 1.0)
         if scene.paper:
             return replace(scene, reflectance=reflectance, cache={})
-        other = state.other_table and self.other_table() is not None
+        other = state.other_table and other_table(self.scene) is not None
         low, central, high = (self.between(other, leg, state.clarity) for leg in ENDS)
         end = low[1] if state.lamp_leg < 0 else high[1]
         lamp = geometric(central[1], end, abs(state.lamp_leg))
@@ -165,7 +164,7 @@ class KnownWaters:
             return made + scene.particles_per_m()
         kinds = [OPTICAL + k for k, one in enumerate(scene.scattering) if one.table is not None]
         clarity = np.array([state.clarity for state in states])
-        other = np.array([state.other_table for state in states], bool) & (self.other_table() is not None)
+        other = np.array([state.other_table for state in states], bool) & (other_table(self.scene) is not None)
         for table, end in product((False, True), TOWARD) if kinds else ():
             mine = np.flatnonzero((other == table) & (np.sign(clarity) == TOWARD[end]))
             if len(mine):
@@ -191,18 +190,9 @@ class KnownWaters:
         if key not in self.known:
             self.known[key] = scene_optics(
                 self.view, paper=False, base_dir=self.mission.base_dir, lamp_leg=leg, water_end=end,
-                water_table=self.other_table() if other else own_table(self.scene), fineness=self.scene.fineness,
+                water_table=other_table(self.scene) if other else own_table(self.scene), fineness=self.scene.fineness,
             )  # fmt: skip
         return self.known[key]
-
-    def other_table(self) -> str | None:
-        """The other table of the Jerlov types, where it has this water."""
-        scene = self.scene
-        other, water = OTHER.get(scene.water_table), self.view.scene.water
-        if other is None:
-            return None
-        of_no_type = scene.clarity is not None and water is None
-        return other if of_no_type or water in water_types(other) else None
 
 
 def over_band(scene: SceneOptics, beyond: Array | float) -> SceneOptics:
@@ -243,8 +233,3 @@ def may_leave_band(scene: SceneOptics) -> bool:
     """Whether there is a band of altitudes that is kept by steering; else it says where targets are, or none is."""
     moves = scene.view.vehicle.speed_m_s > 0.0
     return len(scene.range_m) > 1 and moves and scene.view.scene.target != "mid_water"
-
-
-def own_table(scene: SceneOptics) -> str | None:
-    """The table that a scene's water is from, where it is one of the two."""
-    return scene.water_table if scene.water_table in OTHER else None

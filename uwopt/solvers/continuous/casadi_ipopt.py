@@ -66,10 +66,10 @@ class SymbolicProgram:
         self.n_inequalities = len(rules.inequalities)
         self.rules = casadi.vertcat(casadi.SX(0, 1), *rules.inequalities.values(), *rules.equalities.values())
 
-    def solver(self, max_seconds: float | None) -> casadi.Function:
+    def solver(self, max_seconds: float) -> casadi.Function:
         """IPOPT for this program, silent."""
         options: dict[str, Any] = dict(OPTIONS)
-        if max_seconds is not None:
+        if np.isfinite(max_seconds):
             options["ipopt.max_wall_time"] = max(max_seconds, 1e-3)
         problem = {"x": self.x, "f": self.objective, "g": self.rules}
         return casadi.nlpsol("settings", "ipopt", problem, options)
@@ -96,7 +96,7 @@ class SymbolicProgram:
         )
 
 
-def solve(program: Smooth, start: Array, *, max_seconds: float | None = None) -> Attempt:
+def solve(program: Smooth, start: Array, *, max_seconds: float = np.inf) -> Attempt:
     """One run of IPOPT from a start, with multipliers and the residual of the optimum's conditions.
 
     The residual is computed here, from CasADi's gradients and IPOPT's multipliers.

@@ -136,15 +136,14 @@ def finite(values: Array) -> Array:
 
 
 def solve(
-    program: Program, start: Array, *, algorithm: str, max_seconds: float | None = None
+    program: Program, start: Array, *, algorithm: str, max_seconds: float = np.inf
 ) -> Attempt:
     """One run from a start; multipliers are those that fit best, and the residual says how well."""
     if len(start) == 0:
         x, count, message = start, 0, "nothing is left open"
     elif algorithm == "global":
-        half = None if max_seconds is None else 0.5 * max_seconds
-        near, first, found = run("isres", program, start, half, how=NEAR)
-        x, count, message = run("slsqp", program, near, half)
+        near, first, found = run("isres", program, start, 0.5 * max_seconds, how=NEAR)
+        x, count, message = run("slsqp", program, near, 0.5 * max_seconds)
         count, message = first + count, f"{found}, then {message}"
     elif algorithm == "cobyla":
         return in_rounds(program, start, max_seconds)
@@ -161,15 +160,14 @@ def assessed(program: Program, x: Array, count: int, message: str) -> Attempt:
     return Attempt(x, count, message, multipliers, kkt_residual(at, multipliers))
 
 
-def in_rounds(program: Program, start: Array, max_seconds: float | None) -> Attempt:
+def in_rounds(program: Program, start: Array, max_seconds: float) -> Attempt:
     """COBYLA from where it ended, with smaller first steps, until the conditions of an optimum hold.
 
     Its trust region only shrinks: where the objective is curved, or directions are free, it shrinks too soon.
     """
-    share = None if max_seconds is None else max_seconds / len(COBYLA_STEPS)
     x, total = start, 0
     for first_step in COBYLA_STEPS:
-        x, count, message = run("cobyla", program, x, share, first_step=first_step)
+        x, count, message = run("cobyla", program, x, max_seconds / len(COBYLA_STEPS), first_step=first_step)
         total += count
         found = assessed(program, x, total, message)
         if found.kkt_residual <= SETTLED:
@@ -178,7 +176,7 @@ def in_rounds(program: Program, start: Array, max_seconds: float | None) -> Atte
 
 
 def run(
-    name: str, program: Program, start: Array, max_seconds: float | None, *, how: Way | None = None,
+    name: str, program: Program, start: Array, max_seconds: float, *, how: Way | None = None,
     first_step: float | None = None,
 ) -> tuple[Array, int, str]:  # fmt: skip
     """One NLopt algorithm: where it ends as the program's point, evaluations, what it says."""
@@ -212,7 +210,7 @@ def run(
     nlopt.srand(SEED)
     if first_step is not None:
         solver.set_initial_step(np.minimum(first_step, 0.25 * (high - low)))
-    if max_seconds is not None:
+    if np.isfinite(max_seconds):
         solver.set_maxtime(max(max_seconds, 1e-3))
     if not isinstance(asked, Reduced):
         return ended(name, solver, evaluations, start)

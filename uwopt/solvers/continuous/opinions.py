@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from dataclasses import replace
 
@@ -82,7 +81,7 @@ def opinion(sought: Sought, found: Found, method: str, deadline: Deadline) -> Op
         objective=objective,
         power_limit_w=sought.problem.scene_power_limit_w,
         method=method,  # pyrefly: ignore[bad-argument-type]
-        max_seconds=None if math.isinf(deadline.left_s) else deadline.left_s,
+        max_seconds=deadline.left_s,
     )
     value = answer.objective_value
     difference = None

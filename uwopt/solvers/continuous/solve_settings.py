@@ -59,7 +59,7 @@ class Task:
     objective: Objective
     power_limit_w: float
     method: Method
-    deadline: float | None
+    deadline: float
 
     @property
     def goal(self) -> Goal:
@@ -85,9 +85,9 @@ class Task:
         light_w = worst_light_w(program.scenes, program.set_points(x))
         return (self.objective.weight("power") or 1.0) * light_w
 
-    def seconds_left(self) -> float | None:
-        """Until the deadline, if there is one."""
-        return None if self.deadline is None else max(self.deadline - time.perf_counter(), 0.0)
+    def seconds_left(self) -> float:
+        """Until the deadline; inf where there is none."""
+        return max(self.deadline - time.perf_counter(), 0.0)
 
 
 @dataclass(frozen=True)
@@ -122,7 +122,7 @@ def solve_settings(
     objective: Objective,
     power_limit_w: float,
     method: Method,
-    max_seconds: float | None = None,
+    max_seconds: float = np.inf,
 ) -> Verdict:
     """Best settings of one design in all its scenes by one method.
 
@@ -145,8 +145,7 @@ def solve_settings(
     if min(objective.weight("power"), objective.weight("snr_db")) < 0.0:
         raise SolverError("continuous solvers take no negative weight of power or snr_db")
     began = time.perf_counter()
-    deadline = None if max_seconds is None else began + max_seconds
-    found = best_choice(Task(design, objective, power_limit_w, method, deadline))
+    found = best_choice(Task(design, objective, power_limit_w, method, began + max_seconds))
     return replace(found, run_time_s=time.perf_counter() - began)
 
 

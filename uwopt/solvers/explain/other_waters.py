@@ -43,10 +43,8 @@ LAMP_LEGS: dict[LampLeg, str] = {
     "diffuse": "as the model has it", "least": "the least", "most": "the most",
 }  # fmt: skip
 READING_ENDS: dict[ClarityEnd, str] = {"low": "clearest", "high": "murkiest"}
-OTHER: dict[str, Literal["measured", "solonenko-mobley"]] = {
-    "measured": "solonenko-mobley",
-    "solonenko-mobley": "measured",
-}
+Table = Literal["measured", "solonenko-mobley"]
+OTHER: dict[str, Table] = {"measured": "solonenko-mobley", "solonenko-mobley": "measured"}
 
 
 def in_other_waters(sought: Sought, deadline: Deadline = NEVER) -> list[dict[str, Any]]:
@@ -110,19 +108,27 @@ def changed_scene(
     mission: Mission, index: int, scene: SceneOptics, table: str | None, leg: LampLeg
 ) -> SceneOptics | None:
     """One scene in another water; None where there is no other."""
-    name = scene.water_table
-    if table is not None:
-        other, water = OTHER.get(name), scene.view.scene.water
-        of_no_type = scene.clarity is not None and water is None
-        if other is None or not (of_no_type or water in water_types(other)):
-            return None
-        name = other
-    elif not scene.scattering:
-        return None  # K is c already
+    name = own_table(scene) if table is None else other_table(scene)
+    if (table is not None and name is None) or (table is None and not scene.scattering):  # K is c already
+        return None
     return scene_optics(
-        mission.scene_view(index), paper=False, base_dir=mission.base_dir,
-        water_table=name if name in OTHER else None, lamp_leg=leg, fineness=scene.fineness,
+        mission.scene_view(index), paper=False, base_dir=mission.base_dir, water_table=name, lamp_leg=leg,
+        fineness=scene.fineness,
     )  # fmt: skip
+
+
+def own_table(scene: SceneOptics) -> Table | None:
+    """The table that a scene's water is from, where it is one of the two."""
+    return OTHER.get(OTHER.get(scene.water_table, ""))
+
+
+def other_table(scene: SceneOptics) -> Table | None:
+    """The other table of the Jerlov types, where it has this water."""
+    other, water = OTHER.get(scene.water_table), scene.view.scene.water
+    if other is None:
+        return None
+    of_no_type = scene.clarity is not None and water is None
+    return other if of_no_type or water in water_types(other) else None
 
 
 def verdict(

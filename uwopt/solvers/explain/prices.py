@@ -22,7 +22,7 @@ from uwopt.errors import MissionError
 from uwopt.mission.mission import Mission
 from uwopt.mission.reserves import asked_when_held
 from uwopt.mission.varying import Varied, VariedMission, rounded
-from uwopt.mission.weakened import RELAXABLE, asked_value, is_from_above, without
+from uwopt.mission.weakened import RELAXABLE, asked_value, in_all_scenes, is_from_above, without
 from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Opinion, Price
 from uwopt.results.design import Design
@@ -58,19 +58,16 @@ def priced_keys(mission: Mission, winner: Design, *, every: bool = False) -> Ite
             step = step_of(key, asked)
             yield Varied(key, section, key, (asked,)), asked, -step if is_from_above(name) else step
     yield from frame_keys(mission, binding, every=every)
-    intervals = {view.asked.frame_interval_s for view in mission.views}
-    if "frame_interval_s" in binding and len(intervals) == 1 and (interval := intervals.pop()):
-        name = "frame_interval_s"
+    name = "frame_interval_s"
+    if name in binding and (interval := in_all_scenes(mission, "requirements", name)):
         yield Varied(name, "requirements", name, (interval,)), interval, -step_of(name, interval)
-    speeds = {view.vehicle.speed_m_s for view in mission.views}
-    if len(speeds) == 1 and (speed := speeds.pop()) > 0.0:
+    if speed := in_all_scenes(mission, "vehicle", "speed_m_s"):
         yield Varied("speed_m_s", "vehicle", "speed_m_s", (speed,)), speed, step_of("speed_m_s", speed)
 
 
 def frame_keys(mission: Mission, binding: set[str], *, every: bool) -> Iterator[tuple[Varied, float, float]]:
     """What the frame may have less than its mean, where the frame's own signal to noise binds."""
-    lacking = {view.asked.snr_at_less_db for view in mission.views}
-    if len(lacking) == 1 and (less := lacking.pop()) > 0.0 and (every or SNR_LESS in binding):
+    if (less := in_all_scenes(mission, "requirements", SNR_LESS)) and (every or SNR_LESS in binding):
         yield Varied(SNR_LESS, "requirements", SNR_LESS, (less,)), less, -min(step_of(SNR_LESS, less), less)
 
 

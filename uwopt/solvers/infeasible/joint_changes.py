@@ -18,15 +18,14 @@ from dataclasses import dataclass, field
 from uwopt.deadline import Deadline
 from uwopt.errors import UwoptError
 from uwopt.mission.mission import Mission
-from uwopt.mission.reserves import asked_when_held
 from uwopt.mission.varying import Varied, VariedMission
-from uwopt.mission.weakened import RELAXABLE, is_from_above
+from uwopt.mission.weakened import is_from_above
 from uwopt.results.basis import Relaxed
 from uwopt.results.design import Design
 from uwopt.solvers.infeasible.freed_rules import MAY_PASS
 from uwopt.solvers.infeasible.least_change import Change, rounded_away, same_hardware, with_its_hardware
 from uwopt.solvers.infeasible.move_keys import BATTERY, shared_keys
-from uwopt.solvers.infeasible.reached import UNKNOWN, judged_by, miss, missed_by, reached_value
+from uwopt.solvers.infeasible.reached import UNKNOWN, judged_by, miss, missed_by
 from uwopt.solvers.infeasible.relaxer import ANY
 from uwopt.solvers.infeasible.trials import BRIGHT, Trials
 from uwopt.solvers.recommend import Sought
@@ -210,11 +209,9 @@ class CommonShare:
 
     def _no_weaker(self, design: Design, name: str, weaker: float | None) -> float | None:
         """The limit that a design reaches, as it would be typed; that which was searched with where it is no nearer."""
-        limit, key = self.limits[name], RELAXABLE[name][1]
-        value = reached_value(design, key)
-        if value is None or weaker is None:
+        limit, reached = self.limits[name], self.trials.typed(name, design)
+        if reached is None or weaker is None:
             return weaker
-        reached = rounded_away(asked_when_held(self.trials.mission.reserve, key, value), limit)
         return reached if abs(reached - limit) < abs(weaker - limit) else weaker
 
     def _fits(self, found: Sought, values: Mapping[str, float | None]) -> Sought | None:
@@ -285,10 +282,8 @@ def drawn_in(trials: Trials, asked: dict[str, float], found: Sought) -> tuple[li
     design = trials.judged(found)
     kept: dict[str, float | None] = dict.fromkeys(asked)
     for name, limit in asked.items():
-        key = RELAXABLE[name][1]
-        reached = reached_value(design, key)
-        if reached is not None:
-            far = rounded_away(asked_when_held(trials.mission.reserve, key, reached), limit)
+        far = trials.typed(name, design)
+        if far is not None:
 
             def wanted(value: float, name: str = name) -> Mission:
                 return trials.with_limits(trials.mission, {**kept, name: value})

@@ -12,7 +12,6 @@ from functools import cached_property, partial
 
 from uwopt.deadline import Deadline
 from uwopt.mission.mission import Mission
-from uwopt.mission.reserves import asked_when_held
 from uwopt.mission.weakened import RELAXABLE, is_far, with_limit
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.infeasible.least_change import Change, Narrowing, less_of, rounded_away
@@ -202,14 +201,10 @@ class LeastLimit:
 
     def _reached(self, found: Sought) -> float | None:
         """The limit that a design would keep, as it would be typed."""
-        key, mission = RELAXABLE[self.name][1], self.trials.mission
-        if key == "depth_rating_m":
-            rated = rated_depth(found)
-            needed = None if rated is None else rated / mission.depth_factor
-        else:
-            value = reached_value(self.trials.judged(found), key)
-            needed = None if value is None else asked_when_held(mission.reserve, key, value)
-        return None if needed is None else rounded_away(needed, self.one.limit)
+        if RELAXABLE[self.name][1] != "depth_rating_m":
+            return self.trials.typed(self.name, self.trials.judged(found))
+        rated = rated_depth(found)
+        return None if rated is None else rounded_away(rated / self.trials.mission.depth_factor, self.one.limit)
 
     def _is_what_counts(self) -> bool:
         """Whether the best figure is the best of what is asked: the SNR to get best is that of the mean."""

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from uwopt.mission.duration import Duration
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Value, Varied, rounded
+from uwopt.mission.weakened import in_all_scenes
 from uwopt.solvers.infeasible.freed_rules import HOURS
 from uwopt.solvers.infeasible.least_change import rounded_away
 
@@ -49,7 +50,7 @@ def tries_of(mission: Mission, *, for_want_of_energy: bool = False) -> Iterator[
 
 def shared_keys(mission: Mission, *, for_want_of_energy: bool) -> dict[str, float]:
     """Keys of the vehicle that may give together with limits, as asked: by a share less, but of a battery more."""
-    common = {key: _common(mission, key) for key in ("speed_m_s", "altitude_m")}
+    common = {key: in_all_scenes(mission, "vehicle", key) for key in ("speed_m_s", "altitude_m")}
     if for_want_of_energy:
         common |= {one.key.name: float(one.asked) for one in _energy(mission) if one.key.name in (BATTERY, HOURS)}
     return {key: value for key, value in common.items() if value}
@@ -57,15 +58,14 @@ def shared_keys(mission: Mission, *, for_want_of_energy: bool) -> dict[str, floa
 
 def _vehicle(mission: Mission) -> Iterator[Try]:
     """Height, how steadily it is kept, speed, and the time between images."""
-    altitude, speed = _common(mission, "altitude_m"), _common(mission, "speed_m_s")
-    if altitude:
+    if altitude := in_all_scenes(mission, "vehicle", "altitude_m"):
         values = tuple(rounded_away(factor * altitude, altitude) for factor in ALTITUDES)
         yield _try("vehicle", "altitude_m", altitude, values)
-    if tolerance := _common(mission, "altitude_tolerance_m"):
+    if tolerance := in_all_scenes(mission, "vehicle", "altitude_tolerance_m"):
         yield _try("vehicle", "altitude_tolerance_m", tolerance, (rounded_away(STEADIEST * tolerance, tolerance),))
-    if speed:
+    if speed := in_all_scenes(mission, "vehicle", "speed_m_s"):
         yield _try("vehicle", "speed_m_s", speed, (rounded_away(FARTHEST_SPEED * speed, speed),))
-    if interval := _interval(mission):
+    if interval := in_all_scenes(mission, "requirements", "frame_interval_s"):
         yield _try("requirements", "frame_interval_s", interval, (rounded(FARTHEST_TIME * interval),))
 
 
@@ -73,9 +73,9 @@ def _energy(mission: Mission) -> Iterator[Try]:
     """What stays on between images, the battery that the system brings along, and how long that must last."""
     limits, of_all = mission.limits, Duration.of(mission)
     is_limited = math.isfinite(of_all.energy_wh) and of_all.duration_h is not None
-    if _interval(mission) and (is_limited or limits.power_w is not None):
+    if in_all_scenes(mission, "requirements", "frame_interval_s") and (is_limited or limits.power_w is not None):
         for name in SWITCHES:
-            if {getattr(view.vehicle, name) for view in mission.views} == {"on"}:
+            if in_all_scenes(mission, "vehicle", name) == "on":
                 yield _try("vehicle", name, "on", ("off",))
     if is_limited and of_all.energy_wh == of_all.battery_wh and limits.energy_wh is None:
         values = tuple(rounded(times * of_all.energy_wh) for times in FARTHEST_ENERGY)
@@ -83,18 +83,6 @@ def _energy(mission: Mission) -> Iterator[Try]:
     if of_all.duration_h and (is_limited or limits.storage_gb is not None):
         values = tuple(rounded(of_all.duration_h / times) for times in FARTHEST_ENERGY)
         yield _try("vehicle", HOURS, of_all.duration_h, values)
-
-
-def _common(mission: Mission, key: str) -> float | None:
-    """A key of the vehicle, where all scenes have the same."""
-    values = {getattr(view.vehicle, key) for view in mission.views}
-    return float(one) if len(values) == 1 and (one := values.pop()) else None
-
-
-def _interval(mission: Mission) -> float | None:
-    """The time between images that is asked for, where all scenes have the same."""
-    intervals = {view.asked.frame_interval_s for view in mission.views}
-    return intervals.pop() if len(intervals) == 1 else None
 
 
 def _waters(mission: Mission) -> Iterator[Try]:

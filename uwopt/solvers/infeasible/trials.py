@@ -11,11 +11,13 @@ from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import ToBeMade
 from uwopt.deadline import NEVER, Deadline, Progress, unheard
 from uwopt.mission.mission import Mission
+from uwopt.mission.reserves import asked_when_held
 from uwopt.mission.weakened import RELAXABLE, asked_value, is_filled_in, with_limit, without
 from uwopt.objectives.objective import Objective
 from uwopt.results.design import Design
 from uwopt.solvers.infeasible.freed_rules import OF_LIGHT, in_the_way
-from uwopt.solvers.infeasible.reached import judged_by
+from uwopt.solvers.infeasible.least_change import rounded_away
+from uwopt.solvers.infeasible.reached import judged_by, reached_value
 from uwopt.solvers.infeasible.relaxer import ANY, Relaxer
 from uwopt.solvers.recommend import Sought
 
@@ -71,6 +73,14 @@ class Trials:
         if id(found) not in self._judged:
             self._judged[id(found)] = found, judged_by(self.mission, found, self.objective)
         return self._judged[id(found)][1]
+
+    def typed(self, name: str, design: Design) -> float | None:
+        """The limit of a requirement that a design would keep, as it would be typed; None where that is no figure."""
+        key = RELAXABLE[name][1]
+        value = reached_value(design, key)
+        if value is None:
+            return None
+        return rounded_away(asked_when_held(self.mission.reserve, key, value), self.limits[name])
 
     def turn(self) -> Deadline:
         """The time for one search among others."""
