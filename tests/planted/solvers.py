@@ -524,6 +524,14 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{CELLS}test_bounds_of_cells_close_the_gap_soon[information against power under the sun]",
     ),
     Defect(
+        name="what lamps have to add at the most sun is asked for at the least too",
+        file="uwopt/solvers/settings/cell_windows.py",
+        old="share = rows.take(some), y_lo[some] / y_hi[some]",
+        new="share = rows.take(some), y_hi[some] / y_hi[some]",
+        test="tests/solvers/test_cell_sun.py::"
+        "test_no_lamps_are_enough_that_give_less_than_is_asked_for_over_a_range_of_the_sun[5.0]",
+    ),
+    Defect(
         name="the sun gives a node half of its light",
         file="uwopt/forward/sun_light.py",
         old="floor_log = chebyshev.chebval(-np.ones(1),",

@@ -17,6 +17,7 @@ from uwopt.forward.sun_light import SunField
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.imagers import enumerate_imagers
 from uwopt.solvers.settings.cell_sun import Mixture, longest_open_s
+from uwopt.solvers.settings.cell_windows import light_beside_most_sun
 
 #: Electrons of the lamps a lm s and of the sun a second, their veils, and PRNU.
 MIXTURES = {
@@ -59,6 +60,29 @@ def test_no_mixture_has_a_higher_snr_than_the_bound_and_some_has_it(name: str) -
         reached.append(best / bound)
     assert len(reached) > 8
     assert max(reached) > 0.99 and np.median(reached) > 0.95  # a grid of 1/300 does not meet the cap
+
+
+@pytest.mark.parametrize("veil", [5.0, 100.0, 900.0])
+def test_no_lamps_are_enough_that_give_less_than_is_asked_for_over_a_range_of_the_sun(veil: float) -> None:
+    """The sun all but gives the SNR by itself; X of a grid, with the noise of equation (7), at altitudes one by one."""
+    rows = lit(veil=veil, sun=(3e5, 4e5), well_e=1e6, prnu_frac=0.02, **FINE)
+    lamps, other, sun, murk = rows.signal_e[0], rows.veil_e[0], rows.sun_signal_e_s[0], rows.sun_veil_e_s[0]
+    y_lo, y_hi = 2e-3, 3e-3
+    x, y = np.meshgrid(np.geomspace(1e-3, 1e2, 4001), np.linspace(y_lo, y_hi, 41))
+
+    def least_snr(x: Any, y: Any) -> Any:
+        x, y = np.broadcast_arrays(x, y)
+        signal = np.multiply.outer(lamps, x) + np.multiply.outer(sun, y)
+        every = signal + np.multiply.outer(other, x) + np.multiply.outer(murk, y)
+        return (signal / np.sqrt(np.square(rows.read_noise_e[0]) + every + np.square(0.02 * every))).min(axis=0)
+
+    rows = replace(rows, min_snr=1.01 * float(least_snr(0.0, y_hi)))
+    bound = light_beside_most_sun(rows, np.array([y_lo]), np.array([y_hi]))[0]
+    enough = x[least_snr(x, y) >= rows.min_snr].min(initial=np.inf)
+    assert bound <= enough * (1 + 1e-9)
+    at_most = x[0][least_snr(x[0], y_hi) >= rows.min_snr].min(initial=np.inf)
+    if np.isfinite(at_most):  # the grid is fine to 1/400
+        assert bound == pytest.approx(at_most * y_lo / y_hi, rel=0.01)
 
 
 def test_shutter_fills_the_pixel_and_no_more() -> None:

@@ -15,6 +15,7 @@ from uwopt.model.image_mean import reached_by_most
 from uwopt.solvers.settings.windows import Beside, Sun, dark_e, level_sides, light_asked_for
 
 MEETS = 1e-9  # relative, by which a point may miss a requirement
+NARROW, POINT = 4.0, 1.0 + 1e-9  # of a range of the sun's light, most over least: until it is none
 
 
 def bars_contrast(rows: SceneRows, light_x: Array, sun: Sun | None) -> Array:
@@ -126,12 +127,35 @@ def window_over(
         for altitude in range(rows.signal_e.shape[1]):
             never = np.inf if helping is None else 0.0  # with sun of another contrast it rules no X out
             low = np.maximum(low, light_asked_for(quiet, altitude, sun=helping, never=never))
+        if helping is not None:
+            low = np.maximum(low, light_beside_most_sun(quiet, y_lo, y_hi))
         if rows.min_contrast > 0.0 and not rows.optimistic:
             low, high = contrast_window(rows, y_lo, y_hi, low, high)
         if np.isfinite(rows.max_white_balance):
             low, high = balance_window(rows, y_lo, y_hi, low, high)
     low = np.maximum(np.where(np.isnan(low), np.inf, low), 0.0)
     return low, np.where(np.isnan(high), -np.inf, high)
+
+
+def light_beside_most_sun(rows: SceneRows, y_lo: Array, y_hi: Array) -> Array:
+    """Least X that the SNR may ask for over a narrow range of the sun's Y, from what it asks for at the most; else 0.
+
+    The most signal with the least noise of a range asks for no lamps long before none are needed. But with X / Y as it
+    is the SNR grows with Y, whatever is the noise:
+
+        SNR^2 = (a X/Y + s)^2 / (sigma^2 / Y^2 + (b X/Y + t) / Y + PRNU^2 (b X/Y + t)^2)
+
+    So where an X is enough at some Y, Y_hi / Y times as much is at Y_hi, and none below Y_lo / Y_hi of what is asked
+    for there is enough anywhere.
+    """
+    least = np.zeros(len(y_lo))
+    some = np.flatnonzero((y_hi <= NARROW * y_lo) & (y_hi > POINT * y_lo))
+    if len(some):
+        rows, share = rows.take(some), y_lo[some] / y_hi[some]
+        sun = Sun.at(rows, y_hi[some])
+        each = [light_asked_for(rows, altitude, sun=sun, never=0.0) for altitude in range(rows.signal_e.shape[1])]
+        least[some] = share * np.max(each, axis=0)
+    return least
 
 
 def contrast_window(rows: SceneRows, y_lo: Any, y_hi: Any, low: Array, high: Array) -> tuple[Array, Array]:
