@@ -532,6 +532,13 @@ DEFECTS: tuple[Defect, ...] = (
         "test_no_lamps_are_enough_that_give_less_than_is_asked_for_over_a_range_of_the_sun[5.0]",
     ),
     Defect(
+        name="halves are measured where any settings will do",
+        file="uwopt/solvers/settings/cell_pool.py",
+        old="if len(dims) <= 1 or self.any_will_do:",
+        new="if len(dims) <= 1:",
+        test=f"{CELLS}test_whether_anything_fits_takes_no_measure_of_halves[hardly sharp by steps of light]",
+    ),
+    Defect(
         name="the sun gives a node half of its light",
         file="uwopt/forward/sun_light.py",
         old="floor_log = chebyshev.chebval(-np.ones(1),",

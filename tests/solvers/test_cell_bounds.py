@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -162,3 +163,16 @@ def test_bounds_of_cells_close_the_gap_soon(name: str, monkeypatch: pytest.Monke
     monkeypatch.setattr(CellSearch, "_halved", counted)
     best_by_cells(Question.of([lit(**given)], np.array([False]), Objective.of(wanted), np.array([3.0]), np.inf))
     assert sum(halved) <= CELLS_ENOUGH[name]
+
+
+@pytest.mark.parametrize("name", ["power under the sun", "pulses under the sun", "hardly sharp by steps of light"])
+def test_whether_anything_fits_takes_no_measure_of_halves(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where any settings will do, cells are halved along their widest side: what tells most is dearer than halves."""
+    given, wanted = BY_CELLS.get(name, HARDLY_SHARP)
+    asked = Question.of([lit(**given)], np.array([False]), Objective.of(wanted), np.array([3.0]), np.inf)
+    never = Question.of(
+        [lit(**{**given, "min_snr": 900.0})], np.array([False]), Objective.of(wanted), np.array([3.0]), np.inf
+    )
+    monkeypatch.setattr(CellSearch, "_gains", None)
+    assert best_by_cells(replace(asked, gap_rel=np.inf)).feasible[0]
+    assert np.isinf(best_by_cells(replace(never, gap_rel=np.inf)).bound(never)[0])

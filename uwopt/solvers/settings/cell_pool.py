@@ -71,6 +71,7 @@ class BoundedCells:
         self.share = (0.0, 0.5, 1.0) if self.mixed else (1.0,) if quality else (0.0,)
         self.objective = objective
         self.gap = question.gap_rel * (0.3 if self.weight["information"] and not objective.by_ratio else 0.99)
+        self.any_will_do = bool(np.isinf(question.gap_rel))  # settings that fit, however good
         self.information: list[Information] = []
         if self.weight["information"]:
             assert all(r.sharp is not None for r in rows)
@@ -311,8 +312,10 @@ class BoundedCells:
         if m == 0:
             return pool
         dims = [k for k in range(self.n_dims) if width[:, k].max() > 0]
-        if len(dims) <= 1:
-            side = np.full(m, dims[0] if dims else 0)
+        lens = np.isin(np.arange(self.n_dims), self.n_dim)
+        scaled = width * np.where(lens, 2.0, 1.0)
+        if len(dims) <= 1 or self.any_will_do:  # most cells soon die: what tells is dearer than halves
+            side = scaled.argmax(axis=1)
         else:
             score = self._gains(pool, dims)
             # Where a half dies at once the side counts as much as the best of the others.
@@ -320,8 +323,6 @@ class BoundedCells:
             most = np.where(dies, 0.0, score).max(axis=1)[:, None]
             score = np.where(dies, np.where(most > 0, most, 1.0), score)
             # Sides that tell little are left alone; of the others the widest, or slivers would never be told apart.
-            lens = np.isin(np.arange(self.n_dims), self.n_dim)
-            scaled = width * np.where(lens, 2.0, 1.0)
             tells = score > TELLS * score.max(axis=1)[:, None]
             # Sharpness rules settings out and lifts no bound: no cell gets so thin that it never sees the f-number.
             tells |= lens & (scaled > THINNEST * np.where(tells, scaled, 0.0).max(axis=1)[:, None])

@@ -23,6 +23,8 @@ FEWEST = 4_000  # bounded in one call for each of up to fifty designs, where tha
 PATTERNS = (
     (0.0, 1.0), (0.5, 0.5), (0.0, 0.5), (0.5, 1.0), (1.0, 1.0), (1.0, 0.0), (0.0, 0.0), (1.0, 0.5), (0.5, 0.0),
 )  # fmt: skip
+SOME_POINTS = 4  # of a cell at a time
+FEW_POINTS = 2  # the same where it is only asked whether any fits: of most designs none does
 NEAR = 1e-9  # relative, of ties
 POLISHED, LATER = 4, 2  # rounds after which settings are polished no more, and that of designs not known to be wanted
 
@@ -58,7 +60,8 @@ class CellSearch(TriedCells):
                 design = np.unique(pool.design[self._open(pool)])
                 self._try_places(design, self.start[design])
             open_ = np.nonzero(self._open(pool) & self._unknown(pool))[0]
-            self._try_points(pool.take(open_), [(b.take(open_), r) for b, r in seen], list(PATTERNS))
+            patterns = list(PATTERNS[: FEW_POINTS if self.any_will_do else None])
+            self._try_points(pool.take(open_), [(b.take(open_), r) for b, r in seen], patterns)
         if not halve:
             np.minimum.at(self.closed, pool.design, pool.bound)
             return self._result()
@@ -82,7 +85,8 @@ class CellSearch(TriedCells):
             spent += len(active.design) * 2
             own += 2 * np.bincount(active.design, minlength=self.n)
             open_ = np.nonzero(self._open(children))[0]
-            some = [(PATTERNS[(4 * turn + k) % len(PATTERNS)]) for k in range(4)]
+            few = FEW_POINTS if self.any_will_do else SOME_POINTS
+            some = [PATTERNS[(few * turn + k) % len(PATTERNS)] for k in range(few)]
             tried = np.nonzero(self._open(children) & self._unknown(children))[0]
             boxes = [(box.take(tried), reach) for box, reach in seen]
             self._try_points(children.take(tried), boxes, some)
