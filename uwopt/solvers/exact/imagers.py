@@ -315,19 +315,13 @@ def focused_behind(
         at = focus_map(scene, shape)
         n_depth = np.max([depth_f_number(scene, at, view, one) for one in stands_per_m], axis=0)
         rate = required_rate_hz(requirements, scene.view.vehicle.speed_m_s, view.covered_along_m)
-        focused.append(
-            Focused(
-                dioptre_per_m=dioptre_per_m,
-                working_factor=factor,
-                n_low=np.maximum(np.maximum(closed, n_depth), problem.f_number or 0.0),
-                n_high=np.minimum(problem.lenses.f_number_max[lens], problem.f_number or np.inf),
-                rate_hz=rate.max(axis=1),
-                blur_time_s=blur_time_s(scene, shape, view),
-                spacer_m=spacers_m,
-                skew_px=shutter_skew_px(scene, shape, view, cameras.readout_s),
-                beside_w=np.zeros(len(camera)),
-            )
-        )
+        focused.append(Focused(
+            dioptre_per_m=dioptre_per_m, working_factor=factor,
+            n_low=np.maximum(np.maximum(closed, n_depth), problem.f_number or 0.0),
+            n_high=np.minimum(problem.lenses.f_number_max[lens], problem.f_number or np.inf),
+            rate_hz=rate.max(axis=1), blur_time_s=blur_time_s(scene, shape, view), spacer_m=spacers_m,
+            skew_px=shutter_skew_px(scene, shape, view, cameras.readout_s), beside_w=np.zeros(len(camera)),
+        ))  # fmt: skip
     powers = problem.camera_powers_w(cameras, [extra.rate_hz for extra in focused])
     least = np.min(powers, axis=0)
     return [replace(f, beside_w=power - least) for f, power in zip(focused, powers, strict=True)]
@@ -350,14 +344,3 @@ def joined(problem: Problem, blocks: Sequence[PortBlock], tally: Tally) -> Image
     return Imagers(
         every.camera, every.lens, every.port, every.landscape, cost, limit_cost, mass, power, gsd, scenes, tally
     )
-
-
-__all__ = [
-    "IMAGER_RULES",
-    "FittingPairs",
-    "Imagers",
-    "SceneImagers",
-    "enumerate_imagers",
-    "fitting_pairs",
-    "totals",
-]

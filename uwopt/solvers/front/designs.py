@@ -10,7 +10,8 @@ import numpy as np
 
 from uwopt.arrays import Array
 from uwopt.objectives.axes import Axes, Frame
-from uwopt.objectives.dominance import NEAR
+from uwopt.objectives.dominance import NEAR, distinct
+from uwopt.objectives.objective import MAXIMISED, UNITS
 from uwopt.quantities import TERMS
 from uwopt.results.design import Design
 from uwopt.results.front import FrontObjective, FrontPoint, Pick
@@ -44,8 +45,6 @@ def few(values: Array, frame: Frame) -> Array:
 
     No two of them are within 0.1 % of each other in every objective.
     """
-    from uwopt.objectives.dominance import distinct
-
     order = distinct(values, frame.log)
     unit = frame.unit(values[order])
     chosen = list(dict.fromkeys([*(int(i) for i in unit.argmin(axis=0)), knee(unit)]))
@@ -103,8 +102,6 @@ def picks_of(points: Sequence[FrontPoint], objectives: Sequence[FrontObjective],
 
 def objectives_of(axes: Axes, currency: str) -> list[FrontObjective]:
     """The axes as a result names them."""
-    from uwopt.objectives.objective import MAXIMISED, UNITS
-
     return [
         FrontObjective(
             name, "maximise" if name in MAXIMISED else "minimise", currency if name == "cost" else UNITS[name]

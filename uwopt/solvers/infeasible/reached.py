@@ -36,13 +36,7 @@ def missed_by(design: Design, names: Collection[str]) -> set[str]:
 
 
 def deepest(
-    found: Sought,
-    mission: Mission,
-    catalog: Catalog,
-    goal: Objective,
-    *,
-    generic: ToBeMade,
-    deadline: Deadline,
+    found: Sought, mission: Mission, catalog: Catalog, goal: Objective, *, generic: ToBeMade, deadline: Deadline
 ) -> Sought:
     """Of designs whose parts are not rated deep enough, one whose are rated deepest."""
     while (rated := rated_depth(found)) is not None and not deadline.passed():
@@ -68,16 +62,11 @@ def rated_depth(found: Sought) -> float | None:
 
 def reached_value(design: Design, key: str) -> float | None:
     """What the design reaches of a requirement, at its worst over altitudes and scenes."""
-    found = [
-        (margin.sense, margin.value)
-        for scene in design.scenes
-        for margin in scene.margins
-        if margin.requirement == key and margin.value is not None
-    ]
-    values = [value for _, value in found]
-    if not found:
+    found = [one for scene in design.scenes for one in scene.margins if one.requirement == key]
+    values = [one.value for one in found if one.value is not None]
+    if not values:
         return None
-    return min(values) if found[0][0] == ">=" else max(values)
+    return min(values) if found[0].sense == ">=" else max(values)
 
 
 def miss(limit: float | None, needed: float | None) -> float:
