@@ -24,6 +24,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from uwopt.arrays import Array
 from uwopt.forward.columns import Columns
@@ -165,13 +166,26 @@ class Branch(Columns):
 
     def first_true(self, holds: Condition, start: Array, end: Array) -> Array:
         """The least time from which on a condition holds; NaN where it does not hold at the end."""
-        high = self.halved(holds, start, end)[1]
-        return np.where(holds(self, start), start, np.where(holds(self, end), high, np.nan))
+        at_start, at_end = holds(self, start), holds(self, end)
+        high = self.halved_where(~at_start & at_end, holds, start, end)[1]
+        return np.where(at_start, start, np.where(at_end, high, np.nan))
 
     def last_false(self, holds: Condition, start: Array, end: Array) -> Array:
         """The longest time until which a condition does not hold; NaN where it holds at the start."""
-        low = self.halved(holds, start, end)[0]
-        return np.where(~holds(self, end), end, np.where(~holds(self, start), low, np.nan))
+        at_start, at_end = holds(self, start), holds(self, end)
+        low = self.halved_where(~at_start & at_end, holds, start, end)[0]
+        return np.where(~at_end, end, np.where(~at_start, low, np.nan))
+
+    def halved_where(
+        self, asked: NDArray[np.bool_], holds: Condition, start: Array, end: Array
+    ) -> tuple[Array, Array]:
+        """As `halved`, of those rows that are asked for; NaN for the rest, which both ends decide."""
+        if asked.all():
+            return self.halved(holds, start, end)
+        low, high = np.full((2, len(asked)), np.nan)
+        if len(rows := np.flatnonzero(asked)):
+            low[rows], high[rows] = self.take(rows).halved(holds, start[rows], end[rows])
+        return low, high
 
     def halved(self, holds: Condition, start: Array, end: Array) -> tuple[Array, Array]:
         """Both sides of the time from which on a condition holds, to the last digit but two.
@@ -228,14 +242,17 @@ class Branch(Columns):
         first = at.first_true(Branch.reaches, self.first_s, self.last_s)
         last = at.last_false(Branch.too_bright, self.first_s, self.last_s)
         ok = self.open & (first <= last * (1 + SLACK))
-        pulse = at.first_true(Branch.dark_is_no_help, first, last)
-        pulse = np.where(np.isnan(pulse), last, pulse)
-        pulsed = rows.kind == PULSED
+        pulsed, where = rows.kind == PULSED, last
+        if pulsed.any():
+            pulse = at.first_true(Branch.dark_is_no_help, first, last)
+            where = np.where(pulsed & ~np.isnan(pulse), pulse, last)
         with np.errstate(divide="ignore", invalid="ignore"):
-            where = np.where(pulsed, pulse, last)
             level = np.clip(self.window(where).low / (where * x_per_s), self.low_level, self.high_level)
-            shortest = replace(at, level=level).first_true(Branch.reaches, first, last)
-            time = np.where(ok, np.where(pulsed, pulse, shortest), np.nan)
+            time = where
+            if not pulsed.all():  # pulses are as long as dark electrons help; other light burns as long as it must
+                shortest = replace(at, level=level).first_true(Branch.reaches, first, last)
+                time = np.where(pulsed, where, shortest)
+            time = np.where(ok, time, np.nan)
             level = np.where(ok, level, np.nan)
             light_x = level * time * x_per_s
         seen = at_time(rows, np.where(ok, time, rows.time_min_s))
