@@ -354,9 +354,9 @@ def test_result_that_cannot_be_written_is_still_printed(
     assert "is a file, not a folder" in done.stderr
 
 
-def test_who_writes_an_order_reads_how_makers_are_asked(tmp_path: Path) -> None:
+def test_who_writes_an_order_reads_how_makers_are_asked(tmp_path: Path, undoubted: None) -> None:
     out = tmp_path / "out"
-    done = run("solve", MISSION, "--quick", "--out", out)
+    done = run("solve", ROOT / "problems" / "paper-tool-window.yaml", "--physics", "paper", "--quick", "--out", out)
     assert done.exit_code == 0, done.stderr
     asked = f"uwopt tender {out}/result.json --out {out}/tender"
     assert asked.split() == done.stderr.split()[-len(asked.split()):]  # fmt: skip
