@@ -19,6 +19,7 @@ from uwopt.forward.part_columns import CONTINUOUS, PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.settings.best import best_settings
+from uwopt.solvers.settings.dark import Branch, branches
 from uwopt.solvers.settings.question import Best, Question
 
 POWER, SNR = Objective({"power": 1.0}), Objective({"snr_db": 1.0})
@@ -54,6 +55,18 @@ def test_pulse_as_long_as_allowed_lets_dark_current_fill_the_wanted_level():
     )
 
 
+def test_pulse_ends_where_more_dark_current_would_ask_for_more_light():
+    # Of the 207.5 e above SNR 5 asks for mu^2 = 25 (read noise^2 + quantisation + 207.5) from the lamps; dark electrons
+    # bring the rest, 134.6 e, in 6.7 ms, and a longer pulse brings more noise than it saves light.
+    rows = replace(filled_by_dark(), time_max_s=np.array([0.02]))
+    gain = 0.37 * 16.0
+    wanted_e = 0.3 * 4095.0 / gain
+    mu = 5.0 * math.sqrt(2.3**2 + 1.0 / gain**2 / 12.0 + wanted_e)
+    best = best_of([rows])
+    assert best.chosen[0].time_s[0] == pytest.approx((wanted_e - mu) / 20_000.0, rel=1e-6)
+    assert watt(best) == pytest.approx(200.0 * 5.0 * mu / 100.0 * (1.4 * 1.02) ** 2 / 20_000.0)
+
+
 def test_lamp_burns_until_dark_electrons_leave_no_room_in_the_well():
     # Wells of 10500 e / 1.5 hold mu + d = 7000 e, at gain (4095 / 1.5) / 7000 DN/e. SNR 10 asks for
     # mu^2 = 100 (read noise^2 + quantisation + 7000); what is left is d = 2.5e6 e/s * t.
@@ -68,6 +81,32 @@ def test_lamp_burns_until_dark_electrons_leave_no_room_in_the_well():
 def test_step_that_dark_current_rules_out_at_its_longest_time_is_still_used_at_a_shorter_one():
     rows = scene(dark_current_e_s=2.5e6, **STEPS)
     assert watt(best_of([rows])) == 0.5 * 200.0  # 0.25 would need more than the level 0.336 of the case above
+
+
+def test_at_a_step_the_shortest_time_that_reaches_is_taken():
+    # Half the lamp gives mu = a t electrons, a = 100 * 0.5 * 20000 lm / N_w^2. SNR 10 asks for
+    # (a t)^2 = 100 (read noise^2 + a t + 2.5e6 t), but for the quantisation, which is less than 0.1 e^2 there.
+    a, lit_or_dark = 1e6 / (1.4 * 1.02) ** 2, 2.5e6
+    asked = [a * a, -100.0 * (a + lit_or_dark), -100.0 * 2.3**2]
+    best = best_of([scene(dark_current_e_s=2.5e6, **STEPS)])
+    assert best.chosen[0].level[0] == 0.5
+    assert best.chosen[0].time_s[0] == pytest.approx(max(np.roots(asked)), rel=1e-3)
+
+
+def test_a_time_is_looked_for_only_where_neither_end_decides():
+    places = np.zeros(3, np.intp)
+    branch = branches(scene(dark_current_e_s=2.5e6).take(places), 0.0)
+    start, end, looked_at = np.full(3, 1e-5), np.full(3, 1e-2), set()
+
+    def has_begun(some: Branch, time_s: np.ndarray) -> np.ndarray:
+        if len(time_s) != len(places):
+            looked_at.update(some.x_per_s)
+        return np.asarray(time_s >= some.x_per_s)
+
+    begins = replace(branch, x_per_s=np.array([1e-6, 3e-4, 1.0]))
+    assert begins.first_true(has_begun, start, end) == pytest.approx([1e-5, 3e-4, math.nan], rel=1e-12, nan_ok=True)
+    assert begins.last_false(has_begun, start, end) == pytest.approx([math.nan, 3e-4, 1e-2], rel=1e-12, nan_ok=True)
+    assert looked_at == {3e-4}
 
 
 def test_lower_step_at_the_widest_opening_fills_the_level_with_dark_electrons_though_none_fits_without():
