@@ -237,6 +237,12 @@ def test_who_waits_is_told_what_for() -> None:
     assert "what of good practice has to give way" in solved(1.0).words
 
 
+def test_who_waits_for_settings_is_told_so_and_that_none_fits_yet() -> None:
+    """All of a search that was dear was told as "imagers", which are listed in a second."""
+    words = solved(1.0).words
+    assert words.index("imagers") < words.index("bounds of systems") < words.index("settings of systems, none fits yet")
+
+
 def over_frame(min_snr_db: float, **asked: Any) -> dict[str, Any]:
     """A survey in all physics of which an SNR is asked over the frame, and nothing is kept in hand.
 

@@ -49,6 +49,8 @@ FIRST_DEAR = 4  # of a first batch where information counts: dear to bound while
 MOST_IMAGERS = 700_000  # beyond which pairs are bounded before their ports: more than the whole catalogue has
 SAMPLES = 64  # of nodes that a rule discards, about
 TOO_FEW_TO_BOUND = 8  # nodes: evaluating them is cheaper
+#: What is told of a search beside how far it is; a line of its own for every number of them would fill a log.
+BOUNDS, SETTINGS, SETTINGS_IN_VAIN = "bounds of systems", "settings of systems", "settings of systems, none fits yet"
 TAKEN = 1.0 + 1e-12  # of a threshold: outlines are summed in another order
 
 
@@ -93,7 +95,7 @@ class Search(Evaluation):
         super().__init__(problem, objective, **how)
         self.given, self.widest_m = imagers, widest_m
         self.every_imager: Imagers | None = None  # of all parts, once they are listed
-        self.progress = progress or unheard
+        self.progress, self.share = progress or unheard, 0.0  # told, and how far the search is
         self.bounds_s = 0.0
         self.tally = Tally()  # some of the nodes that are discarded; of imagers, theirs has it
 
@@ -111,7 +113,7 @@ class Search(Evaluation):
             imagers_s, lowest = time.perf_counter() - start, float(self._camera_floor().min(initial=np.inf))
         else:
             imagers_s = time.perf_counter() - start
-            complete = tree.search(self.deadline, self.progress)
+            complete = tree.search(self.deadline, self._tell)
             imagers_s, lowest = imagers_s + tree.groups_s, float(tree.open_ideals().min(initial=np.inf))
             interrupted = tree.interrupted
             bounds, winners = tree.keeping(self.ranking.best)
@@ -129,6 +131,11 @@ class Search(Evaluation):
         return Outcome(
             self.ranking.best, self.account, lower, complete, self.imagers, self.tables, timing, interrupted
         )
+
+    def _tell(self, share: float, what: str) -> None:
+        """Tell how far it is."""
+        self.share = share
+        self.progress(share, what)
 
     def whole(self) -> Outcome:
         """As `run`, where what was found until a person wants no more is of no use. Raises KeyboardInterrupt then."""
@@ -239,6 +246,7 @@ class Search(Evaluation):
 
         Raises OutOfTimeError before any is accounted for.
         """
+        self.progress(self.share, BOUNDS)
         start = time.perf_counter()
         few = len(rows) * len(self.tables.lightings) <= TOO_FEW_TO_BOUND
         rows = rows if few else self._lit(rows)
@@ -304,6 +312,7 @@ class Search(Evaluation):
         try:
             self.deadline.check()
             if len(useful):
+                self.progress(self.share, SETTINGS if self.ranking.best else SETTINGS_IN_VAIN)
                 self.evaluate_nodes(nodes.lighting_of(useful), nodes.imager_of(useful))
         except OutOfTimeError:
             self.account.restore(before)
