@@ -44,4 +44,12 @@ DEFECTS = (
         new="np.where(electrons > 0.0, 4.0 * electrons / signal[:, None], 0.0)",
         test=f"{KNEE}::test_quality_and_price_together_hold_all_that_is_drawn[dear]",
     ),
+    Defect(
+        name="under the sun designs wait until no other bound is less",
+        file="uwopt/solvers/exact/evaluation.py",
+        old="while sunlit and self._waiting",
+        new="while False and self._waiting",
+        test="tests/solvers/test_beatable.py::"
+        "test_what_waits_under_the_sun_is_solved_before_the_next_are_bounded",
+    ),
 )

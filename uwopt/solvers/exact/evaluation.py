@@ -261,15 +261,28 @@ class Evaluation:
             most = min(until, self.ranking.threshold())
             if first.lowest > most:
                 break
-            self.deadline.check()
-            some, group = first.taken(most, ~self._beaten(first.pairs, first.bound))
-            self._solve_fully(some, first.lights)
-            self.account.evaluated += len(some)
-            self.account.charge("bound", -len(some))
-            rest = [other for other in self._waiting if other is not first]
-            self._waiting = [*rest, *([group] if np.isfinite(group.lowest) else [])]
+            self._solve_next(first, most)
         threshold = self.ranking.threshold()
         self._waiting = [group for group in self._waiting if group.lowest <= threshold]
+
+    def _solve_until_beatable(self) -> None:
+        """Under the sun, solve what waits, best bound first, until there is something to beat.
+
+        Until then no bound discards any, and there each is dear; without sun what waits is dearer than bounds.
+        """
+        sunlit = any(scene.sunlit for scene in self.problem.scenes)
+        while sunlit and self._waiting and not np.isfinite(self.ranking.threshold()):
+            self._solve_next(min(self._waiting, key=lambda group: group.lowest), np.inf)
+
+    def _solve_next(self, group: Waiting, most: float) -> None:
+        """Solve the next few of a group that waits, with no more than some bound."""
+        self.deadline.check()
+        some, left = group.taken(most, ~self._beaten(group.pairs, group.bound))
+        self._solve_fully(some, group.lights)
+        self.account.evaluated += len(some)
+        self.account.charge("bound", -len(some))
+        rest = [other for other in self._waiting if other is not group]
+        self._waiting = [*rest, *([left] if np.isfinite(left.lowest) else [])]
 
     def _not_reached(self) -> float:
         """Count what waits as not reached, as time is over; the least of its bounds."""

@@ -229,6 +229,7 @@ class Search(Evaluation):
                 if len(ahead) == 0:
                     break
                 self._take(nodes, ahead)
+                self._solve_until_beatable()
                 growth = 2 if self.ranking.best else UNBEATEN_GROWTH
                 batch = min(growth * batch, self._largest_batch(costly=costly))
                 look = max(least_look, REFINED_AHEAD * batch)
