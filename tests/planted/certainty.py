@@ -13,6 +13,49 @@ BANDS = "tests/solvers/test_own_bands.py::test_each_camera_sees_what_it_sees_ove
 
 DEFECTS = (
     Defect(
+        name="two keys are never moved together",
+        file="uwopt/solvers/confidence/changes.py",
+        old="            if holds(moves):\n                enough.append(moves)",
+        new="            if False:\n                enough.append(moves)",
+        test="tests/solvers/test_certain_changes.py::test_a_pair_of_keys_is_told_where_none_alone_is_enough",
+    ),
+    Defect(
+        name="a move that is not needed is told as well",
+        file="uwopt/solvers/confidence/changes.py",
+        old="        if rest and holds(rest):",
+        new="        if False:",
+        test="tests/solvers/test_certain_changes.py::test_moves_that_are_not_needed_are_dropped_and_the_rest_drawn_in",
+    ),
+    Defect(
+        name="that no larger budget is enough is kept quiet",
+        file="uwopt/api/raised.py",
+        old="return [], there.held",
+        new="return [], None",
+        test="tests/solvers/test_certain_changes.py::test_what_no_limit_mends_is_said_to_be_beyond_them",
+    ),
+    Defect(
+        name="hardware is searched within the limits that are to be raised",
+        file="uwopt/solvers/confidence/changes.py",
+        old="        mission = ease.mission_at(far_of(ease), mission)\n    return mission",
+        new="        pass\n    return mission",
+        test="tests/solvers/test_certain_changes.py::test_a_raised_limit_is_told_with_what_holds_then",
+    ),
+    Defect(
+        name="rules that hardware misses are not known where it was counted beside others",
+        file="uwopt/solvers/confidence/deciding.py",
+        old="all_missed(problem, objective, seen, scenarios)):\n        coarse",
+        new="seen.outcomes.missed(seen.stop)):\n        coarse",
+        test="tests/solvers/test_certain_changes.py"
+        "::test_what_is_missed_is_known_of_hardware_that_was_counted_beside_others_too",
+    ),
+    Defect(
+        name="no single change is said to be enough without a word",
+        file="uwopt/report/text/certainty.py",
+        old="lines += map(sentence, [*in_vain_texts(known), *else_texts(known)])",
+        new="pass",
+        test="tests/report/test_certainty.py::test_what_no_single_change_mends_is_told_with_the_pair_that_does",
+    ),
+    Defect(
         name="what would make an answer hold is looked for without end where no time is given",
         file="uwopt/solvers/confidence/deciding.py",
         old="patience, was_coarse = deadline.or_after(TRIED_S, effort_s).at_most(TRIED_S), True",

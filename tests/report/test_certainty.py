@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from uwopt.report.text.certainty import certainty_block, decides_text
+from uwopt.report.text.certainty import certainty_block, decides_text, surer_block
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.doubts import robustness_block
 from uwopt.report.text.layout import Block
@@ -63,6 +63,30 @@ def test_what_is_not_certain_enough_is_said_first_on_the_page_and_in_full(
     assert "not certain enough: holds in 49 % of" in text[:120] and "very requirement is met" not in text[:400]
     for title in ("How certain", "Risks", "Measure or quote first"):
         assert title in text
+
+
+def test_what_no_single_change_mends_is_told_with_the_pair_that_does(make_result: Callable[..., Result]) -> None:
+    """Each change with its units; a raised limit in the mission's currency, with the lamps that it pays for."""
+    def moved(name: str, asked: float, needed: float, unit: str) -> dict[str, Any]:
+        return {"name": name, "asked": asked, "needed": needed, "unit": unit, "nearest": False}
+
+    snr_db, swath_m = ("min_snr_db", 25.0), moved("min_swath_m", 1.5, 1.44, "m")
+    together = {"moves": [moved(*snr_db, 22.5, "db"), swath_m], "hardware": [], "held": 0.92}
+    raised = {"moves": [moved("cost", 8000.0, 30500.0, "USD")], "hardware": ["a", "4 x b"], "held": 0.9}
+    in_vain = [
+        {"move": moved("speed_m_s", 1.0, 0.25, "m_s"), "held": 0.41}, {"move": moved(*snr_db, 5.0, "db"), "held": 0.81},
+    ]  # fmt: skip
+    known = {"enough": False, "held": 0.4, "held_in_choice": 0.41, "in_vain": in_vain}
+    result = make_result(confidence=COUNTED | known | {"would_hold_else": [together, raised]})
+    (block,) = surer_block(result)
+    said = [str(getattr(line, "plain", "")) for line in block.lines]
+    assert said == [
+        "No single change is enough for this hardware: signal to noise (min_snr_db) 25.00 dB -> 5.000 dB holds in 81 "
+        "%; another speed (speed_m_s) is no help.",
+        "With signal to noise (min_snr_db) 25.00 dB -> 22.50 dB and swath (min_swath_m) 1.500 m -> 1.440 m together, "
+        "this hardware holds in 92 % (neither may give much less while the other stays).",
+        "With cost 8 000 USD -> 30 500 USD, a + 4 x b holds in 90 % (less may do).",
+    ]
 
 
 def test_medians_that_scenarios_cannot_tell_apart_are_called_a_tie(make_result: Callable[..., Result]) -> None:

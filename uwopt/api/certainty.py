@@ -241,12 +241,16 @@ def confidence_of(
 
 def eased(problem: Problem, goal: Objective, known: Confidence, choice: Certain, deadline: Deadline) -> Confidence:
     """What was counted, and where that is not enough, with what asked less it would be in the scenarios of a choice."""
+    from uwopt.solvers.confidence.changes import other_changes
     from uwopt.solvers.confidence.deciding import would_hold
 
     if known.enough or known.asked == ENDS:
         return known
-    told = would_hold(problem, goal, choice.best, choice.scenarios, choice.asked, deadline)
-    return replace(known, would_hold=told)
+    best, scenarios, share = choice.best, choice.scenarios, choice.asked
+    if alone := would_hold(problem, goal, best, scenarios, share, deadline):
+        return replace(known, would_hold=alone)
+    others, in_vain = other_changes(problem, goal, best, scenarios, share, choice.ranked, deadline)
+    return replace(known, would_hold_else=others, in_vain=in_vain)
 
 
 def as_given(problem: Problem, hardware: Hardware, design: Design) -> list[SceneSetting]:

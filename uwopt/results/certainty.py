@@ -44,6 +44,25 @@ class Decides(Record):
 
 
 @dataclass(frozen=True, config=RECORD)
+class WouldHold(Record):
+    """Keys of which other values, all of them together, would let hardware hold as often as asked."""
+
+    moves: list[Moved] = Field(description="the keys, with values that were counted")
+    hardware: list[str] = Field(
+        description="parts of what holds then, the lamps with their number; empty: what is recommended"
+    )
+    held: Number = Field(description="share of fresh scenarios in which it holds then")
+
+
+@dataclass(frozen=True, config=RECORD)
+class InVain(Record):
+    """A key that was moved far, alone, which is not enough for what is recommended."""
+
+    move: Moved = Field(description="the key, with the value that was counted")
+    held: Number = Field(description="share of the scenarios that the choice was made on in which it holds then")
+
+
+@dataclass(frozen=True, config=RECORD)
 class Surest(Record):
     """Hardware that holds more often than what is recommended, but misses something by central numbers."""
 
@@ -130,6 +149,19 @@ class Confidence(Record):
     )
     would_hold: list[Moved] = Field(
         default_factory=list, description="keys of which less would let it hold as often as asked, each moved alone"
+    )
+    would_hold_else: list[WouldHold] = Field(
+        default_factory=list,
+        description="other hardware that would hold with a limit raised; where no key moved alone is enough, also with "
+        "another key moved, and keys that are enough together",
+    )
+    in_vain: list[InVain] = Field(
+        default_factory=list, description="where no key moved alone is enough: what each of them comes to"
+    )
+    beyond_limits: Number | None = Field(
+        default=None,
+        description="greatest share in which anything holds that was counted with all limits on cost, power and the "
+        "like four times as far; null: not looked for, or something holds as often as asked then",
     )
     surest: Surest | None = Field(
         default=None,

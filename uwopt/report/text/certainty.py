@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from uwopt.mission.best_image import NAME as BEST_IMAGE
 from uwopt.report.text import formats, words
@@ -218,8 +219,36 @@ def surer_block(result: Result) -> Iterator[Block]:
         one_of = "with any one of these asked instead" if len(known.would_hold) > 1 else "with this asked instead"
         share = percent(float(known.asked))
         lines.append(sentence(f"With iris and focus set anew, this hardware holds in {share} {one_of}: {told}."))
+    lines += map(sentence, [*in_vain_texts(known), *else_texts(known)])
     if lines:
         yield block("What would make it certain", lines)
+
+
+def in_vain_texts(known: Confidence) -> Iterator[str]:
+    """That no single change is enough, with what each comes to, nor as much more of each limit as was tried."""
+    if known.in_vain and not known.would_hold:
+        best = sorted(known.in_vain, key=lambda one: -one.held)
+        helps = [one for one in best if one.held > known.held_in_choice]
+        told = [f"{move_text(replace(one.move, nearest=True))} holds in {percent(one.held)}" for one in helps]
+        vain = words.listed([words.key_name(one.move.name) for one in best if one not in helps])
+        told += [f"another {vain} is no help"] if vain else []
+        yield f"No single change is enough for this hardware: {'; '.join(told)}."
+    if known.beyond_limits is not None:
+        yield (
+            "More money, power and the like are not enough: with four times each limit of the mission nothing that was "
+            f"counted holds in more than {percent(known.beyond_limits)}."
+        )
+
+
+def else_texts(known: Confidence) -> Iterator[str]:
+    """What else would hold: other hardware with a key moved, or this with several."""
+    for one in known.would_hold_else:
+        moves = words.listed([move_text(replace(move, nearest=True)) for move in one.moves])
+        together, less = "", "less may do"
+        if len(one.moves) > 1:
+            together, less = " together", "neither may give much less while the other stays"
+        what = " + ".join(formats.one_line(part, 60) for part in one.hardware) or "this hardware"
+        yield f"With {moves}{together}, {what} holds in {percent(one.held)} ({less})."
 
 
 def decides_text(one: Decides) -> str:

@@ -49,7 +49,8 @@ def requirement_name(requirement: str, kinds: Mapping[str, str] | None = None) -
 def key_name(name: str) -> str:
     """`tolerance of the altitude (altitude_tolerance_m)`: a requirement or key in words, and as a mission writes it."""
     said = (KEYS.get(name) or requirement_name(name)).partition(", ")[0]  # what sets it apart the key beside it says
-    return f"{said} ({one_line(AS_WRITTEN.get(name, name), 40)})"
+    written = one_line(AS_WRITTEN.get(name, name), 40)
+    return said if said == written else f"{said} ({written})"
 
 
 def note_subject(path: str) -> str:

@@ -56,7 +56,8 @@ MOST_TOLD = 2  # numbers
 OF_LUCK = 20  # numbers that mean nothing: what tells no more than the most telling of them is not told
 #: What gives a lamp's light room, where too little or too much of it is what is missed first.
 FOR_LIGHT = ("min_snr_db", "min_snr_mean_db", "min_snr_red_db", "min_contrast", "max_gain_db", "max_blur_px")
-ALTITUDE, TOLERANCE = "altitude_m", "altitude_tolerance_m"
+FOR_TIME = ("max_blur_px", "max_skew_px", "overlap", "frame_rate")  # what a slower vehicle leaves more time for
+ALTITUDE, TOLERANCE, SPEED = "altitude_m", "altitude_tolerance_m", "speed_m_s"
 BATTERY, OF_BATTERY = "battery_wh", "energy_wh"  # what holds too little where that is missed
 FARTHEST = 4.0  # times as much, or as little
 FARTHEST_DB = 20.0
@@ -107,7 +108,7 @@ def would_hold(
     """
     made, was_coarse = [], False
     patience = deadline.or_after(EASED_S, effort_s).at_most(EASED_S)
-    for ease in eases(problem.mission, seen.outcomes.missed(seen.stop)):
+    for ease in eases(problem.mission, all_missed(problem, objective, seen, scenarios)):
         coarse = len(ease.values) > 1
         if coarse and not was_coarse:  # these come last
             patience, was_coarse = deadline.or_after(TRIED_S, effort_s).at_most(TRIED_S), True
@@ -167,7 +168,18 @@ class Ease:
     unit: str
     asked: float
     values: tuple[float, ...]  # one alone lies far from what is asked: a nearer one is looked for
-    mission_at: Callable[[float], Mission]
+    mission_at: Callable[..., Mission]  # takes a value, and a mission in which other keys have moved
+
+
+def all_missed(problem: Problem, objective: Objective, seen: Counted, scenarios: Scenarios) -> dict[str, int]:
+    """What hardware misses first at its stop, in how many scenarios: what no settings can mend as well.
+
+    Hardware that is counted with others behind one port does not tell that.
+    """
+    if seen.outcomes.lost:
+        return seen.outcomes.missed(seen.stop)
+    alone = outcomes(problem, seen.found, objective, scenarios, f_numbers=[float(seen.outcomes.f_numbers[seen.stop])])
+    return alone.missed(0)
 
 
 def eases(mission: Mission, missed: Iterable[str]) -> Iterator[Ease]:
@@ -181,23 +193,26 @@ def eases(mission: Mission, missed: Iterable[str]) -> Iterator[Ease]:
         asked = asked_value(mission, section, key) if wanted.intersection((name, key)) else None
         if not asked:
             continue
-        unit, above = split_unit(key)[1], is_from_above(name)
+        unit, above = mission.limits.currency if name == "cost" else split_unit(key)[1], is_from_above(name)
         if unit == "db":
             far = asked + FARTHEST_DB if above else max(asked - FARTHEST_DB, LEAST_SNR_DB)
         else:
             far = asked * FARTHEST if above else asked / FARTHEST
 
-        def with_value(value: float, section: str = section, key: str = key, asked: float = asked) -> Mission:
-            return with_limit(mission, section, key, asked, value)
+        def with_value(
+            value: float, there: Mission = mission, section: str = section, key: str = key, asked: float = asked
+        ) -> Mission:
+            return with_limit(there, section, key, asked, value)
 
         yield Ease(key, unit, asked, (far,), with_value)
     battery = (FARTHEST,) if OF_BATTERY in wanted else ()
-    for key, shares in ((BATTERY, battery), (TOLERANCE, STEADIER), (ALTITUDE, LOWER)):
+    slower = (1.0 / FARTHEST,) if wanted.intersection(FOR_TIME) else ()
+    for key, shares in ((BATTERY, battery), (SPEED, slower), (TOLERANCE, STEADIER), (ALTITUDE, LOWER)):
         if shares and (asked := in_all_scenes(mission, "vehicle", key)):
-            varied, there = VariedMission(mission, {}), Varied(key, "vehicle", key, ())
+            varied = Varied(key, "vehicle", key, ())
 
-            def of_vehicle(value: float, varied: VariedMission = varied, there: Varied = there) -> Mission:
-                return varied.with_values({there: value})
+            def of_vehicle(value: float, there: Mission = mission, varied: Varied = varied) -> Mission:
+                return VariedMission(there, {}).with_values({varied: value})
 
             there_to = tuple(rounded_away(one * asked, asked) for one in shares)
             yield Ease(key, split_unit(key)[1], asked, there_to, of_vehicle)
@@ -219,10 +234,11 @@ def held_with(
 
 
 def set_and_held_with(
-    problem: Problem, objective: Objective, found: Found, scenarios: Scenarios, mission: Mission
-) -> float:
+    problem: Problem, objective: Objective, found: Found, scenarios: Scenarios, mission: Mission,
+    light: dict[Any, Any] | None = None, deadline: Deadline = NEVER,
+) -> float:  # fmt: skip
     """The same at a stop at which it fits by central numbers too, as what is recommended has to; 0 where none does."""
-    alone, one = outcomes_with(problem, objective, found, scenarios, mission)
+    alone, one = outcomes_with(problem, objective, found, scenarios, mission, light, deadline)
     for stop in np.argsort(-one.outcomes.held, kind="stable"):
         if one.outcomes.held[stop] == 0.0:
             break

@@ -1,0 +1,42 @@
+"""What a larger budget, more power or a larger battery would make certain, where nothing holds as often as asked."""
+
+from __future__ import annotations
+
+from uwopt.deadline import Deadline, OutOfTimeError, effort_s, unheard
+from uwopt.results.certainty import WouldHold
+from uwopt.solvers.confidence.changes import limits_of, with_limits_far, with_limits_raised
+from uwopt.solvers.confidence.counted import Looked
+from uwopt.solvers.confidence.search import count_near, look
+from uwopt.solvers.recommend import Sought
+
+RAISED_S = 4.0  # of work, where no time is given
+SEARCH_SHARE = 0.7  # of it, for hardware that holds; the rest is for how little more it needs
+
+
+def raised(sought: Sought, seen: Looked, deadline: Deadline) -> tuple[list[WouldHold], float | None]:
+    """Hardware that holds with a limit raised, each by as little as was found; else the most often that any holds.
+
+    All limits are put far off together, and what is counted then is asked which of them it needs. Nothing is told where
+    the mission sets no limit, or time does not reach.
+
+    seen : what was counted within the limits
+    """
+    problem, goal = sought.problem, sought.goal
+    if not limits_of(problem):
+        return [], None
+    patience = deadline.or_after(RAISED_S, effort_s).at_most(RAISED_S)
+    mission = with_limits_far(problem)
+    wider = problem.over(problem.parts, mission=mission, scenes=problem.scenes_for(mission))
+    looking = patience.at_most(SEARCH_SHARE * patience.left_s)
+    try:
+        found = Sought.of(sought.selection, wider, goal, top=sought.search.top, whole=True, deadline=looking)
+        like = seen.scenarios.seen_by(mission, wider.scenes)
+        known = [one.found for one in seen.ranked[:1]]
+        there = look(found, seen.asked, looking, unheard, like=like, known=known)
+        count_near(there, looking, 1.0)
+    except OutOfTimeError:
+        return [], None
+    holding = [one for one in there.ranked if one.held >= there.share]
+    if not holding:
+        return [], there.held
+    return with_limits_raised(problem, goal, holding, seen.scenarios, seen.share, patience), None

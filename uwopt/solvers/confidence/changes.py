@@ -1,0 +1,267 @@
+"""What would make hardware certain enough where no key moved alone does: other hardware, or several keys together.
+
+It is looked for in the scenarios that the choice was made on; what is told was counted in fresh ones, with settings by
+central numbers as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import combinations, islice
+from typing import Any, TypeAlias
+
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError, effort_s
+from uwopt.errors import MissionError
+from uwopt.forward.problem import Problem
+from uwopt.mission.mission import Mission
+from uwopt.mission.weakened import RELAXABLE
+from uwopt.objectives.objective import Objective
+from uwopt.results.basis import Moved
+from uwopt.results.certainty import InVain, WouldHold
+from uwopt.solvers.confidence.counted import Counted, names
+from uwopt.solvers.confidence.deciding import (
+    ALTITUDE,
+    BATTERY,
+    TOLERANCE,
+    Ease,
+    all_missed,
+    eases,
+    held_with,
+    light_with,
+    nearest,
+    set_and_held_with,
+)
+from uwopt.solvers.confidence.scenarios import Scenarios
+from uwopt.solvers.confidence.search import FRESH, FRESH_SEED, scenarios_of
+from uwopt.solvers.exact.ranking import Found
+from uwopt.solvers.infeasible.least_change import rounded_away
+from uwopt.solvers.infeasible.reached import miss
+from uwopt.solvers.one_hardware import pieces_of
+
+CHANGES_S = 4.0  # of work, for all of it, where no time is given
+JOINT_SHARE = 0.6  # of what is left then, for keys that are moved together
+LESS = 0.9  # of a change, that other hardware has to do with to be told in place of what was found
+MOST_WIDENED, WIDER = 4, 1.2  # times that a change is made larger, each by so much, until fresh scenarios agree
+OTHERS = 4  # hardware that was counted, the best first, that is asked as well
+MOST_PAIRS = 4  # pairs of keys that hold, the surest first, which are drawn in
+LIMITS = tuple(name for name, (section, _, _) in RELAXABLE.items() if section == "limits" and name != "depth_rating_m")
+
+Move: TypeAlias = tuple[Ease, float]
+Holds: TypeAlias = Callable[[Sequence[Move]], bool]
+
+
+@dataclass(frozen=True)
+class MovedKeys:
+    """Counts hardware of a problem in its scenarios with keys of its mission moved."""
+
+    problem: Problem
+    objective: Objective
+    scenarios: Scenarios
+    share: float
+    deadline: Deadline
+
+    def held(self, found: Found, moves: Sequence[Move], *, as_set: bool = False) -> float:
+        """Share of the scenarios in which hardware holds; `as_set`: with settings by central numbers as well.
+
+        0 in a mission that contradicts itself. Raises OutOfTimeError.
+        """
+        self.deadline.check()
+        mission = self.problem.mission
+        try:
+            for ease, value in moves:
+                mission = ease.mission_at(value, mission)
+        except MissionError:
+            return 0.0
+        count = set_and_held_with if as_set else held_with
+        return count(self.problem, self.objective, found, self.scenarios, mission, self._light(moves), self.deadline)
+
+    def holds(self, found: Found) -> Holds:
+        """Whether hardware holds as often as asked with some keys moved."""
+        return lambda moves: self.held(found, moves) >= self.share
+
+    def would_hold(self, found: Found, moves: Sequence[Move], ours: Found | None) -> WouldHold | None:
+        """As it is told, whatever the time: with what is enough in scenarios that the choice has not seen, too.
+
+        What is just enough in those of the choice owes some of that to luck; it is moved farther then. None where that
+        is in vain, or no settings can be told. `ours`: what is recommended.
+        """
+        problem = self.problem
+        seed = (problem.mission.seed + FRESH_SEED) % 2**32
+        fresh = scenarios_of(problem, self.share, seed, FRESH, self.scenarios)
+        anew, held = replace(self, scenarios=fresh, deadline=NEVER), 0.0
+        for _ in range(MOST_WIDENED):
+            held = anew.held(found, moves, as_set=True)
+            if held >= self.share:
+                break
+            moves = [(ease, rounded_away(ease.asked + WIDER * (to - ease.asked), ease.asked)) for ease, to in moves]
+        if held < self.share:
+            return None
+        same = ours is not None and names(self.problem, found) == names(self.problem, ours)
+        parts = [] if same else [part.id for _, part in pieces_of(self.problem, found)]
+        if parts and found.count > 1:
+            parts[-1] = f"{found.count} x {parts[-1]}"
+        return WouldHold([moved(*move) for move in moves], parts, held)
+
+    def _light(self, moves: Sequence[Move]) -> dict[Any, Any]:
+        heights = [move for move in moves if move[0].key in (ALTITUDE, TOLERANCE)]
+        return light_with(*heights[0], self.scenarios) if heights else self.scenarios.responses
+
+
+def moved(ease: Ease, value: float) -> Moved:
+    """A key as it is told."""
+    return Moved(ease.key, ease.asked, value, ease.unit, nearest=False)
+
+
+def far_of(ease: Ease) -> float:
+    """The farthest value at which a key is tried; of the altitude the nearest, as light is made anew for each."""
+    return ease.values[0] if ease.key == ALTITUDE else ease.values[-1]
+
+
+def other_changes(
+    problem: Problem, objective: Objective, seen: Counted, scenarios: Scenarios, share: float,
+    others: Sequence[Counted], deadline: Deadline,
+) -> tuple[list[WouldHold], list[InVain]]:  # fmt: skip
+    """Where no key moved alone is enough for hardware: what else is, and how far each of these comes.
+
+    Other hardware of those that were counted with one key moved, and two keys moved for the same hardware; where no two
+    are enough, as few as are. With little time less is found than would do.
+    """
+    patience = deadline.or_after(CHANGES_S, effort_s).at_most(CHANGES_S)
+    trial, ours = MovedKeys(problem, objective, scenarios, share, patience), seen.found
+    may_move = [*eases(problem.mission, all_missed(problem, objective, seen, scenarios))]
+    alone: list[tuple[Move, float]] = []
+    with suppress(OutOfTimeError):
+        for ease in may_move:
+            far = ease, far_of(ease)
+            alone.append((far, trial.held(ours, [far])))
+    joint = replace(trial, deadline=patience.at_most(JOINT_SHARE * patience.left_s))
+    made = joint_change(joint, ours, alone)
+    made += with_other_hardware(trial, ours, [move for move, _ in alone], others)
+    return made, [InVain(moved(*move), held) for move, held in alone]
+
+
+def joint_change(trial: MovedKeys, found: Found, alone: Sequence[tuple[Move, float]]) -> list[WouldHold]:
+    """The pair of keys of which the least change is enough together; where none is, as few keys as are."""
+    fast = [one for one in alone if one[0][0].key != ALTITUDE]  # for which light is worked out anew each time
+    by_share = sorted(combinations(fast, 2), key=lambda pair: -sum(held for _, held in pair))
+    every, holds, enough = [move for move, _ in fast], trial.holds(found), list[list[Move]]()
+    with suppress(OutOfTimeError):
+        for pair in by_share:
+            moves = [move for move, _ in pair]
+            if holds(moves):
+                enough.append(moves)
+            if len(enough) == MOST_PAIRS:
+                break
+        if not enough and len(every) > 2 and holds(every):
+            enough = [needed(every, holds)]
+    near = sorted((drawn_by_share(moves, holds) for moves in enough), key=size)
+    return [*islice((told for moves in near if (told := trial.would_hold(found, drawn_in(moves, holds), found))), 1)]
+
+
+def with_other_hardware(
+    trial: MovedKeys, ours: Found, far: Sequence[Move], others: Sequence[Counted]
+) -> list[WouldHold]:
+    """Other hardware that was counted, with the one key whose least change lets some of it hold."""
+    best: tuple[float, list[Move], Found] | None = None
+    own = names(trial.problem, ours)
+    with suppress(OutOfTimeError):
+        for one in [one for one in others if names(trial.problem, one.found) != own][:OTHERS]:
+            holds = trial.holds(one.found)
+            for move in far:
+                if move[0].key != ALTITUDE and holds([move]):
+                    moves = drawn_in([move], holds)
+                    if best is None or size(moves) < best[0]:
+                        best = size(moves), moves, one.found
+    told = None if best is None else trial.would_hold(best[2], best[1], ours)
+    return [] if told is None else [told]
+
+
+def with_limits_far(problem: Problem) -> Mission:
+    """The mission with all of its limits as far off as they are tried."""
+    mission = problem.mission
+    for ease in limits_of(problem):
+        mission = ease.mission_at(far_of(ease), mission)
+    return mission
+
+
+def with_limits_raised(
+    problem: Problem, objective: Objective, holding: Sequence[Counted], scenarios: Scenarios, share: float,
+    deadline: Deadline,
+) -> list[WouldHold]:  # fmt: skip
+    """Of hardware that holds without limits what asks for the least of each limit alone; else of as few as are enough.
+
+    problem : with the mission as it is asked; holding : its places are of this problem, the best first
+    """
+    trial = MovedKeys(problem, objective, scenarios, share, deadline)
+    limits = [*limits_of(problem)]
+    made, by_price = list[WouldHold](), sorted(holding, key=lambda one: one.outcomes.price)
+    some = list({id(one): one for one in (*by_price[:OTHERS], *holding[:OTHERS])}.values())
+    with suppress(OutOfTimeError):  # what was found by then was counted
+        for ease in limits:
+            drawn, far = list[tuple[Found, list[Move]]](), far_of(ease)
+            for one in some:
+                holds = trial.holds(one.found)
+                if holds([(ease, far)]):  # with less than what did before
+                    moves = drawn_in([(ease, far)], holds)
+                    drawn.append((one.found, moves))
+                    far = rounded_away(ease.asked + LESS * (moves[0][1] - ease.asked), ease.asked)
+            least = reversed(drawn)
+            made += islice((told for found, moves in least if (told := trial.would_hold(found, moves, None))), 1)
+        if not made and some:
+            every = [(ease, far_of(ease)) for ease in limits]
+            first = next((one.found for one in some if trial.held(one.found, every) >= share), None)
+            if first is not None:
+                holds = trial.holds(first)
+                moves = drawn_in(drawn_by_share(needed(every, holds), holds), holds)
+                made += [told for told in [trial.would_hold(first, moves, None)] if told is not None]
+    return made
+
+
+def limits_of(problem: Problem) -> list[Ease]:
+    """The limits that a mission sets, and the battery that feeds it: what other hardware may need more of."""
+    wanted = {*LIMITS, BATTERY}
+    return [ease for ease in eases(problem.mission, (*LIMITS, "energy_wh")) if ease.key in wanted]
+
+
+def needed(moves: Sequence[Move], holds: Holds) -> list[Move]:
+    """As few of these moves as are enough: each that is not needed is dropped."""
+    left = [*moves]
+    for move in moves:
+        rest = [one for one in left if one is not move]
+        if rest and holds(rest):
+            left = rest
+    return left
+
+
+def drawn_by_share(moves: Sequence[Move], holds: Holds) -> list[Move]:
+    """Moves by as small a share of their way as is enough, the same of all; it is where they stand."""
+
+    def at(share: float) -> list[Move]:
+        return [(ease, rounded_away(ease.asked + share * (far - ease.asked), ease.asked)) for ease, far in moves]
+
+    return at(nearest(0.0, 1.0, lambda share: holds(at(share))))
+
+
+def drawn_in(moves: Sequence[Move], holds: Holds) -> list[Move]:
+    """Moves of which each is as near to what is asked as is enough while the others stay; all are enough as they are.
+
+    None may be left out. Where time ends, as near as was known by then.
+    """
+    near = [*moves]
+    for place, (ease, far) in enumerate(near):
+        before, after = near[:place], near[place + 1 :]
+        near = [*before, (ease, nearest(ease.asked, far, partial(holds_at, holds, ease, before, after))), *after]
+    return near
+
+
+def holds_at(holds: Holds, ease: Ease, before: Sequence[Move], after: Sequence[Move], value: float) -> bool:
+    """Whether it holds with one key at a value among others that are moved."""
+    return holds([*before, (ease, value), *after])
+
+
+def size(moves: Sequence[Move]) -> float:
+    """How much is asked less, as a share of what is asked, of all keys together."""
+    return sum(miss(ease.asked, value) for ease, value in moves)
