@@ -84,7 +84,7 @@ def test_what_no_single_change_mends_is_told_with_the_pair_that_does(make_result
         "No single change is enough for this hardware: signal to noise (min_snr_db) 25.00 dB -> 5.000 dB holds in 81 "
         "%; another speed (speed_m_s) is no help.",
         "With signal to noise (min_snr_db) 25.00 dB -> 22.50 dB and swath (min_swath_m) 1.500 m -> 1.440 m together, "
-        "this hardware holds in 92 % (neither may give much less while the other stays).",
+        "this hardware holds in 92 % (each as little as is enough while the others stay).",
         "With cost 8 000 USD -> 30 500 USD, a + 4 x b holds in 90 % (less may do).",
     ]
 

@@ -246,7 +246,7 @@ def else_texts(known: Confidence) -> Iterator[str]:
         moves = words.listed([move_text(replace(move, nearest=True)) for move in one.moves])
         together, less = "", "less may do"
         if len(one.moves) > 1:
-            together, less = " together", "neither may give much less while the other stays"
+            together, less = " together", "each as little as is enough while the others stay"
         what = " + ".join(formats.one_line(part, 60) for part in one.hardware) or "this hardware"
         yield f"With {moves}{together}, {what} holds in {percent(one.held)} ({less})."
 
