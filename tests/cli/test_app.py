@@ -311,6 +311,18 @@ def test_progress_tells_each_stage_after_the_search_and_may_end_it(stage: str) -
     assert [note.code for note in result.warnings].count("interrupted") == 1
 
 
+def test_interruption_of_how_firm_it_is_keeps_second_opinions_and_prices(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They are worked out first; all of them were lost with what was not."""
+
+    def stop() -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(doubting, "doubts_of", lambda *_: {"robustness": stop, "waters": stop})
+    result = api.solve(MISSION, physics="paper")
+    assert result.prices and any(one.agrees for one in result.solvers) and result.robustness is None
+    assert [note.code for note in result.warnings].count("interrupted") == 1
+
+
 def test_interruption_before_a_system_is_status_130(monkeypatch: pytest.MonkeyPatch) -> None:
     def stop(*a: Any, **k: Any) -> None:
         raise KeyboardInterrupt

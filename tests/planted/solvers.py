@@ -1200,9 +1200,25 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="works beside each other wait for one another",
         file="uwopt/solvers/beside.py",
-        old="made |= queue.done(works, lists, begins)\n        for copy in copies:\n            made |= copy.answer()",
-        new="for copy in copies:\n            made |= copy.answer()\n        made |= queue.done(works, lists, begins)",
+        old="made = {0: _Done.of(works[0], lists), **queue.done(works, lists, begins)}\n        for copy in copies:\n"
+        "            made |= copy.answer()",
+        new="for copy in copies:\n            made |= copy.answer()\n"
+        "        made |= {0: _Done.of(works[0], lists), **queue.done(works, lists, begins)}",
         test=f"{BESIDE}::test_two_works_run_at_once_in_two_processes",
+    ),
+    Defect(
+        name="who wants no more loses what was worked out by then",
+        file="uwopt/api/doubting.py",
+        old="by then is kept\n        cut = True",
+        new="by then is kept\n        answers, cut = {}, True",
+        test="tests/cli/test_app.py::test_interruption_of_how_firm_it_is_keeps_second_opinions_and_prices",
+    ),
+    Defect(
+        name="a copy may do the first work",
+        file="uwopt/solvers/beside.py",
+        old="_Queue(range(1, len(works)))",
+        new="_Queue(range(len(works) - 1))",
+        test=f"{BESIDE}::test_the_first_work_is_done_here",
     ),
     Defect(
         name="the last thing of each share is left out",

@@ -53,6 +53,12 @@ def test_two_works_run_at_once_in_two_processes() -> None:
         os.waitpid(copy, os.WNOHANG)  # it is not left
 
 
+@copied
+def test_the_first_work_is_done_here() -> None:
+    """What it made is known even where a person wants no more before the copies are done."""
+    assert all(in_two_processes(os.getpid)[0] == os.getpid() for _ in range(3))
+
+
 @pytest.mark.parametrize("count", [1, 2, 3])
 def test_what_is_made_counted_and_appended_is_that_of_works_in_order(count: int) -> None:
     told: list[str] = []

@@ -58,7 +58,7 @@ def doubted(made: Result, chosen: Recommendation, wanted: ToTell, watch: Watch) 
         if wanted.doubts:
             watch.progress(0.0, STAGES["robustness"])
         with watch.timed("robustness"):
-            made = told_together(made, chosen, wanted, watch, patient.deadline, clock)
+            made, cut = told_together(made, chosen, wanted, watch, patient.deadline, clock)
     except KeyboardInterrupt:  # what is proven is not lost
         cut = True
     notes = cut_warnings() if cut else []
@@ -69,8 +69,10 @@ def doubted(made: Result, chosen: Recommendation, wanted: ToTell, watch: Watch) 
 
 def told_together(
     made: Result, chosen: Recommendation, wanted: ToTell, watch: Watch, patience: Deadline, clock: PatientClock
-) -> Result:
-    """A result with how firm it is and what stands beside it, side by side, in time.
+) -> tuple[Result, bool]:
+    """A result with how firm it is and what stands beside it, side by side, in time; whether a person wants no more.
+
+    What is known by then stays; second opinions and prices are worked out first.
 
     patience : for how firm it is, on the clock where nobody has set a time
     """
@@ -103,20 +105,30 @@ def told_together(
     def begins(number: int) -> None:
         watch.progress(0.0, STAGES.get([*works][number], STAGES["robustness"]))
 
-    made_of_each = side_by_side([partial(clocked, work) for work in works.values()], lists=lists, begins=begins)
-    answers = dict(zip(works, made_of_each, strict=True))
+    answers, cut = dict[str, tuple[Any, float]](), False
+
+    def kept(name: str, work: Callable[[], Any]) -> tuple[Any, float]:
+        answers[name] = clocked(work)
+        return answers[name]
+
+    try:
+        made_of_each = side_by_side([partial(kept, *named) for named in works.items()], lists=lists, begins=begins)
+        answers = dict(zip(works, made_of_each, strict=True))
+    except KeyboardInterrupt:  # what this process has worked out by then is kept
+        cut = True
     told = {name: value for name, (value, _) in answers.items()}
     opinions, prices, lasted_s = told.get(costs, (made.solvers, made.prices, {}))
     timed = ("search_generic", "eased", "raised", "alternatives")
     lasted_s |= {name: answers[name][1] for name in timed if name in answers}
     for name, seconds in lasted_s.items():
         watch.timing_s[name] = watch.timing_s.get(name, 0.0) + seconds
-    firm = told.get("robustness")
-    return replace(
+    firm = told.get("robustness") if doubts.keys() <= told.keys() else None
+    made = replace(
         made, confidence=with_raised(told.get("eased", counted), told.get("raised")), solvers=opinions, prices=prices,
         generic_alternative=told.get("search_generic"), alternatives=told.get("alternatives", made.alternatives),
         robustness=None if firm is None else {**firm, **{name: told[name] for name in doubts if name != "robustness"}},
     )  # fmt: skip
+    return made, cut
 
 
 def with_raised(

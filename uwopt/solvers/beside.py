@@ -52,6 +52,7 @@ def side_by_side(
 ) -> list[Any]:
     """What each of these makes, in their order; those that last longest are best named first.
 
+    This process does the first itself, so that it is known of that how far it came when a person wants no more.
     What a work raises is raised here, that of the first such work. `lists`: what the works append to, in order.
     `begins`: called with the number of each work that this process does.
     """
@@ -61,11 +62,12 @@ def side_by_side(
             begins(number)
             values.append(work())
         return values
-    queue = _Queue(len(works))
+    queue = _Queue(range(1, len(works)))
     copies = [_Copy(works, queue, lists) for _ in range(min(_CORES.get(), len(works)) - 1)]
     made: dict[int, _Done] = {}
     try:
-        made |= queue.done(works, lists, begins)
+        begins(0)
+        made = {0: _Done.of(works[0], lists), **queue.done(works, lists, begins)}
         for copy in copies:
             made |= copy.answer()
     finally:
@@ -96,7 +98,7 @@ def ahead(work: Callable[[], Any], *, lists: Sequence[list[Any]] = ()) -> Iterat
     if _CORES.get() < 2:
         yield work
         return
-    queue = _Queue(1)
+    queue = _Queue(range(1))
     copy = _Copy([work], queue, lists)
 
     def asked() -> Any:
@@ -146,9 +148,9 @@ class _Done:
 class _Queue:
     """The numbers of works that nobody has begun: a pipe from which this process and its copies take one at a time."""
 
-    def __init__(self, count: int):
+    def __init__(self, numbers: range):
         self._source, sink = os.pipe()
-        os.write(sink, b"".join(number.to_bytes(NUMBER, "big") for number in range(count)))
+        os.write(sink, b"".join(number.to_bytes(NUMBER, "big") for number in numbers))
         os.close(sink)
 
     def done(
