@@ -78,7 +78,7 @@ def with_confidence(
         with watch.stage("certainty"):
             certain = chosen(counts.seen, patient.deadline, watch.progress)
     if counts is None or certain is None:
-        why = "no time was left to count scenarios"
+        why = "no time was left to count other hardware; --seconds gives more"
         if not patient.deadline.left_out:
             why = "no stop that was counted fits by them"
         return as_central(sought, winner, watch, counts, why)

@@ -198,7 +198,6 @@ class NoneLeft(Record):
     reasons: dict[str, str] = Field(
         description="why each is left out, by id: a few parts that the mission names; else those rated deep enough"
     )
-    n_others: int = Field(description="number of further parts left out")
     by_rule: dict[str, Whole] = Field(
         default_factory=dict, description="number of parts that each rule leaves out first: all of them together"
     )

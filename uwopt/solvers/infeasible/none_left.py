@@ -32,7 +32,7 @@ def none_left(mission: Mission, selection: Selection) -> Iterator[NoneLeft]:
         named = worth_naming(mission, kind, parts, out)
         few = {one.part_id: one.reason for one in named[:MOST_NAMED]}
         shallow = [parts[one.part_id] for one in out if one.rule == DEPTH]
-        yield NoneLeft(kind, few, len(out) - len(few), selection.counts[kind], too_shallow(mission, shallow))
+        yield NoneLeft(kind, few, selection.counts[kind], too_shallow(mission, shallow))
 
 
 def worth_naming(mission: Mission, kind: Kind, parts: dict[str, Part], out: Sequence[Exclusion]) -> list[Exclusion]:
