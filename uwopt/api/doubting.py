@@ -222,10 +222,11 @@ def beside_it(made: Result, sought: Sought, deadline: Deadline) -> list[Any]:
 def second_opinions(sought: Sought, solver: str, deadline: Deadline) -> list[Opinion]:
     """The winner's settings solved again by continuous solvers, compared by objective."""
     from uwopt.solvers.continuous import opinions
+    from uwopt.solvers.continuous.solve_settings import ALGORITHMS
 
     if solver == "bonmin":
         return [opinions.mixed_opinion(sought, max_seconds=min(opinions.BONMIN_S, deadline.left_s))]
-    methods = {"exact": ("casadi",), "casadi": ("casadi",), "nlopt": ("slsqp", "cobyla", "global")}[solver]
+    methods = ALGORITHMS if solver == "nlopt" else ("casadi",)
     if not opinions.smooth(sought):
         return opinions.aperture_opinions(sought, sought.outcome.best[0])
     few = sought.outcome.best[:1] if solver == "exact" else sought.outcome.best
