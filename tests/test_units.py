@@ -170,3 +170,15 @@ def test_the_middle_of_a_price_has_the_digits_of_its_range():
 def test_an_area_in_an_hour_is_not_told_in_hours():
     suffix = next(suffix for suffix in units.UNIT_SUFFIXES if "area_m2_h".endswith(suffix))
     assert units.format_quantity(3240.0, suffix, 4) == "3 240 m²/h"
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [  # as a data sheet prints them
+        ("aberration_pitch_um", "µm"), ("dark_current_e_s", "e⁻/s"), ("flash_efficacy_lm_s_per_j", "lm s/J"),
+        ("colour_temperature_k", "K"), ("gain_dn_per_e", "DN/e⁻"), ("transmission_frac", ""), ("qe_scale", ""),
+        ("f_number_min", ""),
+    ],
+)  # fmt: skip
+def test_the_unit_in_a_name_is_told_as_it_is_printed(name, unit):
+    assert units.unit_told(name) == unit

@@ -99,6 +99,14 @@ def split_unit(name: str) -> tuple[str, str]:
     return name, ""
 
 
+def unit_told(name: str) -> str:
+    """How the unit in a public name is printed: of `aberration_pitch_um` µm, of `read_noise_e` e⁻; "" of none.
+
+    Knows UNIT_SUFFIXES alone, of which the longest that fits is the unit: `e_s` of `dark_current_e_s`, not `s`.
+    """
+    return symbol(max((suffix for suffix in UNIT_SUFFIXES if name.endswith(suffix)), key=len, default=""))
+
+
 def convert(value: float, from_unit: str, into_unit: str) -> float | None:
     """A number in another unit of the same dimension; None when the two do not measure one thing."""
     for units in DIMENSIONS.values():

@@ -272,6 +272,16 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/report/test_certainty.py::test_numbers_of_parts_are_told_as_makers_call_them",
     ),
     Defect(
+        name="a rival is named again for every number", file="uwopt/report/text/doubts.py",
+        old='Then better with {rival}:")] if', new='Then better with {rival}:")] * 9 if',
+        test="tests/report/test_tables.py::test_a_rival_is_named_once_for_all_numbers_that_would_let_it_win",
+    ),
+    Defect(
+        name="a number that is asked for has no unit", file="uwopt/solvers/explain/assumptions.py",
+        old="return unit_told(name)", new='return unit_told(name).replace("µm", "")',
+        test="tests/solvers/test_robustness.py::test_every_doubtful_number_of_a_lens_has_its_unit",
+    ),
+    Defect(
         name="rounding that makes worse is told as better", file="uwopt/report/text/doubts.py",
         old="better = (shown > exact) ==", new="better = (shown > exact) !=",
         test="tests/report/test_tables.py::test_what_rounding_costs_stands_beside_the_bound_with_its_reason",

@@ -135,7 +135,18 @@ def test_estimates_are_marked_with_a_legend(make_result: Make) -> None:
 
 def test_quotes_that_matter_name_part_and_rival(make_result: Make) -> None:
     text = flat(text_of(make_result()))
-    assert "price of acme-lamp (1 700 to 3 400 USD); then better with other-lamp" in text
+    assert "Then better with other-lamp: - price of acme-lamp (1 700 to 3 400 USD)" in text
+
+
+def test_a_rival_is_named_once_for_all_numbers_that_would_let_it_win(make_result: Make) -> None:
+    made = make_result()
+    quote = made.robustness["quotes_that_matter"][0]
+    pitch = {"part": "acme-lens", "field": "aberration_pitch_um", "value": 2.8, "low": 2.0, "high": 4.0, "unit": "µm"}
+    quotes = [quote, quote | pitch, quote | {"field": "power_w", "unit": "W", "then_better": "rival-cam"}]
+    text = flat(text_of(make_result(robustness=made.robustness | {"quotes_that_matter": quotes})))
+    text = text.partition("Ask for these first")[2]
+    assert text.count("other-lamp") == 1
+    assert "serves of acme-lens ~2.80 µm (2.00 to 4.00 µm) Then better with rival-cam: - power" in text
 
 
 def test_several_scenes_share_what_is_equal(

@@ -198,7 +198,7 @@ def test_two_ends_of_a_number_stand_in_one_cell(result: Result) -> None:
         patch.setattr(tender_lines, "specification", lambda *_: ends)
         light = next(line for line in lines_of(result, "r") if line.kind == "light")
     fact = next(fact for fact in light.facts if fact.key == "beam_angle_deg")
-    assert (fact.needed, fact.stays_best) == ("at least 51.3 deg and at most 80.7 deg", "")
+    assert (fact.needed, fact.stays_best) == ("at least 51.3° and at most 80.7°", "")
 
 
 def test_the_whole_loop_ends_in_an_order(book: bytes, tmp_path: Path) -> None:

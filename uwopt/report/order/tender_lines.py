@@ -25,10 +25,9 @@ from uwopt.report.text.not_counted import depth_m
 from uwopt.report.text.stated import cells_of
 from uwopt.results.design import BillRow, Design
 from uwopt.results.result import Result
-from uwopt.solvers.explain.assumptions import UNITS_BY_SUFFIX
 from uwopt.solvers.explain.specification import PropertyLimit, specification
 from uwopt.solvers.one_hardware import KINDS as VARIED
-from uwopt.units import format_number, split_unit, symbol
+from uwopt.units import format_difference, format_number, unit_told
 
 #: What is asked of every maker beside the facts of the part.
 COMMERCIAL = (
@@ -218,11 +217,7 @@ def unit_of(column: Column) -> str:
     """The unit of a column's numbers; of words what may stand there."""
     if column.form != "number":
         return column.allowed() if column.form == "choice" else ""
-    known = sorted((suffix for suffix in UNITS_BY_SUFFIX if column.name.endswith(suffix)), key=len)
-    if known:
-        return UNITS_BY_SUFFIX[known[-1]]
-    unit = split_unit(column.name)[1]
-    return "" if column.name.endswith("_min") else symbol(unit)
+    return unit_told(column.name)
 
 
 def limit_texts(limit: PropertyLimit, column: Column) -> tuple[str, str, str]:
@@ -247,4 +242,4 @@ def end_text(end: float | None, limit: PropertyLimit, column: Column) -> str:
     if column.whole:
         safe = float(outward(end))
     way = "at least" if limit.more_is_better else "at most"
-    return f"{way} {format_number(safe)} {unit_of(column)}".strip()
+    return f"{way} {format_difference(safe, unit_of(column))}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from uwopt.report.text import formats, words
@@ -94,15 +94,22 @@ def robustness_block(result: Result) -> Block:
     facts += tilt_facts(doubt)
     quotes = doubt.get("quotes_that_matter") or []
     facts.append(("to ask for first", "" if quotes else f"nothing: {NO_QUOTE_MATTERS}"))
-    lines: list[Line] = [fact_lines(facts)]
-    if quotes:
-        lines.append(
-            sentence(
-                "Ask for these first; one alone, at the end of its range, would change the recommendation:"
-            )
-        )
-        lines += [sentence("- " + quote_text(item, result)) for item in quotes]
-    return block("How firm this is", lines)
+    return block("How firm this is", [fact_lines(facts), *quote_lines(quotes, result)])
+
+
+def quote_lines(quotes: Sequence[Any], result: Result) -> list[Line]:
+    """What to ask for first, below the system that each of these numbers would let win: a rival is named once."""
+    if not quotes:
+        return []
+    by_rival: dict[str, list[str]] = {}
+    for item in quotes:
+        by_rival.setdefault(rival_of(item, result), []).append(quoted_number(item))
+    head = "Ask for these first; one alone, at the end of its range, would change the recommendation:"
+    lines: list[Line] = [sentence(head)]
+    for rival, numbers in by_rival.items():
+        lines += [sentence(f"Then better with {rival}:")] if rival else []
+        lines += [sentence("- " + formats.one_line(number)) for number in numbers]
+    return lines
 
 
 def drawn_text(known: Confidence) -> str:
@@ -230,13 +237,16 @@ def rival_text(rival: Any) -> str:
 
 def quote_text(item: Any, result: Result) -> str:
     """One number worth asking for: whose, how it stands, and who wins otherwise."""
-    if not isinstance(item, Mapping):
-        return formats.one_line(item)
-    rival = str(item.get("then_better") or "")
+    rival = rival_of(item, result)
+    return formats.one_line(quoted_number(item) + (f"; then better with {rival}" if rival else ""))
+
+
+def rival_of(item: Any, result: Result) -> str:
+    """What the system has that would win, where it differs from the recommendation; "" where none is told."""
+    rival = str(item.get("then_better") or "") if isinstance(item, Mapping) else ""
     own = result.best.hardware.ids if result.best is not None else []
     different = words.as_bought([name for name in rival.split(" + ") if name not in own])
-    other = f"; then better with {' + '.join(different) or 'another number of lights'}" if rival else ""
-    return formats.one_line(quoted_number(item) + other)
+    return formats.one_line(" + ".join(different) or "another number of lights") if rival else ""
 
 
 def number_name(field: str) -> str:

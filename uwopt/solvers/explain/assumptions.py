@@ -13,19 +13,14 @@ from uwopt.forward.problem import Problem
 from uwopt.results.basis import Assumption
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.one_hardware import pieces_of
-
-UNITS_BY_SUFFIX = {
-    "_e": "e-", "_e_s": "e-/s", "_db": "dB", "_us": "µs", "_hz": "Hz", "_w": "W", "_g": "g", "_lm": "lm",
-    "_j": "J", "_s": "s", "_deg": "deg", "_mm": "mm", "_m": "m", "_frac": "", "_mb_s": "MB/s", "_lm_s_per_j": "lm s/J",
-}  # fmt: skip
+from uwopt.units import unit_told
 
 
 def unit_of(name: str, part: Part) -> str:
     """Unit of a part's field, from its name."""
     if name in ("price", "host_price"):
         return part.currency if name == "price" else "USD"
-    suffixes = sorted(UNITS_BY_SUFFIX, key=len, reverse=True)
-    return next((UNITS_BY_SUFFIX[s] for s in suffixes if name.endswith(s)), "")
+    return unit_told(name)
 
 
 def assumptions(problem: Problem, found: Found) -> list[Assumption]:
