@@ -294,6 +294,12 @@ class SceneRows(Columns):
         return np.where((self.kind == PULSED) | self.is_whole_flash(time_s), around_pulse, cut)
 
     @property
+    def lit_exposures_s(self) -> tuple[Array, Array]:
+        """Shortest and longest exposure for the lamps' light."""
+        shortest_s = np.maximum(self.exposure_s(self.time_min_s), 0.0)
+        return shortest_s, np.maximum(self.exposure_s(np.maximum(self.time_max_s, self.time_min_s)), shortest_s)
+
+    @property
     def longest_exposure_s(self) -> Array:
         """The longest exposure that some settings have."""
         longest_s = self.exposure_s(np.maximum(self.time_max_s, self.time_min_s))

@@ -395,6 +395,16 @@ def worst_light_w(scenes: Sequence[SmoothScene], settings: Sequence[SmoothSettin
     return max(float(scene.light_power_w(at)) for scene, at in zip(scenes, settings, strict=True))
 
 
+def worst_snr(scenes: Sequence[SmoothScene], settings: Sequence[SmoothSettings]) -> float:
+    """SNR in the scene that has least."""
+    return min(float(scene.nominal_snr(at)) for scene, at in zip(scenes, settings, strict=True))
+
+
+def common_range(scenes: Sequence[SmoothScene]) -> Range:
+    """What all scenes allow of one f-number; empty where its ends do not meet."""
+    return max(scene.n_low for scene in scenes), min(scene.n_high for scene in scenes)
+
+
 @dataclass(frozen=True)
 class SmoothDesign:
     """One hardware in all its scenes, with what its settings do not change."""
@@ -415,7 +425,7 @@ class SmoothDesign:
         """With what all scenes allow of an aperture that is common to them."""
         if self.motorised:
             return self
-        low, high = max(scene.n_low for scene in self.scenes), min(scene.n_high for scene in self.scenes)
+        low, high = common_range(self.scenes)
         return replace(self, scenes=tuple(replace(scene, n_low=low, n_high=high) for scene in self.scenes))
 
     def value(
@@ -423,8 +433,8 @@ class SmoothDesign:
     ) -> float:
         """The minimised objective of settings by scene, of all or of these alone: the worst power and SNR count."""
         own = self.scenes if scenes is None else scenes
-        snr = min(float(scene.nominal_snr(at)) for scene, at in zip(own, settings, strict=True))
-        return self._minimised(objective, worst_light_w(own, settings), float(ratio_to_db(snr)))
+        snr_db = float(ratio_to_db(worst_snr(own, settings)))
+        return self._minimised(objective, worst_light_w(own, settings), snr_db)
 
     def fixed(self, objective: Objective) -> float:
         """What hardware adds to the objective whatever its settings."""

@@ -28,6 +28,8 @@ from uwopt.solvers.continuous.pieces import (
     SmoothScene,
     SmoothSettings,
     Symbolic,
+    common_range,
+    worst_snr,
 )
 from uwopt.tolerances import SLACK
 from uwopt.units import ratio_to_db
@@ -84,7 +86,7 @@ class Program:
         for index, (scene, piece) in enumerate(zip(self.scenes, self.pieces, strict=True)):
             ranges |= {self._key(name, index): ends for name, ends in piece.ranges(scene).items()}
         if not self.motorised:
-            low, high = max(scene.n_low for scene in self.scenes), min(scene.n_high for scene in self.scenes)
+            low, high = common_range(self.scenes)
             ranges["f_number"] = float(np.log(low)), float(np.log(self._high(low, high)))
         if self.goal in ("power", "sum") and any(scene.draws for scene in self.scenes):
             ranges["power"] = self._power_range()
@@ -168,7 +170,7 @@ class Program:
             if name == "power":
                 x[index] = np.log(max(s.light_power_w(a) for s, a in zip(self.scenes, at, strict=True)))
             elif name == "snr":
-                x[index] = np.log(min(s.nominal_snr(a) for s, a in zip(self.scenes, at, strict=True)))
+                x[index] = np.log(worst_snr(self.scenes, at))
             elif name == "violation":
                 inequalities, equalities = self._plain_rules(list(x))
                 x[index] = max([low[index], *inequalities.values(), *map(abs, equalities.values())])

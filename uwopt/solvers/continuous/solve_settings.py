@@ -23,7 +23,14 @@ import numpy as np
 from uwopt.errors import SolverError
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.continuous.optimality import Attempt, derivatives, optimality_gap, rule_names, violations
-from uwopt.solvers.continuous.pieces import Piece, SmoothDesign, SmoothSettings, pieces_of, worst_light_w
+from uwopt.solvers.continuous.pieces import (
+    Piece,
+    SmoothDesign,
+    SmoothSettings,
+    pieces_of,
+    worst_light_w,
+    worst_snr,
+)
 from uwopt.solvers.continuous.program import Goal, Program
 from uwopt.tolerances import TIE
 from uwopt.units import ratio_to_db
@@ -287,6 +294,5 @@ def merit_of(program: Program, settings: Sequence[SmoothSettings]) -> float:
     light_w = worst_light_w(program.scenes, settings)
     if program.goal == "power":
         return float(np.log(light_w)) if light_w > 0.0 else -np.inf
-    pairs = zip(program.scenes, settings, strict=True)
-    log_snr = float(np.log(min(scene.nominal_snr(at) for scene, at in pairs)))
+    log_snr = float(np.log(worst_snr(program.scenes, settings)))
     return program.power_weight * light_w / program.sum_unit - log_snr if program.goal == "sum" else -log_snr

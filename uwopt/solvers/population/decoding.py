@@ -95,7 +95,7 @@ def _above(
     first = [c.take(alive) for c in least]
     exposing_w = np.max([r.exposing_w(r.longest_exposure_s) for r in some], axis=0)
     top = closed_form.greatest_snr(some, motorised[alive], light_limit_w[alive] - exposing_w)
-    low = np.min([closed_form.nominal_snr(r, c.light_x) for r, c in zip(some, first, strict=True)], axis=0)
+    low = closed_form.worst_snr(some, first)
     reached = np.isfinite(top) & (low > 0)
     top = np.where(reached, np.maximum(top, low), low)
     with np.errstate(divide="ignore", invalid="ignore"):

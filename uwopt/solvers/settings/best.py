@@ -23,6 +23,7 @@ SetWithDark = tuple[list[closed_form.Chosen], Array, Array]  # settings, whether
 NO_RELATIVE_GAP = 0.1  # of an objective near 0, which has none
 LEAST_POWER = Objective.of("power")
 FAINTEST = 1e-6  # of the highest SNR: where a weighing starts when nothing asks for light
+SECTIONS, GOLDEN = 61, (np.sqrt(5.0) - 1.0) / 2.0  # of a range in which a weighing is best
 
 
 def scenes_need_cells(scenes: Sequence[SceneOptics], objective: Objective) -> bool:
@@ -301,7 +302,7 @@ def settings_at_dark(rows: list[SceneRows], question: Question) -> SetWithDark:
 
 def snr_of(rows: list[SceneRows], chosen: list[closed_form.Chosen]) -> Array:
     """SNR of settings at the nominal altitude in dB, worst scene; NaN where there is no light."""
-    snr = np.min([closed_form.nominal_snr(r, c.light_x) for r, c in zip(rows, chosen, strict=True)], axis=0)
+    snr = closed_form.worst_snr(rows, chosen)
     with np.errstate(invalid="ignore"):
         return np.asarray(ratio_to_db(np.where(snr > 0, snr, np.nan)))
 
@@ -318,34 +319,23 @@ def weighted_goal(
     def merit(snr: Array) -> Array:
         chosen, feasible = closed_form.least_power(rows, motorised, snr_floor=snr)
         power = np.max([c.light_power_w for c in chosen], axis=0)
-        got = np.min(
-            [closed_form.nominal_snr(r, c.light_x) for r, c in zip(rows, chosen, strict=True)], axis=0
-        )
         with np.errstate(divide="ignore", invalid="ignore"):
-            value = power_weight * power - snr_weight * ratio_to_db(got)
+            value = power_weight * power - snr_weight * ratio_to_db(closed_form.worst_snr(rows, chosen))
         return np.where(feasible, value, np.inf)
 
     start, _ = closed_form.least_power(rows, motorised)
-    low = np.min([closed_form.nominal_snr(r, c.light_x) for r, c in zip(rows, start, strict=True)], axis=0)
+    low = closed_form.worst_snr(rows, start)
     low = np.where(np.isfinite(low), np.clip(low, top * FAINTEST, top), top)
-    best, best_value = top.copy(), merit(top)
-    low_value = merit(low)
-    best, best_value = np.where(low_value < best_value, low, best), np.minimum(best_value, low_value)
     a, b = np.log(np.maximum(low, 1e-300)), np.log(np.maximum(top, 1e-300))
-    ratio = (np.sqrt(5.0) - 1.0) / 2.0
-    c, d = b - ratio * (b - a), a + ratio * (b - a)
-    value_c, value_d = merit(np.exp(c)), merit(np.exp(d))
-    for _ in range(60):
+    for _ in range(SECTIONS):
+        c, d = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
+        value_c, value_d = merit(np.exp(c)), merit(np.exp(d))
         left = value_c < value_d
-        b, a = np.where(left, d, b), np.where(left, a, c)
-        new_c, new_d = b - ratio * (b - a), a + ratio * (b - a)
-        value_c, value_d = merit(np.exp(new_c)), merit(np.exp(new_d))
-        c, d = new_c, new_d
-    for point, value in ((c, value_c), (d, value_d)):
-        best, best_value = np.where(value < best_value, np.exp(point), best), np.minimum(best_value, value)
-    for step in step_tops(rows, motorised, top):
-        value = merit(step)
-        best, best_value = np.where(value < best_value, step, best), np.minimum(best_value, value)
+        a, b = np.where(left, a, c), np.where(left, d, b)
+    best, best_value = top, merit(top)
+    others = [(low, merit(low)), (np.exp(c), value_c), (np.exp(d), value_d)]
+    for point, value in others + [(step, merit(step)) for step in step_tops(rows, motorised, top)]:
+        best, best_value = np.where(value < best_value, point, best), np.minimum(best_value, value)
     return best
 
 

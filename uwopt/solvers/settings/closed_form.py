@@ -102,6 +102,14 @@ def smallest_common_f_number(ranges: list[tuple[Array, Array]]) -> Array:
     return np.where(np.isfinite(best), best, np.nan)
 
 
+def least_f_numbers(ranges: list[tuple[Array, Array]], motorised: Array) -> list[Array]:
+    """The smallest f-number of each scene: one that is common to all where the lens is not motorised."""
+    common = smallest_common_f_number(ranges)
+    if len(ranges) == 1:
+        return [common]
+    return [np.where(motorised, smallest_common_f_number([own]), common) for own in ranges]
+
+
 def settle(rows: SceneRows, f_number: Array, low: Array, high: Array) -> Chosen:
     """Level, time and gain of least power at a given f-number."""
     square = np.square(f_number * rows.working_factor)
@@ -178,19 +186,11 @@ def best_gain(rows: SceneRows, light_x: Array, sun: Sun | None = None) -> Array:
 def least_power(
     scenes: list[SceneRows], motorised: Array, *, snr_floor: Array | float = 0.0
 ) -> tuple[list[Chosen], Array]:
-    """Settings of least power that meet every scene, and whether there are any.
-
-    The f-number is common to all scenes where the lens is not motorised.
-    """
+    """Settings of least power that meet every scene, and whether there are any."""
     windows = [window(rows, snr_floor=snr_floor) for rows in scenes]
     ranges = [f_number_ranges(rows, low, high) for rows, (low, high) in zip(scenes, windows, strict=True)]
-    common = smallest_common_f_number(ranges)
-    chosen = []
-    feasible = np.ones(len(common), bool)
-    for rows, (low, high), own in zip(scenes, windows, ranges, strict=True):
-        f_number = (
-            common if len(scenes) == 1 else np.where(motorised, smallest_common_f_number([own]), common)
-        )
+    chosen, feasible = [], np.ones(len(motorised), bool)
+    for rows, (low, high), f_number in zip(scenes, windows, least_f_numbers(ranges, motorised), strict=True):
         settings = settle(rows, f_number, low, high)
         feasible &= np.isfinite(f_number) & np.isfinite(settings.level) & np.isfinite(settings.light_power_w)
         chosen.append(settings)
@@ -302,3 +302,8 @@ def nominal_snr(rows: SceneRows, light_x: Array) -> Array:
             prnu_frac=rows.prnu_frac,
         )
     )
+
+
+def worst_snr(scenes: list[SceneRows], chosen: list[Chosen]) -> Array:
+    """`nominal_snr` of settings by scene, of the scene that has least."""
+    return np.min([nominal_snr(rows, one.light_x) for rows, one in zip(scenes, chosen, strict=True)], axis=0)

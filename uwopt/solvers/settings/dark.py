@@ -52,9 +52,14 @@ def relaxed(rows: SceneRows) -> SceneRows:
     It is charged as `spare_dark_s`; the dark current that is left must not be charged again. Cameras that are off
     between images draw what the shortest exposure takes.
     """
-    shortest = np.maximum(rows.exposure_s(rows.time_min_s), 0.0)
-    longest = np.maximum(rows.exposure_s(np.maximum(rows.time_max_s, rows.time_min_s)), shortest)
+    shortest, longest = rows.lit_exposures_s
     return replace(rows, dark_time_s=shortest, camera_w=None, spare_dark_s=longest - shortest)
+
+
+def may_be_cut(rows: SceneRows) -> Array:
+    """Which are flashes that may be cut short, and need not, (n,): between these exposures jump."""
+    at_least, at_most = (rows.is_whole_flash(time_s) for time_s in (rows.time_min_s, rows.time_max_s))
+    return np.asarray((rows.kind == FLASH) & ~at_least & at_most)
 
 
 def outruns_light(rows: SceneRows) -> Array:
@@ -93,7 +98,7 @@ def _dimmest(rows: SceneRows, one: Chosen) -> Array:
 
 def _longest(rows: SceneRows, one: Chosen) -> Array:
     """Whether lights that burn, and flashes with one kind of shutter, are too dim one level lower at any time."""
-    jumps = (rows.kind == FLASH) & ~rows.is_whole_flash(rows.time_min_s) & rows.is_whole_flash(rows.time_max_s)
+    jumps = may_be_cut(rows)
     lower = np.where(rows.levels < one.level[:, None] * (1 - SLACK), rows.levels, -np.inf).max(axis=1)
     low = windows.window_sides(at_time(rows, rows.time_max_s)).low
     x_per_level = rows.light_lm * rows.time_max_s / np.square(one.f_number * rows.working_factor)
@@ -266,7 +271,7 @@ Condition = Callable[[Branch, Array], Array]
 def branches(rows: SceneRows, snr_floor: Array | float) -> Branch:
     """All levels and times of a scene's designs, at which the window is not empty."""
     n = len(rows.time_min_s)
-    jumps = (rows.kind == FLASH) & ~rows.is_whole_flash(rows.time_min_s) & rows.is_whole_flash(rows.time_max_s)
+    jumps = may_be_cut(rows)
     spans = [(rows.time_min_s, np.where(jumps, rows.flash.full_s * CUT, rows.time_max_s))]
     if jumps.any():
         spans.append((np.where(jumps, rows.time_max_s, np.inf), np.where(jumps, rows.time_max_s, -1.0)))
@@ -295,10 +300,8 @@ def least_power(
     for branch in parts:
         start, end = branch.f_number_range()
         ranges.append((branch.by_design(start, n, np.inf), branch.by_design(end, n, -np.inf)))
-    common = closed_form.smallest_common_f_number(ranges)
     chosen, feasible = [], np.ones(n, bool)
-    for branch, own in zip(parts, ranges, strict=True):
-        f_number = np.where(motorised, closed_form.smallest_common_f_number([own]), common)
+    for branch, f_number in zip(parts, closed_form.least_f_numbers(ranges, motorised), strict=True):
         one = cheapest(branch, branch.settled(f_number[branch.design]), n)
         feasible &= np.isfinite(f_number) & np.isfinite(one.light_power_w)
         chosen.append(replace(one, f_number=f_number))

@@ -27,9 +27,7 @@ def deciding_pixels(rows: SceneRows) -> SceneRows:
     worst = rows.worst_e
     if worst is None or worst.shape[2] == 1 or rows.worst_sun_signal_e_s is not None or rows.resolve_m > 0.0:
         return rows  # bars must arrive at other pixels than those that decide the SNR
-    shortest = np.maximum(rows.exposure_s(rows.time_min_s), 0.0)
-    longest = np.maximum(rows.exposure_s(np.maximum(rows.time_max_s, rows.time_min_s)), shortest)
-    least, most = (_asked(replace(rows, dark_time_s=time)) for time in (shortest, longest))
+    least, most = (_asked(replace(rows, dark_time_s=time)) for time in rows.lit_exposures_s)
     pick, may_miss = between(least, most, rows.may_miss)
     veil = rows.worst_veil_e
     return replace(
