@@ -10,12 +10,16 @@ from one_of_each import one
 from test_confidence import FAST, NOTHING, between, counted, sought_of
 from test_confidence_deciding import COUNT, HIGH, LOW, MODE, quantile, seen
 
-from uwopt.api.raised import raised
+from uwopt.api import raised as limits
+from uwopt.api.counting import Counts
+from uwopt.api.raised import eased_or_raised, raised
 from uwopt.deadline import NEVER, Deadline
 from uwopt.mission.doubt import Doubt
 from uwopt.solvers.confidence.changes import MOST_WIDENED, drawn_in, needed, other_changes, size
 from uwopt.solvers.confidence.counted import Looked
 from uwopt.solvers.confidence.deciding import Ease, would_hold
+from uwopt.solvers.confidence.search import Certain
+from uwopt.solvers.confidence.summary import counted as told_of
 from uwopt.solvers.recommend import Sought
 
 FLOOR = [0.4, 1.6]
@@ -85,6 +89,26 @@ def test_what_no_limit_mends_is_said_to_be_beyond_them() -> None:
     one_, scenarios = seen(sought, 0.9, floor=FLOOR)
     told, beyond = raised(sought, Looked(sought.problem, sought.search.objective, 0.9, scenarios, [one_]), NEVER)
     assert told == [] and beyond == pytest.approx(one_.held, abs=0.02)
+
+
+def test_no_limit_is_raised_where_less_of_this_hardware_is_enough(
+    short_of_both: tuple[Sought, float, float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where the camera alone draws too much a larger limit is told of this hardware; where light is short too, both."""
+    asked = sought_of(one(wanted=FAST)).outcome.best[0].power_w - 3.0 + 4.2
+    of_power = sought_of(one(wanted=FAST, camera=CAMERA, limits={"power_w": asked}))
+    monkeypatch.setattr(limits, "raised", lambda *given: pytest.fail("limits were raised"))
+    for sought, floor, alone, together in (
+        (of_power, None, ["power_w"], []), (short_of_both[0], FLOOR, [], [{"min_snr_db", "power_w"}]),
+    ):  # fmt: skip
+        problem, goal = sought.problem, sought.search.objective
+        one_, scenarios = seen(sought, 0.9, **({} if floor is None else {"floor": floor}))
+        known = told_of(problem, goal, one_, asked=0.9, share=0.9, decided_by=[])
+        choice = Certain(0.9, scenarios, one_, one_.found, [one_], complete=True)
+        counts = Counts(sought, Looked(problem, goal, 0.9, scenarios, [one_]))
+        told = eased_or_raised(sought, known, choice, counts, NEVER)
+        assert [made.name for made in told.would_hold] == alone
+        assert [{move.name for move in each.moves} for each in told.would_hold_else] == together
 
 
 def test_what_is_missed_is_known_of_hardware_that_was_counted_beside_others_too() -> None:

@@ -242,14 +242,14 @@ def confidence_of(
 def eased(problem: Problem, goal: Objective, known: Confidence, choice: Certain, deadline: Deadline) -> Confidence:
     """What was counted, and where that is not enough, with what asked less it would be in the scenarios of a choice."""
     from uwopt.solvers.confidence.changes import other_changes
-    from uwopt.solvers.confidence.deciding import would_hold
+    from uwopt.solvers.confidence.deciding import Shares, would_hold
 
     if known.enough or known.asked == ENDS:
         return known
-    best, scenarios, share = choice.best, choice.scenarios, choice.asked
-    if alone := would_hold(problem, goal, best, scenarios, share, deadline):
+    best, scenarios, share, shares = choice.best, choice.scenarios, choice.asked, Shares()
+    if alone := would_hold(problem, goal, best, scenarios, share, deadline, shares):
         return replace(known, would_hold=alone)
-    others, in_vain = other_changes(problem, goal, best, scenarios, share, choice.ranked, deadline)
+    others, in_vain = other_changes(problem, goal, best, scenarios, share, choice.ranked, deadline, shares)
     return replace(known, would_hold_else=others, in_vain=in_vain)
 
 

@@ -16,7 +16,6 @@ from uwopt.api.searching import leaves_out_generic, much_better_if_made
 from uwopt.api.watch import STAGES, Watch
 from uwopt.deadline import Deadline, PatientClock
 from uwopt.results.basis import Opinion, Price
-from uwopt.results.certainty import Confidence, WouldHold
 from uwopt.results.design import Design
 from uwopt.results.result import Result
 from uwopt.solvers.beside import side_by_side
@@ -89,13 +88,9 @@ def told_together(
             deadline.within, STAGES["search_generic"], lambda: if_made(sought, chosen.proven, deadline), None
         )
     if wanted.doubts and counted is not None and choice is not None and not counted.enough:
-        from uwopt.api.certainty import eased
+        from uwopt.api.raised import eased_or_raised
 
-        works["eased"] = partial(eased, sought.problem, sought.goal, counted, choice, deadline)
-        if chosen.counts is not None:
-            from uwopt.api.raised import raised
-
-            works["raised"] = partial(raised, chosen.counts.sought, chosen.counts.seen, deadline)
+        works["eased"] = partial(eased_or_raised, sought, counted, choice, chosen.counts, deadline)
     works = {name: work if name == costs else partial(clock.stand_still, work) for name, work in works.items()}
     works |= doubts
     if wanted.alternatives and sought.outcome.complete:
@@ -118,26 +113,17 @@ def told_together(
         cut = True
     told = {name: value for name, (value, _) in answers.items()}
     opinions, prices, lasted_s = told.get(costs, (made.solvers, made.prices, {}))
-    timed = ("search_generic", "eased", "raised", "alternatives")
+    timed = ("search_generic", "eased", "alternatives")
     lasted_s |= {name: answers[name][1] for name in timed if name in answers}
     for name, seconds in lasted_s.items():
         watch.timing_s[name] = watch.timing_s.get(name, 0.0) + seconds
     firm = told.get("robustness") if doubts.keys() <= told.keys() else None
     made = replace(
-        made, confidence=with_raised(told.get("eased", counted), told.get("raised")), solvers=opinions, prices=prices,
+        made, confidence=told.get("eased", counted), solvers=opinions, prices=prices,
         generic_alternative=told.get("search_generic"), alternatives=told.get("alternatives", made.alternatives),
         robustness=None if firm is None else {**firm, **{name: told[name] for name in doubts if name != "robustness"}},
     )  # fmt: skip
     return made, cut
-
-
-def with_raised(
-    counted: Confidence | None, more: tuple[list[WouldHold], float | None] | None
-) -> Confidence | None:
-    """What was counted, with what would hold beyond the mission's limits."""
-    if counted is None or more is None:
-        return counted
-    return replace(counted, would_hold_else=[*more[0], *counted.would_hold_else], beyond_limits=more[1])
 
 
 def costed(

@@ -2,15 +2,33 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+from uwopt.api.certainty import eased
+from uwopt.api.counting import Counts
 from uwopt.deadline import Deadline, OutOfTimeError, effort_s, unheard
-from uwopt.results.certainty import WouldHold
+from uwopt.results.certainty import Confidence, WouldHold
 from uwopt.solvers.confidence.changes import limits_of, with_limits_far, with_limits_raised
 from uwopt.solvers.confidence.counted import Looked
-from uwopt.solvers.confidence.search import count_near, look
+from uwopt.solvers.confidence.search import Certain, count_near, look
 from uwopt.solvers.recommend import Sought
 
 RAISED_S = 4.0  # of work, where no time is given
 SEARCH_SHARE = 0.7  # of it, for hardware that holds; the rest is for how little more it needs
+
+
+def eased_or_raised(
+    sought: Sought, counted: Confidence, choice: Certain, counts: Counts | None, deadline: Deadline
+) -> Confidence:
+    """What was counted, with what asked less would make it certain, or where nothing does, more of a limit.
+
+    counts : all that was counted within the limits; None: nothing is told of these
+    """
+    known = eased(sought.problem, sought.goal, counted, choice, deadline)
+    if known.would_hold or known.would_hold_else or counts is None:
+        return known
+    more, beyond = raised(counts.sought, counts.seen, deadline)
+    return replace(known, would_hold_else=more, beyond_limits=beyond)
 
 
 def raised(sought: Sought, seen: Looked, deadline: Deadline) -> tuple[list[WouldHold], float | None]:

@@ -17,8 +17,7 @@ SoFar = Callable[[str], None]  # takes a line
 STAGES = {
     "practice": "what of good practice has to give way",
     "certainty": "in how many scenarios hardware holds",
-    "eased": "what asked less would make certain enough",
-    "raised": "what a larger budget or more power would make certain",
+    "eased": "what would make it certain enough",
     "knee": "what more power and money would buy",
     "robustness": "how firm the answer is", "second_opinion": "second opinions",
     "prices": "what requirements cost", "ranges": "where other systems take over",

@@ -152,8 +152,8 @@ class Confidence(Record):
     )
     would_hold_else: list[WouldHold] = Field(
         default_factory=list,
-        description="other hardware that would hold with a limit raised; where no key moved alone is enough, also with "
-        "another key moved, and keys that are enough together",
+        description="where no key moved alone is enough: keys that are together; where none are, other hardware that "
+        "would hold with one key moved; where none does, other hardware that would with a limit raised",
     )
     in_vain: list[InVain] = Field(
         default_factory=list, description="where no key moved alone is enough: what each of them comes to"

@@ -27,6 +27,7 @@ from uwopt.solvers.confidence.deciding import (
     BATTERY,
     TOLERANCE,
     Ease,
+    Shares,
     all_missed,
     eases,
     held_with,
@@ -43,7 +44,7 @@ from uwopt.solvers.one_hardware import pieces_of
 
 CHANGES_S = 4.0  # of work, for all of it, where no time is given
 JOINT_SHARE = 0.6  # of what is left then, for keys that are moved together
-LESS = 0.9  # of a change, that other hardware has to do with to be told in place of what was found
+LESS = 0.9  # of a change, that another has to do with to be told in place of what was found
 MOST_WIDENED, WIDER = 4, 1.2  # times that a change is made larger, each by so much, until fresh scenarios agree
 OTHERS = 4  # hardware that was counted, the best first, that is asked as well
 MOST_PAIRS = 4  # pairs of keys that hold, the surest first, which are drawn in
@@ -122,12 +123,14 @@ def far_of(ease: Ease) -> float:
 
 def other_changes(
     problem: Problem, objective: Objective, seen: Counted, scenarios: Scenarios, share: float,
-    others: Sequence[Counted], deadline: Deadline,
+    others: Sequence[Counted], deadline: Deadline, shares: Shares | None = None,
 ) -> tuple[list[WouldHold], list[InVain]]:  # fmt: skip
     """Where no key moved alone is enough for hardware: what else is, and how far each of these comes.
 
-    Other hardware of those that were counted with one key moved, and two keys moved for the same hardware; where no two
-    are enough, as few as are. With little time less is found than would do.
+    Two keys moved for the same hardware, or where no two are enough, as few as are; where that is in vain, other
+    hardware of those that were counted with one key moved. With little time less is found than would do.
+
+    shares : in which it was found to hold with one key moved; of these nothing is counted again
     """
     patience = deadline.or_after(CHANGES_S, effort_s).at_most(CHANGES_S)
     trial, ours = MovedKeys(problem, objective, scenarios, share, patience), seen.found
@@ -136,20 +139,20 @@ def other_changes(
     with suppress(OutOfTimeError):
         for ease in may_move:
             far = ease, far_of(ease)
-            alone.append((far, trial.held(ours, [far])))
+            known = None if shares is None else shares.get((ease.key, far[1]))
+            alone.append((far, trial.held(ours, [far]) if known is None else known))
     joint = replace(trial, deadline=patience.at_most(JOINT_SHARE * patience.left_s))
-    made = joint_change(joint, ours, alone)
-    made += with_other_hardware(trial, ours, [move for move, _ in alone], others)
+    made = joint_change(joint, ours, alone) or with_other_hardware(trial, ours, [move for move, _ in alone], others)
     return made, [InVain(moved(*move), held) for move, held in alone]
 
 
 def joint_change(trial: MovedKeys, found: Found, alone: Sequence[tuple[Move, float]]) -> list[WouldHold]:
     """The pair of keys of which the least change is enough together; where none is, as few keys as are."""
     fast = [one for one in alone if one[0][0].key != ALTITUDE]  # for which light is worked out anew each time
-    by_share = sorted(combinations(fast, 2), key=lambda pair: -sum(held for _, held in pair))
+    surest_first = sorted(combinations(fast, 2), key=lambda pair: -sum(held for _, held in pair))
     every, holds, enough = [move for move, _ in fast], trial.holds(found), list[list[Move]]()
     with suppress(OutOfTimeError):
-        for pair in by_share:
+        for pair in surest_first:
             moves = [move for move, _ in pair]
             if holds(moves):
                 enough.append(moves)
@@ -157,8 +160,14 @@ def joint_change(trial: MovedKeys, found: Found, alone: Sequence[tuple[Move, flo
                 break
         if not enough and len(every) > 2 and holds(every):
             enough = [needed(every, holds)]
-    near = sorted((drawn_by_share(moves, holds) for moves in enough), key=size)
-    return [*islice((told for moves in near if (told := trial.would_hold(found, drawn_in(moves, holds), found))), 1)]
+    near = list[list[Move]]()  # each less than those before it
+    with suppress(OutOfTimeError):
+        for moves in enough:
+            most = min([1.0, *(LESS * size(one) / size(moves) for one in near[-1:])])
+            if not near or holds(by_share(moves, most)):
+                near.append(drawn_by_share(moves, holds, most))
+    least = reversed(near)
+    return [*islice((told for moves in least if (told := trial.would_hold(found, drawn_in(moves, holds), found))), 1)]
 
 
 def with_other_hardware(
@@ -236,13 +245,14 @@ def needed(moves: Sequence[Move], holds: Holds) -> list[Move]:
     return left
 
 
-def drawn_by_share(moves: Sequence[Move], holds: Holds) -> list[Move]:
-    """Moves by as small a share of their way as is enough, the same of all; it is where they stand."""
+def by_share(moves: Sequence[Move], share: float) -> list[Move]:
+    """Moves by a share of their way, the same of all."""
+    return [(ease, rounded_away(ease.asked + share * (far - ease.asked), ease.asked)) for ease, far in moves]
 
-    def at(share: float) -> list[Move]:
-        return [(ease, rounded_away(ease.asked + share * (far - ease.asked), ease.asked)) for ease, far in moves]
 
-    return at(nearest(0.0, 1.0, lambda share: holds(at(share))))
+def drawn_by_share(moves: Sequence[Move], holds: Holds, most: float = 1.0) -> list[Move]:
+    """Moves by as small a share of their way as is enough, the same of all; `most` is."""
+    return by_share(moves, nearest(0.0, most, lambda share: holds(by_share(moves, share))))
 
 
 def drawn_in(moves: Sequence[Move], holds: Holds) -> list[Move]:

@@ -66,6 +66,7 @@ CLOSE = 0.05  # of a change: no nearer value is looked for
 STEADIER = (0.75, 0.5, 0.25)  # of the tolerance that is asked, in turn
 EASED_S = 2.0  # of work, where no time is given: for keys of which any value may do
 TRIED_S = 10.0  # likewise, after these: for keys of which a few values are tried, as light may have to be made anew
+Shares = dict[tuple[str, float], float]  # of the scenarios, in which hardware holds with one key at a value
 FIRST_STEP = 1 / 32  # of the way from what is asked to what lies far from it
 
 
@@ -100,13 +101,16 @@ def shares(held: NDArray[np.bool_], number: Array) -> tuple[float, float]:
 
 
 def would_hold(
-    problem: Problem, objective: Objective, seen: Counted, scenarios: Scenarios, share: float, deadline: Deadline
-) -> list[Moved]:
+    problem: Problem, objective: Objective, seen: Counted, scenarios: Scenarios, share: float, deadline: Deadline,
+    shares: Shares | None = None,
+) -> list[Moved]:  # fmt: skip
     """Keys of which less would let the hardware hold as often as asked, each moved alone, as far as time goes.
 
     What is told was counted; its lens may stand at another stop then. With little time less is found than would do.
+
+    shares : what was counted goes into it
     """
-    made, was_coarse = [], False
+    made, was_coarse, known = [], False, {} if shares is None else shares
     patience = deadline.or_after(EASED_S, effort_s).at_most(EASED_S)
     for ease in eases(problem.mission, all_missed(problem, objective, seen, scenarios)):
         coarse = len(ease.values) > 1
@@ -122,7 +126,8 @@ def would_hold(
             except MissionError:
                 return False
             light = light_with(ease, value, scenarios)
-            return held_with(problem, objective, seen.found, scenarios, mission, light, until) >= share
+            known[ease.key, value] = held_with(problem, objective, seen.found, scenarios, mission, light, until)
+            return known[ease.key, value] >= share
 
         try:
             far = next((value for value in ease.values if holds(value)), None)
