@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from types import MappingProxyType
 from typing import Any
 
@@ -191,6 +191,12 @@ def texts_apart(
 
 ROUNDING_REL = 1e-6  # of the last digit told: no more is to round an amount up or down
 CENTS = -2  # power of ten of the last digit that is ever told
+
+
+def listed(names: Iterable[str], word: str = "and") -> str:
+    """`a`, `a and b`, `a, b and c`; or with another word."""
+    given = list(names)
+    return f" {word} ".join([", ".join(given[:-1]), given[-1]] if len(given) > 1 else given)
 
 
 def format_money(value: float | None, currency: str = "") -> str:

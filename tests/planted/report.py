@@ -390,9 +390,9 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="lux without the lamp's loss",
-        file="uwopt/evaluation/figures_by_name.py",
-        old="    lumens *= float(model.lights.output_factor[0])\n",
-        new="",
+        file="uwopt/evaluation/design_light.py",
+        old="return full_lm * level * float(self.lights.output_factor[0])",
+        new="return full_lm * level",
         test="tests/evaluation/test_design_model.py::test_lux_on_the_floor_are_those_that_leave_the_lamp",
     ),
     Defect(

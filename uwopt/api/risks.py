@@ -26,6 +26,7 @@ from uwopt.units import (
     format_money,
     format_price,
     format_quantity,
+    listed,
     split_unit,
     texts_apart,
 )
@@ -540,9 +541,3 @@ def in_scene(design: Design, scene: SceneResult) -> str:
 def counted(number: int, noun: str) -> str:
     """`1 part`, `2 parts`."""
     return f"{number} {noun}" + ("" if number == 1 else "s")
-
-
-def listed(names: Sequence[str] | dict[str, None]) -> str:
-    """`a`, `a and b`, `a, b and c`."""
-    given = list(names)
-    return " and ".join([", ".join(given[:-1]), given[-1]] if len(given) > 1 else given)

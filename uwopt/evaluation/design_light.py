@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from uwopt.forward.designs import Hardware
+from uwopt.forward.figures import full_light_lm
 from uwopt.forward.floor_light import footprint_light
 from uwopt.forward.lamp_light import ImageLight, SunLight, image_light, kind_of_field
 from uwopt.forward.lamp_views import lamp_clearance_m
@@ -32,6 +33,7 @@ class DesignLight:
         self.cameras: Cameras = problem.cameras.take(one + hardware.camera)
         self.lenses: Lenses = problem.lenses.take(one + hardware.lens)
         self.lights: Lights = problem.lights.take(one + hardware.light)
+        self.optics = int(self.lights.optics_index[0])
         self.shapes = [problem.shape(hardware.port, i) for i in range(len(problem.scenes))]
         self.views = [
             views(scene, self.cameras, self.lenses, shape, landscape=hardware.landscape)
@@ -53,6 +55,11 @@ class DesignLight:
             known[key] = make()
         return known[key]
 
+    def lumens(self, level: float) -> float:
+        """Light of all lamps at a level [lm]: their output factor included."""
+        full_lm = float(full_light_lm(self.lights, np.array([self.hardware.count]))[0])
+        return full_lm * level * float(self.lights.output_factor[0])
+
     def light_at_centre(self, index: int) -> ImageLight:
         """Electrons per lm s of nameplate light in the middle of the image; the veils together as one.
 
@@ -63,7 +70,7 @@ class DesignLight:
 
     def _light_at_centre(self, index: int) -> ImageLight:
         hw, problem = self.hardware, self.problem
-        optics = int(self.lights.optics_index[0])
+        optics = self.optics
         field = kind_of_field(problem, optics)(
             problem, index, port_index=hw.port, optics=optics, mount=hw.mount, count=hw.count,
             efficiency=int(self.cameras.qe_index[0]),
@@ -88,7 +95,7 @@ class DesignLight:
                 index,
                 self.views[index],
                 port_index=hw.port,
-                optics=int(self.lights.optics_index[0]),
+                optics=self.optics,
                 mount=hw.mount,
                 count=hw.count,
                 altitude=self.problem.scenes[index].nominal,
@@ -109,7 +116,7 @@ class DesignLight:
 
     def _dark_share(self, index: int) -> float:
         scene, view, hw = self.problem.scenes[index], self.views[index], self.hardware
-        beam = self.problem.beam(index, int(self.lights.optics_index[0]))
+        beam = self.problem.beam(index, self.optics)
         lamps, range_m = hw.mount.lamps(hw.count), float(scene.range_m[scene.nominal])
         middles, _ = cells(DARK_CELLS)
         along, across = np.meshgrid(view.tan_along[0] * middles, view.tan_across[0] * middles)
@@ -156,7 +163,7 @@ class DesignLight:
         hw, split = self.hardware, pixels is not None and not self.problem.paper
         light = image_light(
             self.problem, index, self.views[index], np.array([hw.camera]), port_index=hw.port,
-            optics=int(self.lights.optics_index[0]), mount=hw.mount, count=hw.count, pixels=pixels, channel=channel,
+            optics=self.optics, mount=hw.mount, count=hw.count, pixels=pixels, channel=channel,
             means=not split, field_type=LoneField, altitude=altitude,
         ).scaled(self.lights.output_factor)  # fmt: skip
         if not split:

@@ -136,7 +136,7 @@ class DesignModel(DesignLight):
                 camera=np.array([hw.camera]),
                 lens=np.array([hw.lens]),
                 port=np.array([hw.port]),
-                optics=int(self.lights.optics_index[0]),
+                optics=self.optics,
                 dioptre_per_m=np.array([dioptre_per_m]),
             ),
         )
@@ -280,7 +280,7 @@ class DesignModel(DesignLight):
         wanted = self.problem.scenes[index].view.requirements.max_airy_px
         if wanted is None:
             return []
-        optics, efficiency = int(self.lights.optics_index[0]), int(self.cameras.qe_index[0])
+        optics, efficiency = self.optics, int(self.cameras.qe_index[0])
         disc_m = airy_diameter_m(
             airy_wavelength_nm(self.problem, index, optics, efficiency), working_f_number=figures.working_f_number
         )
@@ -313,7 +313,7 @@ class DesignModel(DesignLight):
                 index,
                 self.views[index],
                 port_index=hw.port,
-                optics=int(self.lights.optics_index[0]),
+                optics=self.optics,
                 mount=hw.mount,
                 count=hw.count,
             ),

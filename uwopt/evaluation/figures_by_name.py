@@ -18,7 +18,6 @@ from uwopt.forward.figures import (
     SettingRows,
     electrons_in_image,
     figures_of,
-    full_light_lm,
     open_s,
 )
 from uwopt.forward.lamps import LAMP_FRONT_M
@@ -262,7 +261,7 @@ def sharpness_figures(
         return dict.fromkeys(SHARPNESS)
     dioptre = float(settings.dioptre_per_m[0])
     f_number, working = settings.f_number, figures.working_f_number
-    spectrum = int(problem.contractions[index].spectrum_of[int(model.lights.optics_index[0])])
+    spectrum = int(problem.contractions[index].spectrum_of[model.optics])
     electrons = arriving(scene, problem.contractions[index], spectrum, int(model.cameras.qe_index[0]))
     corner, shape = CORNER_FIELD * np.hypot(view.tan_along, view.tan_across), model.shapes[index]
     colour = 0.0
@@ -357,10 +356,7 @@ def effective_focal_mm(model: DesignModel, index: int) -> float:
 
 def illuminance(model: DesignModel, index: int, settings: SettingRows) -> dict[str, float]:
     """Floor illuminance over the footprint at the nominal altitude, while the lights are on."""
-    lumens = float(full_light_lm(model.lights, np.array([model.hardware.count]))[0]) * float(
-        settings.level[0]
-    )
-    lumens *= float(model.lights.output_factor[0])
+    lumens = model.lumens(float(settings.level[0]))
     mean, least = model.floor_light(index)
     return {
         "floor_illuminance_mean_lx": lumens * mean,
@@ -413,7 +409,7 @@ def centre_db(model: DesignModel, index: int, settings: SettingRows) -> float | 
 
 def airy_um(model: DesignModel, index: int, working_f_number: float) -> float:
     """Airy disc at the electron-weighted mean wavelength of the light that arrives."""
-    optics, efficiency = int(model.lights.optics_index[0]), int(model.cameras.qe_index[0])
+    optics, efficiency = model.optics, int(model.cameras.qe_index[0])
     wave_nm = airy_wavelength_nm(model.problem, index, optics, efficiency)
     return float(lens_model.airy_diameter_m(wave_nm, working_f_number=working_f_number)) * 1e6
 

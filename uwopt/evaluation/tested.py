@@ -28,7 +28,7 @@ def tested_notes(model: DesignModel) -> list[Note]:
                 "more; go closer"
             )
             notes.append(Note("thick_water", "vehicle.altitude_m", text))
-        beam = problem.beam(index, int(model.lights.optics_index[0]))
+        beam = problem.beam(index, model.optics)
         lobe_deg = float(np.rad2deg(half_power_angle_rad(beam)))
         if not problem.unlit(model.hardware.light) and not narrow <= lobe_deg <= wide:
             text = (

@@ -16,7 +16,7 @@ from uwopt.arrays import Array
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.evaluation.recompute import Replay
 from uwopt.forward.breathing import covered, extension
-from uwopt.forward.figures import depth_of_field_m, full_light_lm, open_s
+from uwopt.forward.figures import depth_of_field_m, open_s
 from uwopt.forward.lamp_light import LampField
 from uwopt.forward.lamps import on_axis_gain, relative_spectrum
 from uwopt.forward.motion import motion_across, motion_along, required_rate_hz
@@ -187,15 +187,14 @@ def lamps_way(design: Replay, scene_index: int) -> tuple[Array, Array]:
     model, settings = design.model, design.settings[scene_index]
     problem, hw, scene = model.problem, model.hardware, model.problem.scenes[scene_index]
     grid, range_m = scene.wavelength_nm, float(scene.range_m[scene.nominal])
-    item = problem.optics[int(model.lights.optics_index[0])]
-    lumens = float(full_light_lm(model.lights, np.array([hw.count]))[0] * settings.level[0])
-    lumens *= float(model.lights.output_factor[0])
+    item = problem.optics[model.optics]
+    lumens = model.lumens(float(settings.level[0]))
     flux = light.spectral_flux_w_nm(
         lumens, relative_spectrum=relative_spectrum((item.spectrum_id, item.spectrum), grid), wavelength_nm=grid,
         photopic=scene.photopic,
     )  # fmt: skip
-    lamp_leg = problem.lamp_leg_per_m(scene_index, int(model.lights.optics_index[0]))
-    lobe = problem.floor_lobe(scene_index, int(model.lights.optics_index[0]), hw.mount, range_m)
+    lamp_leg = problem.lamp_leg_per_m(scene_index, model.optics)
+    lobe = problem.floor_lobe(scene_index, model.optics, hw.mount, range_m)
     return flux, flux * axis_gain_per_m2(scene, lamp_leg, lobe, hw.mount.lamps(hw.count), range_m)
 
 
@@ -320,7 +319,7 @@ def rig_measures(design: Replay, scene_index: int = 0) -> RigMeasures:
     shape, vehicle = model.shapes[scene_index], scene.view.vehicle
     closer = 1.0 / extension(scene, view, settings.dioptre_per_m[:1])
     range_m = float(scene.range_m[scene.nominal])
-    beam = problem.beam(scene_index, int(model.lights.optics_index[0]))
+    beam = problem.beam(scene_index, model.optics)
     sharp = beams.has_sharp_edge(beam)
     half_angle = beams.edge_half_angle_rad(beam) if sharp else beams.half_power_angle_rad(beam)
     lamps = hw.mount.lamps(hw.count)
@@ -390,7 +389,7 @@ def lamp_field(design: Replay, scene_index: int, channel: str | None = None) -> 
     model = design.model
     problem, hw = model.problem, model.hardware
     field = LampField(
-        problem, scene_index, port_index=hw.port, optics=int(model.lights.optics_index[0]), mount=hw.mount,
+        problem, scene_index, port_index=hw.port, optics=model.optics, mount=hw.mount,
         count=hw.count, efficiency=int(model.cameras.qe_index[0]), channel=channel,
     )  # fmt: skip
     field.scene = at_nominal(field.scene)

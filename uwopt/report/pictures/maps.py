@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from uwopt.arrays import Array
 from uwopt.evaluation.recompute import Replay
-from uwopt.forward.figures import full_light_lm, open_s
+from uwopt.forward.figures import open_s
 from uwopt.forward.lamps import luminous_weight
 from uwopt.model import sensor
 from uwopt.model.footprint import floor_area_ratio, floor_illuminance_per_lm
@@ -160,9 +160,8 @@ def floor_map(
         return None
     scene, view, shape = problem.scenes[scene_index], model.views[scene_index], model.shapes[scene_index]
     range_m = float(scene.range_m[scene.nominal])
-    item = problem.optics[int(model.lights.optics_index[0])]
-    lumens = float(full_light_lm(model.lights, np.array([hw.count]))[0] * settings.level[0])
-    lumens *= float(model.lights.output_factor[0])
+    item = problem.optics[model.optics]
+    lumens = model.lumens(float(settings.level[0]))
     tan_along, tan_across = float(view.tan_along[0]), float(view.tan_across[0])
 
     secant = float(np.hypot(1.0, shape.slope))  # along the floor, of a tilted one too
@@ -170,9 +169,9 @@ def floor_map(
     def lux(along_m: Array, y_m: Array) -> Array:
         return lumens * floor_illuminance_per_lm(
             along_m / secant, y_m, slope=shape.slope, range_m=range_m, lamps=hw.mount.lamps(hw.count),
-            beam=problem.floor_lobe(scene_index, int(model.lights.optics_index[0]), hw.mount, range_m),
+            beam=problem.floor_lobe(scene_index, model.optics, hw.mount, range_m),
             weight=luminous_weight(scene, item),
-            attenuation_per_m=problem.lamp_leg_per_m(scene_index, int(model.lights.optics_index[0])),
+            attenuation_per_m=problem.lamp_leg_per_m(scene_index, model.optics),
         )  # fmt: skip
 
     def traced(along: Array, across: Array) -> tuple[Array, Array]:

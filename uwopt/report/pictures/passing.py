@@ -76,7 +76,7 @@ def water_curves(design: Replay, scene_index: int = 0) -> WaterCurves:
     return WaterCurves(
         wavelength_nm=scene.wavelength_nm,
         camera_leg_per_m=scene.attenuation_per_m,
-        lamp_leg_per_m=model.problem.lamp_leg_per_m(scene_index, int(model.lights.optics_index[0])),
+        lamp_leg_per_m=model.problem.lamp_leg_per_m(scene_index, model.optics),
         scattering_per_m=np.sum(scattered, axis=0) if scattered else None,
         daylight_per_m=scene.diffuse_attenuation_per_m,
         water=f"{reading[0]} {reading[1]:g}" if reading else f"water {of_scene.water}, table {scene.water_table}",

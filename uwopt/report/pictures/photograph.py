@@ -248,7 +248,7 @@ def sharpness_at(design: Replay, scene_index: int, place: Place) -> Sharpness:
         replace(scene, view=replace(scene.view, requirements=needs)), contraction,
         model.view_at(scene_index, float(settings.dioptre_per_m[0])),
         cameras=model.cameras, lenses=model.lenses, ports=problem.ports.take(one + hw.port),
-        spectrum=int(contraction.spectrum_of[int(model.lights.optics_index[0])]),
+        spectrum=int(contraction.spectrum_of[model.optics]),
         lateral_colour=not scene.paper, image_curvature=not scene.paper,
         forward_veil=problem.effects.forward_veil,
     ).focused(settings.dioptre_per_m)  # fmt: skip

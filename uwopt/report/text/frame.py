@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from uwopt.report.text import formats
+from uwopt.report.text import formats, words
 from uwopt.results.design import SceneResult
 
 SPOT_BELOW = 0.3  # least over mean light on the floor
@@ -20,7 +20,7 @@ def frame_facts(scenes: Sequence[SceneResult]) -> list[tuple[str, str]]:
     """What is to be said of the images of some scenes, as names and values; nothing in physics without a field."""
     found = []
     for scene in scenes:
-        place = f" in {formats.one_line(scene.name, 40)}" if len(scenes) > 1 else ""
+        place = words.in_scene(scene.name, scenes)
         found += [(name + place, text) for name, text in facts_of(scene.figures)]
     return found
 

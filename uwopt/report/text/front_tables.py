@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from uwopt.report.text import formats, words
-from uwopt.report.text.layout import Block, Text, block, columns, note_blocks, sentence
+from uwopt.report.text.layout import Block, Text, block, columns, evenly, more_in_files, note_blocks, sentence
 from uwopt.report.text.nothing_fits import infeasible_block
 from uwopt.report.text.verdict import axis_name, verdict
 from uwopt.results.design import lamps_in_words
@@ -50,29 +50,23 @@ def picks_block(front: FrontResult) -> Block:
 
 def points_block(front: FrontResult) -> Block:
     """Points evenly along the front."""
-    shown = evenly(front.points)
+    shown = points_shown(front.points)
     heads = [(axis_name(objective), "right") for objective in front.objectives]
     table = columns(("point", "left"), *heads, ("system", "left"), ("pick", "left"))
     names = pick_names(front)
     for point in shown:
         texts = [Text(text) for text in value_texts(front, point)]
         table.add_row(Text(point.id), *texts, Text(parts_text(point)), Text(names.get(point.id, "")))
-    left = len(front.points) - len(shown)
-    more = (
-        [sentence(f"{words.counted(left, 'point')} more in the files that --out DIR writes", "dim")]
-        if left
-        else []
-    )
-    return block("The front", [table, *more])
+    return block("The front", [table, *more_in_files(len(front.points) - len(shown), "point")])
 
 
-def evenly(points: Sequence[FrontPoint]) -> list[FrontPoint]:
+def points_shown(points: Sequence[FrontPoint]) -> list[FrontPoint]:
     """The first, the last and some between, of every choice of hardware one if there is room."""
     if len(points) <= MOST_ROWS:
         return list(points)
     firsts = {point.curve: n for n, point in reversed(list(enumerate(points)))}
     places = sorted(firsts.values()) if len(firsts) <= MOST_ROWS else []
-    even = [round(n * (len(points) - 1) / (MOST_ROWS - 1)) for n in range(MOST_ROWS)]
+    even = evenly(range(len(points)), MOST_ROWS)
     places += [place for place in even if place not in places][: MOST_ROWS - len(places)]
     return [points[place] for place in sorted(places)]
 

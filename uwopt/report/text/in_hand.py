@@ -46,7 +46,7 @@ def fails_first(design: Design) -> str:
     for share, _, scene, margin in found:
         if share <= least + ALIKE:
             name = words.requirement_name(margin.requirement)
-            place = f" in {formats.one_line(scene, 40)}" if len(design.scenes) > 1 else ""
+            place = words.in_scene(scene, design.scenes)
             kept = f" ({formats.kept_text(margin)} reserve kept)" if margin.reserve else ""
             named.setdefault(name, f"{name}{place}, {formats.margin_text(margin, design.totals.cost)} in hand{kept}")
     return f"fails first: {'; '.join(list(named.values())[:MOST_NAMED])}"

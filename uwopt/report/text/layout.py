@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal, TypeAlias, cast
+from typing import TYPE_CHECKING, Literal, TypeAlias, TypeVar, cast
 
 from uwopt.report.text import formats, words
 from uwopt.results.design import Note
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from rich import table, text
     from rich.console import RenderableType
 
+Row = TypeVar("Row")
 INDENT = 2
 #: Stands for a blank at which no line ends. Rich ends lines at no-break spaces too; a sign of nobody's it takes for a
 #: letter, and `formats.printable` lets none through from a file.
@@ -131,6 +132,19 @@ def columns(*heads: tuple[str, str], header: bool = True) -> Grid:
 def fact_lines(facts: Iterable[tuple[str, str]]) -> Facts:
     """Names and values below each other; what is empty is left out."""
     return Facts(tuple((name, formats.one_line(value, 2000)) for name, value in facts if value))
+
+
+def more_in_files(number: int, noun: str) -> list[Text]:
+    """That a table of points, say, shows so many less than there are; nothing where it shows all."""
+    told = sentence(f"{words.counted(number, noun)} more in the files that --out DIR writes", "dim")
+    return [told] if number > 0 else []
+
+
+def evenly(rows: Sequence[Row], most: int) -> list[Row]:
+    """All of these, or of more than a table shows the first, the last and some between."""
+    if len(rows) <= most:
+        return list(rows)
+    return [rows[round(n * (len(rows) - 1) / (most - 1))] for n in range(most)]
 
 
 def note_blocks(notes: Sequence[Note]) -> Iterator[Block]:

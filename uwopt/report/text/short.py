@@ -223,7 +223,7 @@ def subject_sentences(result: Result, design: Design) -> Iterator[str]:
         speed = given.get(scene.name, {}).get("subject_speed_m_s")
         if not speed or not any(m.requirement == "max_blur_px" and m.binding for m in scene.margins):
             continue
-        place = f" in {formats.one_line(scene.name, 40)}" if len(design.scenes) > 1 else ""
+        place = words.in_scene(scene.name, design.scenes)
         yield f"What moves there by itself at {formats.quantity(speed, 'm/s')} decides the exposure{place}."
 
 

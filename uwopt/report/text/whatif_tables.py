@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 from uwopt.report.text import formats, words
-from uwopt.report.text.layout import Block, Text, block, columns, note_blocks, sentence
+from uwopt.report.text.layout import Block, Text, block, columns, evenly, more_in_files, note_blocks, sentence
 from uwopt.results.whatif import KeyValue, SpiderLine, Switch, WhatIf, WhatIfPoint, WinningSystem
 from uwopt.units import format_quantity
 
@@ -65,9 +65,7 @@ def switch_lines(table: WhatIf) -> list[Text]:
             lines.append(Text(f"{others}:"))
         before = others
         lines.append(sentence(("- " if not others else "  - ") + switch_text(table, switch)))
-    if (more := len(table.switches) - MOST_SENTENCES) > 0:
-        lines.append(sentence(f"{words.counted(more, 'change')} more in the files that --out DIR writes", "dim"))
-    return lines
+    return [*lines, *more_in_files(len(table.switches) - MOST_SENTENCES, "change")]
 
 
 def others_text(table: WhatIf, switch: Switch) -> str:
@@ -125,7 +123,7 @@ def all_points(table: WhatIf) -> list[WhatIfPoint]:
 
 def points_block(table: WhatIf) -> Block:
     """Points evenly over the table."""
-    shown = evenly(table.points)
+    shown = evenly(table.points, MOST_ROWS)
     unit = table.objective.unit
     heads = [(formats.one_line(key.key, 40), "right") for key in table.keys]
     goal = formats.one_line(table.objective.name, 40)
@@ -144,15 +142,7 @@ def points_block(table: WhatIf) -> Block:
             Text("" if point.system is None else str(point.system + 1)),
         )
     left = len(table.points) - len(shown)
-    more = [sentence(f"{words.counted(left, 'point')} more in the files that --out DIR writes", "dim")] if left else []
-    return block("Some of the points" if left else "All points", [grid, *more])
-
-
-def evenly(points: Sequence[WhatIfPoint]) -> list[WhatIfPoint]:
-    """The first, the last and some between."""
-    if len(points) <= MOST_ROWS:
-        return list(points)
-    return [points[round(n * (len(points) - 1) / (MOST_ROWS - 1))] for n in range(MOST_ROWS)]
+    return block("Some of the points" if left else "All points", [grid, *more_in_files(left, "point")])
 
 
 def value_text(value: KeyValue, unit: str) -> str:

@@ -25,6 +25,7 @@ from uwopt.units import (
     format_number,
     format_price,
     format_within,
+    listed,
     split_unit,
 )
 
@@ -206,14 +207,14 @@ def row_step_m(mounts: Sequence[LampPlace]) -> float | None:
     return steps.pop() if len(steps) == 1 and centred and 0.0 not in steps else None
 
 
+def in_scene(name: str, scenes: Sequence[object]) -> str:
+    """Which scene, where there are several."""
+    return f" in {one_line(name, 40)}" if len(scenes) > 1 else ""
+
+
 def counted(number: int, noun: str) -> str:
     """`1 light`, `2 lights`."""
     return f"{count_text(number)} {noun}" + ("" if number == 1 else "s")
-
-
-def listed(names: Sequence[str], word: str = "and") -> str:
-    """`a`, `a and b`, `a, b and c`; or with another word."""
-    return f" {word} ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
 # ---------------------------------------------------------------- sentences
