@@ -65,9 +65,10 @@ def on_curve(rows: list[SceneRows], motorised: Array, light_limit_w: Array, shar
     chosen: list[Chosen] = []
     feasible = np.zeros(len(motorised), bool)
     for _ in range(DARK_ROUNDS):
-        chosen, feasible = closed_form.least_power(rows, motorised)
+        asked = [windows.asked_sides(r) for r in rows]
+        chosen, feasible = closed_form.least_power(rows, motorised, asked=asked)
         if share is not None:
-            chosen, feasible = _above(rows, chosen, feasible, motorised, light_limit_w, share)
+            chosen, feasible = _above(rows, asked, chosen, feasible, motorised, light_limit_w, share)
         updated = [closed_form.with_exposure(r, c) for r, c in zip(rows, chosen, strict=True)]
         pairs = list(zip(rows, updated, strict=True))
         shift = [np.abs(windows.dark_e(a) - windows.dark_e(b)).max(initial=0.0) for a, b in pairs]
@@ -85,22 +86,23 @@ def on_curve(rows: list[SceneRows], motorised: Array, light_limit_w: Array, shar
 
 
 def _above(
-    rows: list[SceneRows], least: list[Chosen], feasible: Array, motorised: Array, light_limit_w: Array, share: Array
+    rows: list[SceneRows], asked: list[windows.Window], least: list[Chosen], feasible: Array, motorised: Array,
+    light_limit_w: Array, share: Array,
 ) -> tuple[list[Chosen], Array]:  # fmt: skip
     """Least power over an SNR at a share of the way from that of least power to the greatest."""
     alive = np.nonzero(feasible)[0]
     if len(alive) == 0:
         return least, feasible
-    some = [r.take(alive) for r in rows]
+    some, asked = [r.take(alive) for r in rows], [own.take(alive) for own in asked]
     first = [c.take(alive) for c in least]
     exposing_w = np.max([r.exposing_w(r.longest_exposure_s) for r in some], axis=0)
-    top = closed_form.greatest_snr(some, motorised[alive], light_limit_w[alive] - exposing_w)
+    top = closed_form.greatest_snr(some, motorised[alive], light_limit_w[alive] - exposing_w, asked=asked)
     low = closed_form.worst_snr(some, first)
     reached = np.isfinite(top) & (low > 0)
     top = np.where(reached, np.maximum(top, low), low)
     with np.errstate(divide="ignore", invalid="ignore"):
         floor = np.where(reached, low * (top / low) ** share[alive], low) * (1 - 1e-12)
-    higher, fits = closed_form.least_power(some, motorised[alive], snr_floor=np.nan_to_num(floor))
+    higher, fits = closed_form.least_power(some, motorised[alive], snr_floor=np.nan_to_num(floor), asked=asked)
     better = fits & reached & (share[alive] > 0)
     chosen = [c.put(alive[better], h.take(better)) for c, h in zip(least, higher, strict=True)]
     return chosen, feasible

@@ -283,17 +283,17 @@ def settings_at_dark(rows: list[SceneRows], question: Question) -> SetWithDark:
     """
     motorised, objective, mean_limit = question.motorised, question.objective, question.mean_limit
     camera_power_w = question.camera_power_w
-    weight = objective.weight("snr_db")
+    weight, asked = objective.weight("snr_db"), [windows.asked_sides(r) for r in rows]
     if not weight:
-        chosen, feasible = closed_form.least_power(rows, motorised)
+        chosen, feasible = closed_form.least_power(rows, motorised, asked=asked)
     else:
-        top = closed_form.greatest_snr(rows, motorised, question.light_limit_w)
+        top = closed_form.greatest_snr(rows, motorised, question.light_limit_w, asked=asked)
         goal = np.nan_to_num(top, nan=0.0) * (1 - 1e-12)
         if mean_limit is not None:
-            goal = mean_limit.highest_snr(rows, motorised, goal, camera_power_w)
+            goal = mean_limit.highest_snr(rows, motorised, goal, camera_power_w, asked)
         if objective.single is None and objective.weight("power"):
-            goal = weighted_goal(rows, motorised, goal, objective.weight("power"), weight)
-        chosen, feasible = closed_form.least_power(rows, motorised, snr_floor=goal)
+            goal = weighted_goal(rows, motorised, goal, objective.weight("power"), weight, asked)
+        chosen, feasible = closed_form.least_power(rows, motorised, snr_floor=goal, asked=asked)
         feasible &= np.isfinite(top)
     if mean_limit is not None:
         feasible &= mean_limit.met_by(chosen, camera_power_w)
@@ -308,39 +308,49 @@ def snr_of(rows: list[SceneRows], chosen: list[closed_form.Chosen]) -> Array:
 
 
 def weighted_goal(
-    rows: list[SceneRows], motorised: Array, top: Array, power_weight: float, snr_weight: float
-) -> Array:
+    rows: list[SceneRows], motorised: Array, top: Array, power_weight: float, snr_weight: float,
+    asked: list[windows.Window],
+) -> Array:  # fmt: skip
     """SNR floor that minimises power_weight * power - snr_weight * SNR in dB, by golden section.
 
     Between the requirement and the reachable top; power is convex in the SNR in dB for lamps that dim
-    freely. Lamps with steps are tried at the top of each step as well.
+    freely. Lamps with steps are tried at the top of each step as well. `asked` : as in `closed_form.least_power`
     """
 
     def merit(snr: Array) -> Array:
-        chosen, feasible = closed_form.least_power(rows, motorised, snr_floor=snr)
+        chosen, feasible = closed_form.least_power(rows, motorised, snr_floor=snr, asked=asked)
         power = np.max([c.light_power_w for c in chosen], axis=0)
         with np.errstate(divide="ignore", invalid="ignore"):
             value = power_weight * power - snr_weight * ratio_to_db(closed_form.worst_snr(rows, chosen))
         return np.where(feasible, value, np.inf)
 
-    start, _ = closed_form.least_power(rows, motorised)
+    start, _ = closed_form.least_power(rows, motorised, asked=asked)
     low = closed_form.worst_snr(rows, start)
     low = np.where(np.isfinite(low), np.clip(low, top * FAINTEST, top), top)
     a, b = np.log(np.maximum(low, 1e-300)), np.log(np.maximum(top, 1e-300))
+    c, d = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
+    value_c, value_d = merit(np.exp(c)), merit(np.exp(d))
     for _ in range(SECTIONS):
-        c, d = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
-        value_c, value_d = merit(np.exp(c)), merit(np.exp(d))
         left = value_c < value_d
         a, b = np.where(left, a, c), np.where(left, d, b)
+        new = np.where(left, b - GOLDEN * (b - a), a + GOLDEN * (b - a))  # the other is one of the last two
+        value = merit(np.exp(new))
+        c, d = np.where(left, new, d), np.where(left, c, new)
+        value_c, value_d = np.where(left, value, value_d), np.where(left, value_c, value)
     best, best_value = top, merit(top)
     others = [(low, merit(low)), (np.exp(c), value_c), (np.exp(d), value_d)]
-    for point, value in others + [(step, merit(step)) for step in step_tops(rows, motorised, top)]:
+    for point, value in others + [(step, merit(step)) for step in step_tops(rows, motorised, top, asked)]:
         best, best_value = np.where(value < best_value, point, best), np.minimum(best_value, value)
     return best
 
 
-def step_tops(rows: list[SceneRows], motorised: Array, top: Array) -> list[Array]:
-    """SNR reached at the top of each step of each scene's light: where a staircase of power may be best."""
+def step_tops(
+    rows: list[SceneRows], motorised: Array, top: Array, asked: list[windows.Window]
+) -> list[Array]:
+    """SNR reached at the top of each step of each scene's light: where a staircase of power may be best.
+
+    asked : as in `closed_form.least_power`; a lower top level changes none of them
+    """
     tops = []
     for scene in rows:
         for column in range(scene.levels.shape[1]):
@@ -348,6 +358,6 @@ def step_tops(rows: list[SceneRows], motorised: Array, top: Array) -> list[Array
             if np.isnan(level).all():
                 continue
             capped = [replace(r, max_level=np.fmin(r.max_level, level)) if r is scene else r for r in rows]
-            snr = closed_form.greatest_snr(capped, motorised, np.full(len(top), np.inf))
+            snr = closed_form.greatest_snr(capped, motorised, np.full(len(top), np.inf), asked=asked)
             tops.append(np.where(np.isfinite(snr), np.minimum(snr, top) * (1 - 1e-12), top))
     return tops

@@ -20,7 +20,7 @@ from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.model import light, sensor
-from uwopt.solvers.settings.windows import Sun, dark_e, window
+from uwopt.solvers.settings.windows import Sun, Window, asked_sides, dark_e, window
 from uwopt.tolerances import SLACK
 
 
@@ -184,10 +184,14 @@ def best_gain(rows: SceneRows, light_x: Array, sun: Sun | None = None) -> Array:
 
 
 def least_power(
-    scenes: list[SceneRows], motorised: Array, *, snr_floor: Array | float = 0.0
+    scenes: list[SceneRows], motorised: Array, *, snr_floor: Array | float = 0.0, asked: list[Window] | None = None
 ) -> tuple[list[Chosen], Array]:
-    """Settings of least power that meet every scene, and whether there are any."""
-    windows = [window(rows, snr_floor=snr_floor) for rows in scenes]
+    """Settings of least power that meet every scene, and whether there are any.
+
+    asked : `asked_sides` of each scene, where they are known
+    """
+    asked = [asked_sides(rows) for rows in scenes] if asked is None else asked
+    windows = [window(rows, snr_floor=snr_floor, asked=own) for rows, own in zip(scenes, asked, strict=True)]
     ranges = [f_number_ranges(rows, low, high) for rows, (low, high) in zip(scenes, windows, strict=True)]
     chosen, feasible = [], np.ones(len(motorised), bool)
     for rows, (low, high), f_number in zip(scenes, windows, least_f_numbers(ranges, motorised), strict=True):
@@ -197,15 +201,19 @@ def least_power(
     return chosen, feasible
 
 
-def greatest_snr(scenes: list[SceneRows], motorised: Array, power_limit_w: Array) -> Array:
+def greatest_snr(
+    scenes: list[SceneRows], motorised: Array, power_limit_w: Array, *, asked: list[Window] | None = None
+) -> Array:
     """Highest SNR at the nominal altitude that all scenes can reach within their light power.
 
     power_limit_w : (n,), or (n, k) of k limits each, nan: none; the answer has its shape, nan where there is none.
+    asked : as in `least_power`
 
     The worst scene counts. At a given level more light comes through a smaller f-number, so the best is
     where some level's range of f-numbers starts; each such start is tried. Of one scene each level has its own.
     """
-    windows = [window(rows) for rows in scenes]
+    asked = [asked_sides(rows) for rows in scenes] if asked is None else asked
+    windows = [(own.low, own.high) for own in asked]
     ranges = [f_number_ranges(rows, low, high) for rows, (low, high) in zip(scenes, windows, strict=True)]
     starts = [start for start, _ in ranges]
 

@@ -16,6 +16,7 @@ from uwopt.forward.problem import Problem
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.solvers.settings import closed_form
 from uwopt.solvers.settings.closed_form import Chosen
+from uwopt.solvers.settings.windows import Window
 from uwopt.tolerances import ROUND
 
 HALVINGS = 60  # of a range of SNR, in its logarithm
@@ -49,12 +50,15 @@ class MeanLimit:
         return self.holds([c.light_power_w for c in chosen], camera_power_w)
 
     def highest_snr(
-        self, rows: list[SceneRows], motorised: Array, top: Array, camera_power_w: Array
+        self, rows: list[SceneRows], motorised: Array, top: Array, camera_power_w: Array, asked: list[Window]
     ) -> Array:
-        """The highest floor of SNR up to `top` whose least power keeps within the limit; 0 where none does."""
+        """The highest floor of SNR up to `top` whose least power keeps within the limit; 0 where none does.
+
+        asked : as in `closed_form.least_power`
+        """
 
         def within(floor: Array) -> Array:
-            chosen, feasible = closed_form.least_power(rows, motorised, snr_floor=floor)
+            chosen, feasible = closed_form.least_power(rows, motorised, snr_floor=floor, asked=asked)
             return np.asarray(feasible & self.met_by(chosen, camera_power_w))
 
         done = within(top)

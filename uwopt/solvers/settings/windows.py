@@ -12,6 +12,7 @@ from typing import Any, Literal
 import numpy as np
 
 from uwopt.arrays import Array
+from uwopt.forward.columns import Columns
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.model import sensor
 from uwopt.model.image_mean import needed_by_most
@@ -76,7 +77,7 @@ class Beside:
 
 
 @dataclass(frozen=True)
-class Window:
+class Window(Columns):
     """What bounds X in each scene's window; more dark electrons raise `for_snr` and lower the other two of the first
     three, while `gain_at_brightest` grows in proportion to them."""
 
@@ -102,17 +103,32 @@ class Window:
         return np.minimum(self.full, self.gain_at_brightest)
 
 
-def window(rows: SceneRows, *, snr_floor: Array | float = 0.0, sun: Sun | None = None) -> tuple[Array, Array]:
+def window(
+    rows: SceneRows, *, snr_floor: Array | float = 0.0, sun: Sun | None = None, asked: Window | None = None
+) -> tuple[Array, Array]:
     """Lowest and highest X that the requirements on SNR, level and saturation allow; inf: none does.
 
-    `snr_floor` is wanted at the nominal altitude beside the mission's own requirement over all.
+    `snr_floor` is wanted at the nominal altitude beside the mission's own requirement over all, whose window is `asked`
+    where it is known.
     """
-    sides = window_sides(rows, snr_floor=snr_floor, sun=sun)
+    sides = window_sides(rows, snr_floor=snr_floor, sun=sun, asked=asked)
     return sides.low, sides.high
 
 
-def window_sides(rows: SceneRows, *, snr_floor: Array | float = 0.0, sun: Sun | None = None) -> Window:
+def window_sides(
+    rows: SceneRows, *, snr_floor: Array | float = 0.0, sun: Sun | None = None, asked: Window | None = None
+) -> Window:
     """The window of X by what bounds it, as `window` takes its arguments."""
+    sides = asked_sides(rows, sun) if asked is None else asked
+    if np.ndim(snr_floor) == 0 and snr_floor == 0.0:
+        return sides
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        floor = light_for_snr(rows, rows.nominal, snr_floor, of="mean", sun=sun)
+    return replace(sides, for_snr=np.maximum(sides.for_snr, floor))
+
+
+def asked_sides(rows: SceneRows, sun: Sun | None = None) -> Window:
+    """The window of X that the mission's own requirements leave, by what bounds it."""
     other = np.zeros_like(rows.bright_e) if sun is None else sun.total_e
     dark = dark_e(rows)
     level_dark = dark if rows.spare_dark_s is None else dark + rows.dark_current_e_s * rows.spare_dark_s
@@ -121,7 +137,6 @@ def window_sides(rows: SceneRows, *, snr_floor: Array | float = 0.0, sun: Sun | 
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         for altitude in range(rows.signal_e.shape[1]):
             for_snr = np.maximum(for_snr, light_asked_for(rows, altitude, sun=sun))
-        for_snr = np.maximum(for_snr, light_for_snr(rows, rows.nominal, snr_floor, of="mean", sun=sun))
     if rows.min_contrast > 0.0 and sun is None:
         full = np.where(contrast(rows) < rows.min_contrast * (1 - 1e-9), -np.inf, full)
     return replace(sides, full=full, for_snr=for_snr).without_nan()
