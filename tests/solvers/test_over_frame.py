@@ -11,7 +11,7 @@ import pytest
 from hand_made_rows import scene
 from scipy.optimize import brentq
 
-from uwopt.forward.setting_rows import of_darkest_pixels, of_fewest_pixels
+from uwopt.forward.setting_rows import of_farthest_pixels, of_fewest_pixels
 from uwopt.model.image_mean import (
     FEW_FRAME_MAY_MISS,
     FEW_FRAME_PLACES,
@@ -113,24 +113,25 @@ def test_the_mean_may_be_darker_than_what_most_of_the_image_has(pixels_asked: An
 
 
 @pytest.mark.parametrize("may_miss", [0, 3])
-def test_darkest_pixels_alone_bound_the_light_under_the_sun(may_miss: int) -> None:
+def test_pixels_at_the_farthest_altitude_stand_for_all_under_the_sun(may_miss: int) -> None:
+    """Three altitudes: at each is asked what all pixels ask for at the last."""
     rng = np.random.default_rng(8)
-    lamps, there = rng.uniform(1.0, 9.0, (1, 1, 40)), rng.uniform(1.0, 99.0, (1, 1, 40))
+    lamps, there = rng.uniform(1.0, 9.0, (2, 3, 40)), rng.uniform(1.0, 99.0, (2, 3, 40))
     rows = replace(
-        pixels([1.0]), worst_e=lamps, may_miss=may_miss, worst_sun_signal_e_s=there, worst_sun_veil_e_s=0.1 * there
-    )
+        pixels([1.0]), worst_e=lamps, worst_veil_e=0.2 * lamps, may_miss=may_miss,
+        worst_sun_signal_e_s=there, worst_sun_veil_e_s=0.1 * there, signal_e=np.ones((2, 3)),
+    )  # fmt: skip
 
-    def least(of: Any) -> float:
+    def least(of: Any, altitude: int) -> Any:
         at_once = of.worst_sun_signal_e_s + of.worst_sun_veil_e_s
-        sun = Sun(np.array([[1.0]]), np.array([[1.0]]), of.worst_sun_signal_e_s, at_once)
-        return float(windows.light_for_snr(of, 0, 20.0, of="worst", sun=sun)[0])
+        sun = Sun(np.ones((2, 3)), np.ones((2, 3)), of.worst_sun_signal_e_s, at_once)
+        return windows.light_for_snr(of, altitude, 20.0, of="worst", sun=sun)
 
-    few = of_darkest_pixels(rows, 12)
-    assert few.worst_e.shape == (1, 1, 12) and few.may_miss == may_miss
-    pairs = set(zip(lamps.ravel(), there.ravel(), 0.1 * there.ravel(), strict=True))
-    kept = (few.worst_e, few.worst_sun_signal_e_s, few.worst_sun_veil_e_s)
-    assert set(zip(*(column.ravel() for column in kept), strict=True)) <= pairs
-    assert 0.8 * least(rows) <= least(few) <= least(rows)
+    few = of_farthest_pixels(rows, unlit=False)
+    assert few.worst_e is not None and few.worst_e.shape[2] < 40 and few.may_miss == may_miss
+    asked = least(rows, 2)
+    for altitude in range(3):
+        assert least(few, altitude) == pytest.approx(asked, rel=1e-12)
 
 
 @pytest.mark.parametrize("may_miss", [0, 3])

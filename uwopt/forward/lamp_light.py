@@ -358,6 +358,8 @@ class LampField:
         """Signal and veil there, (n, 1, n_pixels), of the pixels that may decide."""
         signal, over = self.at_pixels(view, *likely_places(view, pixels), veils=True, ranges_m=self.scene.range_m[-1:])
         veil_there = np.zeros_like(signal) if over is None else over
+        if self.sunlit:  # which decide depends on lamps and sun together
+            return signal, veil_there
         return decisive_pixels(signal, veil_there, FRAME_MAY_MISS if pixels == "frame" else 0)
 
     def likely_gain(self, view: Views, pixels: Pixels, lamps: Lamps) -> Array:

@@ -311,23 +311,6 @@ class SceneRows(Columns):
 PIXEL_COLUMNS = ("worst_e", "worst_veil_e", "worst_sun_signal_e_s", "worst_sun_veil_e_s")
 
 
-def of_darkest_pixels(rows: SceneRows, count: int) -> SceneRows:
-    """Rows for bounds under the sun: the SNR is asked of so many pixels alone, of which as many as before may miss it.
-
-    Settings at which no more than k of all pixels miss it are such that no more than k of some do. Those with the
-    least light of lamps and sun at the farthest altitude, each as a share of its most, are kept: any would do.
-    """
-    lamps, sun = rows.worst_e, rows.worst_sun_signal_e_s
-    if lamps is None or sun is None or lamps.shape != sun.shape or lamps.shape[2] <= count:
-        return rows
-    farthest = [column[:, -1:] for column in (lamps, sun)]
-    shares = [column / np.maximum(column.max(axis=2, keepdims=True), 1e-300) for column in farthest]
-    few = np.argpartition(shares[0] + shares[1], count, axis=2)[:, :, :count]
-    columns = {name: getattr(rows, name) for name in PIXEL_COLUMNS}
-    kept: dict[str, Any] = {name: np.take_along_axis(c, few, axis=2) for name, c in columns.items() if c is not None}
-    return replace(rows, **kept)
-
-
 def of_fewest_pixels(rows: SceneRows, *, unlit: bool) -> SceneRows:
     """Rows under the sun with those pixels alone that may decide their SNR and contrast, at whatever settings.
 
@@ -347,6 +330,18 @@ def of_fewest_pixels(rows: SceneRows, *, unlit: bool) -> SceneRows:
         rows, worst_e=lamps, worst_veil_e=None if veils[0] is None else over, worst_sun_signal_e_s=sun,
         worst_sun_veil_e_s=None if veils[1] is None else sun_over,
     )  # fmt: skip
+
+
+def of_farthest_pixels(rows: SceneRows, *, unlit: bool) -> SceneRows:
+    """Rows for bounds under the sun: the pixels that may decide at the farthest altitude stand for those at all.
+
+    No settings are asked for less there than they are at one of them.
+    """
+    count = rows.signal_e.shape[1]
+    farthest: dict[str, Any] = {name: c[:, -1:] for name in PIXEL_COLUMNS if (c := getattr(rows, name)) is not None}
+    few = of_fewest_pixels(replace(rows, **farthest), unlit=unlit)
+    shown: dict[str, Any] = {name: np.repeat(getattr(few, name), count, axis=1) for name in farthest}
+    return replace(rows, **shown)
 
 
 SHORTEST_TIME_S = 1e-9

@@ -1,6 +1,7 @@
 """Designs as rows of settings: what a search knows of the light and the limits of imagers under lights.
 
-Bounds look at the pixels that are likely to decide, without veils; what is solved, at all that count.
+Bounds look at the pixels that are likely to decide, with their veils last or under the sun; what is solved, at all that
+count.
 """
 
 from __future__ import annotations
@@ -15,14 +16,13 @@ from uwopt.arrays import Array
 from uwopt.deadline import Deadline
 from uwopt.forward.columns import distinct, rows_alike
 from uwopt.forward.floor_light import even_enough
-from uwopt.forward.lamp_light import LIKELY_PLACES, ImageLight, SunLight, Veils
+from uwopt.forward.lamp_light import ImageLight, SunLight, Veils
 from uwopt.forward.lamp_views import keeps_clear, lamps_refused
 from uwopt.forward.problem import Problem
 from uwopt.forward.remembered import RememberedSunField
-from uwopt.forward.setting_rows import SceneRows, of_darkest_pixels, of_fewest_pixels, setting_rows
+from uwopt.forward.setting_rows import SceneRows, of_farthest_pixels, of_fewest_pixels, setting_rows
 from uwopt.forward.sharpness import SharpRows
 from uwopt.forward.sun_light import sun_light
-from uwopt.model.image_mean import FRAME_MAY_MISS
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.bounds import Bounds
 from uwopt.solvers.exact.lightings import Under
@@ -48,27 +48,21 @@ class NodeRows:
         """The settings' view of these designs, by scene; `light_alone`: without rules and sharpness."""
         result = []
         for index, seen in enumerate(lights):
-            pixels = self.problem.scenes[index].pixels
-            unlit = optimistic and pixels == "frame" and self.bounds.is_sunlit(index) and self.problem.are_unlit(light)
-            if unlit:  # the sun alone says which pixels are dark
-                likely = np.repeat(seen.signal_e[:, :, None], LIKELY_PLACES, axis=2)
-                seen = seen.with_pixels(ImageLight(seen.signal_e, worst_e=likely, may_miss=FRAME_MAY_MISS))
+            pixels, sunlit = self.problem.scenes[index].pixels, self.bounds.is_sunlit(index)
+            likely = optimistic and (sunlit or stage == "likely")  # pixels with their veils, few of them
+            if pixels is not None and optimistic and not likely:
+                seen = self._with_likely_pixel(index, imager, count, under, seen)
             elif pixels is not None:
-                veils: Veils = "none" if optimistic else "all"
-                with_pixels = self.with_pixels
-                if optimistic and not self.bounds.is_sunlit(index):
-                    veils = stage
-                    with_pixels = self.with_pixels if stage == "likely" else self._with_likely_pixel
-                seen = with_pixels(index, imager, count, under, seen, veils=veils)
+                seen = self.with_pixels(index, imager, count, under, seen, veils="likely" if likely else "all")
             rows = setting_rows(
                 self.problem, index, camera=self.imagers.camera[imager], light=light, count=count,
                 focused=self.imagers.scenes[index].focused.take(imager), image_light=seen,
-                sun=self.sun(index, imager, count, under, few=unlit),
+                sun=self.sun(index, imager, count, under, few=likely),
                 sharp=None if light_alone else self.sharp(index, imager, under),
             )  # fmt: skip
-            if optimistic:
-                rows = of_darkest_pixels(rows, LIKELY_PLACES)
-            elif self.narrowed is None:
+            if likely and sunlit:
+                rows = of_farthest_pixels(rows, unlit=self.problem.are_unlit(light))
+            elif not optimistic and self.narrowed is None:
                 rows = of_fewest_pixels(rows, unlit=self.problem.are_unlit(light))
             if not light_alone and not optimistic and self.has_rules(index):
                 kept = self.keep_rules_in(index, imager, light, count, under)
@@ -167,10 +161,9 @@ class NodeRows:
         return kept
 
     def _with_likely_pixel(
-        self, scene_index: int, imager: Array, count: Array, under: Under, seen: ImageLight, *, veils: Veils
-    ) -> ImageLight:  # fmt: skip
+        self, scene_index: int, imager: Array, count: Array, under: Under, seen: ImageLight
+    ) -> ImageLight:
         """With no less than the light at the pixel that decides, at all altitudes as at the farthest: for bounds."""
-        del veils
         pixels = self.problem.scenes[scene_index].pixels
         assert pixels is not None
         most_e = np.empty(len(imager))
