@@ -270,8 +270,7 @@ def sharpness_figures(
             corner, n_water=scene.n_water_spectrum, n_design=scene.n_water, electrons=electrons,
             focal_length_m=view.focal_length_m, pixel_pitch_m=model.cameras.pixel_pitch_m,
         ) * lateral.finite_range_share(
-            corner, gap_m=shape.gap_m, thickness_m=shape.thickness_m, n_glass=shape.n_glass,
-            n_water=shape.n_water, range_m=float(scene.range_m[scene.nominal]),
+            corner, **shape.plates, range_m=float(scene.range_m[scene.nominal])
         )  # fmt: skip
         reflected = lateral.some_reflected(
             corner, n_water=scene.n_water_spectrum, n_design=scene.n_water, electrons=electrons

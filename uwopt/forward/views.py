@@ -275,10 +275,7 @@ def image_places(
         1.0 / np.array(image)
         for image in zip(
             *(
-                defocus.flat_field_dioptres_per_m(
-                    range_m, tan_air=tan_air, gap_m=shape.gap_m, thickness_m=shape.thickness_m,
-                    n_glass=shape.n_glass, n_water=shape.n_water,
-                )
+                defocus.flat_field_dioptres_per_m(range_m, tan_air=tan_air, **shape.plates)
                 for range_m in (0.0, 1.0)
             ),
             strict=True,
@@ -321,16 +318,7 @@ def edge_m(scene: SceneOptics, shape: PortShape, tangent: Array, ranges: Array) 
         return np.asarray(
             port.dome_floor_distance_m(tangent, outer_radius_m=shape.outer_radius_m, range_m=ranges)
         )
-    return np.asarray(
-        port.flat_floor_distance_m(
-            tangent,
-            gap_m=shape.gap_m,
-            thickness_m=shape.thickness_m,
-            n_glass=shape.n_glass,
-            n_water=shape.n_water,
-            range_m=ranges,
-        )
-    )
+    return np.asarray(port.flat_floor_distance_m(tangent, **shape.plates, range_m=ranges))
 
 
 def largest_pixel_m(scene: SceneOptics, shape: PortShape, pitch: Array, focal: Array, ranges: Array) -> Array:
@@ -342,13 +330,7 @@ def largest_pixel_m(scene: SceneOptics, shape: PortShape, pitch: Array, focal: A
         return scale * (ranges + shape.outer_radius_m)
     return np.asarray(
         operation.flat_largest_pixel_m(
-            ranges,
-            pixel_pitch_m=pitch[:, None],
-            focal_length_m=focal[:, None],
-            gap_m=shape.gap_m,
-            thickness_m=shape.thickness_m,
-            n_glass=shape.n_glass,
-            n_water=shape.n_water,
+            ranges, pixel_pitch_m=pitch[:, None], focal_length_m=focal[:, None], **shape.plates
         )
     )
 
@@ -366,15 +348,8 @@ def smallest_pixels_m(
     if scene.paper or shape.is_dome:
         same = largest_pixel_m(scene, shape, pitch, focal, ranges)
         return same, same
-    shape = shape.over(1)
     common = dict(
-        pixel_pitch_m=pitch[:, None],
-        focal_length_m=focal[:, None],
-        gap_m=shape.gap_m,
-        thickness_m=shape.thickness_m,
-        n_glass=shape.n_glass,
-        n_water=shape.n_water,
-        range_m=ranges,
+        pixel_pitch_m=pitch[:, None], focal_length_m=focal[:, None], **shape.over(1).plates, range_m=ranges
     )
     one = operation.flat_smallest_pixel_along_m(along[:, None], tan_across_edge=across[:, None], **common)
     other = operation.flat_smallest_pixel_along_m(across[:, None], tan_across_edge=along[:, None], **common)
@@ -391,9 +366,7 @@ def focus_map(scene: SceneOptics, shape: PortShape) -> port.FocusMap:
     if not shape.is_dome:
         if scene.paper:
             return port.identity_focus_map()
-        return port.flat_focus_map(
-            gap_m=shape.gap_m, thickness_m=shape.thickness_m, n_glass=shape.n_glass, n_water=shape.n_water
-        )
+        return port.flat_focus_map(**shape.plates)
     build = port.paper_dome_focus_map if scene.paper else port.dome_focus_map
     return build(
         outer_radius_m=shape.outer_radius_m,

@@ -364,12 +364,5 @@ def floor_area_ratio(tan_along: Array, tan_across: Array, *, shape: PortShape, r
     if shape.is_dome:
         return np.full(np.broadcast(tan_along, tan_across).shape, (range_m + shape.outer_radius_m) ** 2)
     radius = np.hypot(tan_along, tan_across)
-    steep = port.flat_floor_derivative(
-        radius,
-        gap_m=shape.gap_m,
-        thickness_m=shape.thickness_m,
-        n_glass=shape.n_glass,
-        n_water=shape.n_water,
-        range_m=range_m,
-    )
+    steep = port.flat_floor_derivative(radius, **shape.plates, range_m=range_m)
     return np.asarray(flat_slope_m(radius, shape=shape, range_m=range_m) * steep)

@@ -41,6 +41,11 @@ class PortShape(NamedTuple):
     window_angle: bool = False  # count that a flat window passes less off its axis
     slope: float = 0.0  # of the plane z = d + slope x that is looked at, tan of the pitch; 0: square to the axis
 
+    @property
+    def plates(self) -> dict[str, Any]:
+        """What a ray goes through behind a flat port, as the formulas of `port` take it."""
+        return dict(gap_m=self.gap_m, thickness_m=self.thickness_m, n_glass=self.n_glass, n_water=self.n_water)
+
     def take(self, rows: Array | slice) -> PortShape:
         """The ports of some of the images."""
         return self._with_columns(lambda column: column[rows])
@@ -243,15 +248,7 @@ def levelled(lamps: Lamps, slope: float, range_m: float) -> tuple[Lamps, float]:
 def flat_slope_m(tan_air: Array, *, shape: PortShape, range_m: float | Array) -> Array:
     """Floor distance over tangent in air, behind a flat port; finite on the axis."""
     safe = np.maximum(tan_air, 1e-9)
-    distance = port.flat_floor_distance_m(
-        safe,
-        gap_m=shape.gap_m,
-        thickness_m=shape.thickness_m,
-        n_glass=shape.n_glass,
-        n_water=shape.n_water,
-        range_m=range_m,
-    )
-    return np.asarray(distance / safe)
+    return np.asarray(port.flat_floor_distance_m(safe, **shape.plates, range_m=range_m) / safe)
 
 
 def lamp_light(

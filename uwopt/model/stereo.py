@@ -35,12 +35,9 @@ def ray_in_plane(tan_air: Array, *, shape: PortShape) -> tuple[Any, Any, Any, An
     """
     if shape.is_dome:
         return tan_air * shape.outer_radius_m, tan_air, shape.outer_radius_m, 1.0
-    window = dict(gap_m=shape.gap_m, thickness_m=shape.thickness_m, n_glass=shape.n_glass, n_water=shape.n_water)
-    start, start_rise = (  # at the face; what a metre of water adds is the difference
-        at(tan_air, range_m=0.0, **window) for at in (port.flat_floor_distance_m, port.flat_floor_derivative)
-    )
-    end, end_rise = (
-        at(tan_air, range_m=1.0, **window) for at in (port.flat_floor_distance_m, port.flat_floor_derivative)
+    (start, end), (start_rise, end_rise) = (  # at the face; what a metre of water adds is the difference
+        [at(tan_air, range_m=range_m, **shape.plates) for range_m in (0.0, 1.0)]
+        for at in (port.flat_floor_distance_m, port.flat_floor_derivative)
     )
     return start, end - start, start_rise, end_rise - start_rise
 

@@ -302,10 +302,7 @@ def crowding_of(
     if shape.is_dome:
         return np.ones(len(tan_along))
     corner = np.hypot(tan_along, tan_across)
-    steep = flat_floor_derivative(
-        corner, gap_m=shape.gap_m, thickness_m=shape.thickness_m, n_glass=shape.n_glass, n_water=shape.n_water,
-        range_m=range_m,
-    )  # fmt: skip
+    steep = flat_floor_derivative(corner, **shape.plates, range_m=range_m)
     spread = flat_slope_m(corner, shape=shape, range_m=range_m) * steep
     return np.asarray(along_m * across_m / (tan_along * tan_across * spread))
 

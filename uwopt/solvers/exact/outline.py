@@ -122,9 +122,8 @@ class Level:
         columns = {name: np.empty((n, 3) if name in WIDE else n) for name in (*WIDE, *NARROW)}
         for mine, shape in port_shapes(ports, rows.group, scene):
             some = rows.take(mine)
-            cameras, lenses = self.problem.cameras.take(some.camera), every_lens.take(some.lens)
-            along, across, focal = field_of_view(scene, cameras, lenses, shape, some.landscape)
-            altitudes, pitch = altitudes_m(scene), cameras.pixel_pitch_m
+            along, across, focal, pitch = self.seen(scene, some, shape, every_lens)
+            altitudes = altitudes_m(scene)
             seen = footprints(scene, shape, along, across, pitch, focal, altitudes)
             if scene.slope:  # places of the least and most pixels differ from port to port
                 most_m = most_oblique_pixels_m(along[:, None], most=shape.over(1), range_m=altitudes)
@@ -147,10 +146,7 @@ class Level:
         scene, gsd_m = self.problem.scenes[index], np.empty((len(rows), 3))
         altitudes = altitudes_m(scene)
         for mine, shape in port_shapes(self.groups.least, rows.group, scene):
-            some = rows.take(mine)
-            cameras, lenses = self.problem.cameras.take(some.camera), self.problem.lenses.take(some.lens)
-            along, _, focal = field_of_view(scene, cameras, lenses, shape, some.landscape)
-            pitch = cameras.pixel_pitch_m
+            along, _, focal, pitch = self.seen(scene, rows.take(mine), shape)
             if scene.slope:
                 least_m = least_oblique_pixel_m(along[:, None], least=shape.over(1), range_m=altitudes)
                 gsd_m[mine] = (pitch / focal)[:, None] * least_m
@@ -172,13 +168,20 @@ class Level:
         for (mine, least), (_, most) in zip(*both, strict=True):
             yield mine, least, most
 
+    def seen(
+        self, scene: SceneOptics, rows: OutlineRows, shape: PortShape, every_lens: Lenses | None = None
+    ) -> tuple[Array, Array, Array, Array]:
+        """Tangents in air of the half angles of view along and across the motion, focal length and pixel pitch; of the
+        longest lenses by default."""
+        cameras = self.problem.cameras.take(rows.camera)
+        lenses = (self.problem.lenses if every_lens is None else every_lens).take(rows.lens)
+        return *field_of_view(scene, cameras, lenses, shape, rows.landscape), cameras.pixel_pitch_m
+
     def tangents(
         self, scene: SceneOptics, rows: OutlineRows, shape: PortShape, every_lens: Lenses | None = None
     ) -> tuple[Array, Array]:
-        """Tangents in air of the half angles of view along and across the motion; of the longest lenses by default."""
-        cameras = self.problem.cameras.take(rows.camera)
-        lenses = (self.problem.lenses if every_lens is None else every_lens).take(rows.lens)
-        return field_of_view(scene, cameras, lenses, shape, rows.landscape)[:2]
+        """Those tangents alone."""
+        return self.seen(scene, rows, shape, every_lens)[:2]
 
     # ------------------------------------------------------------ rules and columns
 
@@ -268,14 +271,12 @@ class Level:
         """No image measures a distance better by a pair with parallel axes, (n,)."""
         range_m, error_m = float(scene.range_m[-1]), np.empty(len(rows))
         for mine, shape in port_shapes(self.groups.least, rows.group, scene):
-            some = rows.take(mine)
-            cameras, lenses = self.problem.cameras.take(some.camera), self.problem.lenses.take(some.lens)
-            _, across, focal = field_of_view(scene, cameras, lenses, shape, some.landscape)
+            _, across, focal, pitch = self.seen(scene, rows.take(mine), shape)
             at = PAPER_PORT if scene.paper else shape
             square = np.square(range_m + at.outer_radius_m)
             if not at.is_dome:
                 square = range_m**2 * scene.n_water**2 * ray_spread(np.square(across), at)[1] ** 3
-            disparity_m = scene.view.requirements.disparity_error_px * cameras.pixel_pitch_m
+            disparity_m = scene.view.requirements.disparity_error_px * pitch
             error_m[mine] = disparity_m / focal * square / baseline_m
         return error_m
 

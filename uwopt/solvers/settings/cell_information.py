@@ -329,15 +329,20 @@ class Information:
     def _transfer(self, nodes: Nodes, image: Image) -> tuple[Array, Array, Array, Array, Array]:
         """Transfer of the lens by radius with the slopes in ln N of the pupil's and of the other factors; that of
         motion by node and its slope in ln blur."""
-        sharp, d, radius = self.sharp, image.design, nodes.radius_cyc_per_px
-        cycle = image.working * sharp.wavelength_nm[d] * 1e-9 / sharp.pixel_pitch_m[d]
-        pupil, by_pupil = pupil_and_slope(cycle[:, None] * radius)
-        disc = sharp.rms_disc_px[d, 1] / image.f_number
-        defocus, by_disc = jinc_and_slope(disc[:, None] * radius)
-        lens, by_lens = log_lens(sharp, d, image.f_number, radius)
+        radius = nodes.radius_cyc_per_px
+        cycle, disc = self._round_px(image)
+        pupil, by_pupil = pupil_and_slope(cycle * radius)
+        defocus, by_disc = jinc_and_slope(disc * radius)
+        lens, by_lens = log_lens(self.sharp, image.design, image.f_number, radius)
         still = pupil * defocus * np.exp(lens)
         moving, by_blur = sinc_and_slope(image.blur_px[:, None] * self._moving(nodes))
         return still, by_pupil, -by_disc - by_lens, moving, by_blur
+
+    def _round_px(self, image: Image) -> tuple[Array, Array]:
+        """The finest cycle that the pupil passes, and the disc of defocus, (m, 1)."""
+        sharp, d = self.sharp, image.design
+        cycle = image.working * sharp.wavelength_nm[d] * 1e-9 / sharp.pixel_pitch_m[d]
+        return cycle[:, None], (sharp.rms_disc_px[d, 1] / image.f_number)[:, None]
 
     def _moving(self, nodes: Nodes) -> Array:
         """Along part of the folds that motion tells apart."""
@@ -345,11 +350,9 @@ class Information:
 
     def _seen(self, nodes: Nodes, image: Image) -> tuple[Array, Array]:
         """The transfers of `_transfer` without their slopes."""
-        sharp, d, radius = self.sharp, image.design, nodes.radius_cyc_per_px
-        cycle = image.working * sharp.wavelength_nm[d] * 1e-9 / sharp.pixel_pitch_m[d]
-        disc = sharp.rms_disc_px[d, 1] / image.f_number
-        pitch = sharp.lens_pitch_px("rms", f_number=image.f_number, rows=d)
-        still = diffraction_mtf(radius, cycle_px=cycle[:, None]) * defocus_mtf(radius, disc_px=disc[:, None])
+        radius, (cycle, disc) = nodes.radius_cyc_per_px, self._round_px(image)
+        pitch = self.sharp.lens_pitch_px("rms", f_number=image.f_number, rows=image.design)
+        still = diffraction_mtf(radius, cycle_px=cycle) * defocus_mtf(radius, disc_px=disc)
         still *= lens_mtf(radius, lens_pitch_px=pitch[:, None])
         return still, sinc_mtf(self._moving(nodes), width_px=image.blur_px[:, None])
 
