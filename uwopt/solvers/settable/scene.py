@@ -184,8 +184,9 @@ class SettableScene:
         for _ in range(ROUNDS):
             self.deadline.check()
             steps = spread_steps(low, high)
-            row = np.repeat(np.arange(count), TIMES)
-            best = self._with_gains(f_number[row], steps.ravel(), level[row], extra_s[row], row, best)
+            new = steps if best is None else steps[:, 1:-1]  # the ends were not the best of the last
+            row = np.repeat(np.arange(count), new.shape[1])
+            best = self._with_gains(f_number[row], new.ravel(), level[row], extra_s[row], row, best)
             at = np.abs(steps - self._steps_of(best)[:, None]).argmin(axis=1)
             every = np.arange(count)
             if (high - low < TIMES).all():
