@@ -17,6 +17,7 @@ from thorough import THOROUGH
 
 import uwopt
 from uwopt.api import certainty, counting
+from uwopt.api.doubting import second_opinions
 from uwopt.api.watch import Watch
 from uwopt.cli.status import result_status
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError, effort_s, unheard
@@ -353,3 +354,16 @@ def test_the_surest_of_what_is_sold_is_the_same_whoever_looks_for_it(monkeypatch
     ]
     for here, there in zip(one.tried, other.tried, strict=True):
         np.testing.assert_array_equal(here.outcomes.value, there.outcomes.value)
+
+
+def test_second_opinions_are_of_what_holds_as_its_iris_and_focus_stand() -> None:
+    """They were of another row of the search by central numbers: "infeasible", or better by a third."""
+    wanted = load_mission(TANK)
+    catalog = wanted.to_dict()["catalog"] | FEW
+    wanted = wanted.with_changes(catalog=catalog, doubt={"scenarios": 32}, confidence=0.5)
+    sought = seek(wanted, load_catalog(wanted), goal_of(wanted), generic="never", top=2)
+    made = certainty.with_confidence(sought, None, Watch())
+    assert made.choice is not None and made.design.objective_value is not None
+    (said,) = second_opinions(made.sought, "exact", NEVER, made.choice)
+    assert said.agrees and said.hardware == made.design.hardware.ids
+    assert said.objective_value == pytest.approx(made.design.objective_value, rel=1e-4)

@@ -11,7 +11,7 @@ import pytest
 from uwopt.api.evaluating import evaluate
 from uwopt.api.risks import risks_of
 from uwopt.results.basis import Assumption, Risk
-from uwopt.results.design import AS_CENTRAL, BillRow, Design, Margin, Note, SceneResult
+from uwopt.results.design import AS_CENTRAL, PRACTICE_MISSED, BillRow, Design, Margin, Note, SceneResult
 from uwopt.results.result import Result
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
@@ -124,6 +124,15 @@ def test_what_rounding_leaves_is_told_as_nothing(calm: Result) -> None:
     hair = replace(margin("dof_near_m", 0.65 + 2e-16, 0.65, "<=", "m"), satisfied=True)
     risk = only(with_margin(calm, hair))
     assert risk.figure == "sharp from 0.650 m, the nearest floor at 0.650 m: 0 m in hand"
+
+
+def test_what_only_good_practice_misses_is_not_told_as_asked_for(calm: Result) -> None:
+    """A swath of 1.25 m, where 1.2 m were asked and 1.32 m with the reserve, was "not as asked for"."""
+    noted = replace(calm, warnings=[Note(PRACTICE_MISSED, "practice", "what is missed is good practice")])
+    risk = only(with_margin(noted, margin("max_blur_px", 2.0, 1.0, "<=", "px")))
+    assert (risk.what, risk.because) == (
+        "motion blur is not as good practice asks", "what the mission itself says is met",
+    )  # fmt: skip
 
 
 def test_missed_requirement_has_value_and_limit(calm: Result) -> None:

@@ -282,6 +282,47 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/solvers/test_robustness.py::test_every_doubtful_number_of_a_lens_has_its_unit",
     ),
     Defect(
+        name="the second opinion is of another row than what holds", file="uwopt/api/doubting.py",
+        old="    if choice is not None:\n        first =", new="    if False:\n        first =",
+        test="tests/api/test_confidence.py::test_second_opinions_are_of_what_holds_as_its_iris_and_focus_stand",
+    ),
+    Defect(
+        name="a knee counts another system's price", file="uwopt/solvers/explain/knee.py",
+        old="imagers_in(problem, [own]).limit_cost[0]", new="sought.search.imagers.limit_cost[found.imager]",
+        test="tests/solvers/test_best_image.py::test_what_holds_in_the_doubt_counts_its_own_price_against_a_limit",
+    ),
+    Defect(
+        name="a second opinion that differs gives no reason", file="uwopt/report/text/doubts.py",
+        old=' if item.method == "bonmin" or not item.agrees)', new=' if item.method == "bonmin")',
+        test="tests/report/test_tables.py::test_a_second_opinion_that_does_not_agree_says_why",
+    ),
+    Defect(
+        name="nobody says why stages add up to more", file="uwopt/report/text/words.py",
+        old="> TOGETHER * total", new="> 9.0 * total",
+        test="tests/report/test_words.py::test_stages_that_add_up_to_more_than_the_whole_say_why",
+    ),
+    Defect(
+        name="what good practice misses is told as asked for", file="uwopt/api/risks.py",
+        old='by, because = "good practice asks"', new='_, because = "good practice asks"',
+        test="tests/api/test_risks.py::test_what_only_good_practice_misses_is_not_told_as_asked_for",
+    ),
+    Defect(
+        name="what to measure is told by its name", file="uwopt/report/text/certainty.py",
+        old="return UNCERTAIN.get(what, formats.one_line(what))", new="return formats.one_line(what)",
+        test="tests/report/test_certainty.py::test_what_is_to_be_measured_is_told_so_that_a_person_can[altitude beyond "
+        "its band-Measure how far the vehicle leaves its band of altitudes]",
+    ),
+    Defect(
+        name="rounding that costs nothing changes the objective", file="uwopt/report/text/tables.py",
+        old="if moved == formats.change(0.0", new="if moved == formats.change(1.0",
+        test="tests/report/test_tables.py::test_rounding_that_changes_nothing_is_told_so",
+    ),
+    Defect(
+        name="an effect of 320 % is a power of ten", file="uwopt/report/text/doubts.py",
+        old="{format_number(100 * item.bound, 2)} %", new="{100 * item.bound:.2g} %",
+        test="tests/report/test_tables.py::test_an_effect_of_several_hundred_per_cent_is_no_power_of_ten",
+    ),
+    Defect(
         name="rounding that makes worse is told as better", file="uwopt/report/text/doubts.py",
         old="better = (shown > exact) ==", new="better = (shown > exact) !=",
         test="tests/report/test_tables.py::test_what_rounding_costs_stands_beside_the_bound_with_its_reason",

@@ -8,12 +8,12 @@ from typing import Any
 
 import pytest
 
-from uwopt.report.text.certainty import certainty_block, decides_text, surer_block
+from uwopt.report.text.certainty import asked_text, certainty_block, decides_text, surer_block
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.doubts import robustness_block
 from uwopt.report.text.layout import Block
 from uwopt.report.text.short import full_text_blocks, short_text_blocks
-from uwopt.results.certainty import Decides
+from uwopt.results.certainty import Decides, WorthKnowing
 from uwopt.results.result import Result
 
 COUNTED = {
@@ -29,6 +29,14 @@ def text_of(some: Block) -> str:
     stream = io.StringIO()
     print_blocks([some], stream)
     return " ".join(stream.getvalue().split())
+
+
+@pytest.mark.parametrize(("name", "told"), [
+    ("altitude beyond its band", "Measure how far the vehicle leaves its band of altitudes"),
+    ("clarity of the water", "Measure clarity of the water"),
+])  # fmt: skip
+def test_what_is_to_be_measured_is_told_so_that_a_person_can(name: str, told: str) -> None:
+    assert asked_text(WorthKnowing(name, "", 71.0)) == told
 
 
 def test_what_is_best_by_central_numbers_stands_beside_what_is_recommended(make_result: Callable[..., Result]) -> None:

@@ -15,6 +15,7 @@ from uwopt.report.page.page import report_html
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.short import full_text_blocks
 from uwopt.report.text.tables import shown_settings
+from uwopt.results.basis import UsedEffect
 from uwopt.results.result import Result
 
 Make = Callable[..., Any]
@@ -96,8 +97,6 @@ def test_missed_requirement_is_marked_and_counted(
 
 
 def test_settings_to_set_that_miss_a_requirement_are_not_shown(make_result: Make, make_design: Make) -> None:
-    from dataclasses import replace
-
     best = replace(
         make_design(), rounded={"feasible": False, "objective_value": 41.0, "missed": ["max_blur_px"]}
     )
@@ -120,8 +119,6 @@ def test_certificate_adds_up_in_words(make_result: Make) -> None:
 
 
 def test_account_that_does_not_add_up_is_told(make_result: Make) -> None:
-    from dataclasses import replace
-
     broken = replace(make_result().certificate, evaluated=99)
     assert "DOES NOT ADD UP" in text_of(make_result(certificate=broken))
 
@@ -252,8 +249,6 @@ def test_narrow_encodings_get_plain_signs(make_result: Make, encoding: str) -> N
 def test_missed_requirement_without_a_number_is_told(
     make_result: Make, make_design: Make, make_scene: Make, make_margin: Make
 ) -> None:
-    from dataclasses import replace
-
     unknown = replace(
         make_margin("min_contrast", 0.0, 0.3, ">=", "", satisfied=False), value=None, margin=None
     )
@@ -305,3 +300,28 @@ def test_what_rounding_costs_stands_beside_the_bound_with_its_reason(make_result
     for same in (None, better | {"objective_value": 40.0}, better | {"feasible": False}):
         told = flat(text_of(make_result(recommendation=replace(make_design(), rounded=same))))
         assert "than with exact settings" not in told
+
+
+def test_a_second_opinion_that_does_not_agree_says_why(make_result: Make) -> None:
+    """It said "infeasible", and nothing else."""
+    made = make_result()
+    said = replace(made.solvers[0], agrees=False, status="infeasible", message="in scene 1 all settings are too dark")
+    text = flat(text_of(make_result(solvers=[said, replace(made.solvers[0], message="IPOPT: done")])))
+    assert "finds no settings that fit" in text and "in scene 1 all settings are too dark" in text
+    assert "IPOPT: done" not in text
+
+
+def test_rounding_that_changes_nothing_is_told_so(make_result: Make) -> None:
+    """It said of a cost "becomes 1 500 to 5 100 USD (0 USD)"."""
+    made = make_result()
+    design = made.recommendation
+    same = replace(design.rounded, objective_value=design.objective_value)
+    text = flat(text_of(make_result(recommendation=replace(design, rounded=same))))
+    assert "the objective stays " in text and "the objective becomes" not in text
+
+
+def test_an_effect_of_several_hundred_per_cent_is_no_power_of_ten(make_result: Make) -> None:
+    physics = make_result().physics
+    effect = UsedEffect("multiple_scattering", 3.2, kept=True, time_saved_s=0.0)
+    text = flat(text_of(make_result(physics=replace(physics, effects=[effect]))))
+    assert "multiple scattering: changes a requirement by up to 320 %" in text

@@ -185,6 +185,11 @@ def test_run_time_lists_steps_but_not_their_parts() -> None:
     assert text == "0.400 s (search 0.30 s, evaluation 0.10 s)"
 
 
+def test_stages_that_add_up_to_more_than_the_whole_say_why() -> None:
+    text = words.run_time_sentence({"ranges": 5.0, "robustness": 6.0, "total": 8.0})
+    assert text == "8.00 s (ranges 5.0 s, robustness 6.0 s; some of these ran side by side, so they add up to more)"
+
+
 def test_lamps_in_rows_are_told_by_their_sides_and_steps() -> None:
     places = [(-0.1, 0.5), (-0.05, -0.5), (0.0, 0.5), (0.05, -0.5), (0.1, 0.5)]
     rows = [words.LampPlace(x, y, 0.0, 0.0, 10.0) for x, y in places]

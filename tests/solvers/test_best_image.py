@@ -199,3 +199,11 @@ def test_what_more_buys_is_the_best_within_it(name: str, monkeypatch: pytest.Mon
         assert drawn_gain - 1e-3 <= item.gain <= drawn_gain + 0.25
         assert bool(item.hardware) == (item.gain > 0.0)
     assert max(item.gain for item in told.bought) > 0.0
+
+
+def test_what_holds_in_the_doubt_counts_its_own_price_against_a_limit() -> None:
+    """It has its place in no table of the search by central numbers, and took the price of what stands there."""
+    search, outcome = catalogue(wanted(next(iter(GAINS)))).solve(top=1)
+    found, sought = outcome.best[0], Sought(None, search.problem, search, outcome)  # type: ignore[arg-type]
+    elsewhere = replace(found, imager=(found.imager + 1) % len(search.imagers))
+    assert knee.limit_cost_of(sought, elsewhere) == pytest.approx(found.cost)  # every price is known

@@ -135,8 +135,8 @@ def costed(
     sought, watch = chosen.sought, Watch()
 
     def asked(limit: Deadline) -> list[Opinion]:
-        none = list[Opinion]()
-        return watch.until(limit).within("second_opinion", partial(second_opinions, sought, wanted.solver), none)
+        ask = partial(second_opinions, sought, wanted.solver, choice=chosen.choice)
+        return watch.until(limit).within("second_opinion", ask, list[Opinion]())
 
     opinions, costs = made.solvers, made.prices
     if wanted.doubts:
@@ -205,20 +205,31 @@ def beside_it(made: Result, sought: Sought, deadline: Deadline) -> list[Any]:
     return beside_best(sought.selection, sought.search, sought.goal, made.recommendation, deadline, least)
 
 
-def second_opinions(sought: Sought, solver: str, deadline: Deadline) -> list[Opinion]:
-    """The winner's settings solved again by continuous solvers, compared by objective."""
+def second_opinions(
+    sought: Sought, solver: str, deadline: Deadline, choice: Certain | None = None
+) -> list[Opinion]:
+    """The winner's settings solved again by continuous solvers, compared by objective.
+
+    choice : of hardware that holds in the doubt: its iris and its focus stand where the scenarios want them
+    """
     from uwopt.solvers.continuous import opinions
     from uwopt.solvers.continuous.solve_settings import ALGORITHMS
 
+    best, *others = sought.outcome.best
+    first: Sought | None = sought
+    if choice is not None:
+        first = opinions.alone(sought, best, choice.best.f_number, choice.best.outcomes.meant_m)
+    if first is None:
+        return []
     if solver == "bonmin":
-        return [opinions.mixed_opinion(sought, max_seconds=min(opinions.BONMIN_S, deadline.left_s))]
+        return [opinions.mixed_opinion(first, max_seconds=min(opinions.BONMIN_S, deadline.left_s))]
     methods = ALGORITHMS if solver == "nlopt" else ("casadi",)
     if not opinions.smooth(sought):
-        return opinions.aperture_opinions(sought, sought.outcome.best[0])
-    few = sought.outcome.best[:1] if solver == "exact" else sought.outcome.best
+        return opinions.aperture_opinions(sought, best) if choice is None else []
+    few = [(first, first.outcome.best[0]), *((sought, other) for other in others if solver != "exact")]
     made = []
-    for found in few:
+    for of, found in few:
         for method in methods:
             deadline.check()
-            made.append(opinions.opinion(sought, found, method, deadline))
+            made.append(opinions.opinion(of, found, method, deadline))
     return made

@@ -103,8 +103,11 @@ def risks_of(result: Result) -> list[Risk]:
 
 def missed(result: Result, design: Design) -> Weighed:
     """Requirements that fail as it stands."""
+    by, because = "asked for", "the requirement is missed"
+    if any(note.code == PRACTICE_MISSED for note in result.warnings):
+        by, because = "good practice asks", "what the mission itself says is met"
     for name, margin in {asked_name(m): m for m in margins(design) if not m.satisfied}.items():
-        yield 100.0, Risk(f"{name} is not as asked for", "the requirement is missed", missed_figure(margin))
+        yield 100.0, Risk(f"{name} is not as {by}", because, missed_figure(margin))
 
 
 def uncertain(result: Result, design: Design) -> Weighed:

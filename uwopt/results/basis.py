@@ -25,7 +25,9 @@ class Opinion(Record):
 
     method: str = Field(description="solver, or algorithm of NLopt")
     hardware: list[str] = Field(default_factory=list, description="camera, lens, port and light by id")
-    status: str = Field(default="not applicable", description="optimal | feasible | failed | not applicable")
+    status: str = Field(
+        default="not applicable", description="optimal | feasible | infeasible | failed | not applicable"
+    )
     objective_value: Number | None = Field(default=None, description="of the settings that it found")
     difference_rel: Number | None = Field(default=None, description="from the search's value, a share")
     agrees: Flag = Field(default=False, description="whether that is no more than rounding")

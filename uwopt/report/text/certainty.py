@@ -21,6 +21,12 @@ LOST_TO = {
     "housing": "camera and lens do not fit into the housing",
     "focus": "the lens does not focus behind this port",
 }
+#: What is uncertain, where its name in a result says little to who has to measure it.
+UNCERTAIN = {
+    "altitude beyond its band": "how far the vehicle leaves its band of altitudes",
+    "K of the lamps' way": "how much lamp light the water takes on its way to the floor",
+    "distance at which the lens stands": "how well the distance is met to which the lens is focused",
+}
 TAKEN_OFF = ", its power and price taken off"
 SAME_PARTS = "the same parts"
 EVERY_END = "at every end of what is uncertain"
@@ -203,7 +209,12 @@ def asked_text(one: WorthKnowing) -> str:
         field = formats.one_line(number_name(one.what.partition(".")[2]))
         return f"Ask for {field} of {formats.one_line(one.part, 60)}"
     verb = "Find out" if one.what.startswith("which") else "Measure"
-    return f"{verb} {formats.one_line(one.what)}"
+    return f"{verb} {uncertain(one.what)}"
+
+
+def uncertain(what: str) -> str:
+    """What is uncertain of water, floor and vehicle, in words."""
+    return UNCERTAIN.get(what, formats.one_line(what))
 
 
 
@@ -256,7 +267,7 @@ def decides_text(one: Decides) -> str:
     if one.what.startswith("which"):
         both = f"in {percent(one.held_low)} by the one taken here, in {percent(one.held_high)} by the other"
         return f"It depends on {formats.one_line(one.what)}: holds {both}. Measure the water (scene.c_per_m)."
-    what = formats.one_line(one.what)
+    what = uncertain(one.what)
     if one.part:
         what = f"{formats.one_line(number_name(one.what.partition('.')[2]))} of {formats.one_line(one.part, 60)}"
     both = f"in {percent(one.held_low)} where it is low, in {percent(one.held_high)} where it is high"

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 from uwopt.report.text import formats, words
 from uwopt.report.text.layout import Block, Line, Text, block, columns, fact_lines, sentence
-from uwopt.results.basis import Assumption
+from uwopt.results.basis import Assumption, Opinion
 from uwopt.results.certainty import Confidence
 from uwopt.results.result import Certificate, Result
-from uwopt.units import format_within, split_unit
+from uwopt.units import format_number, format_within, split_unit
 
 if TYPE_CHECKING:
     from uwopt.results.front import FrontResult
@@ -148,7 +148,7 @@ def effect_lines(result: Result | FrontResult) -> list[str]:
         elif item.bound == 0.0:
             size = "not in this scene"
         else:
-            size = f"changes a requirement by up to {100 * item.bound:.2g} %"
+            size = f"changes a requirement by up to {format_number(100 * item.bound, 2)} %"
         saved = f", about {item.time_saved_s:.2g} s saved" if item.time_saved_s else ""
         name = formats.one_line(item.name).replace("_", " ")
         shown.append(f"- {name}: {size}; {'kept' if item.kept else 'left out'}{saved}")
@@ -286,13 +286,28 @@ def second_opinion_block(result: Result) -> Block:
                 Text(whose(result, item.hardware)),
                 Text(words.objective_text(result, item.objective_value)),
                 Text(formats.quantity(None) if off is None else formats.share(off)),
-                Text("agrees" if item.agrees else formats.one_line(item.status), "" if item.agrees else "yellow"),
+                Text(*opinion_verdict(item)),
             )  # fmt: skip
         lines += [sentence("The settings solved again by other means:"), table]
-        lines += [sentence(formats.one_line(item.message)) for item in result.solvers if item.method == "bonmin"]
+        why = dict.fromkeys(item.message for item in result.solvers if item.method == "bonmin" or not item.agrees)
+        lines += [sentence(formats.one_line(text)) for text in why if text]
     if result.audit:
         lines.append(audit_sentence(result.audit))
     return block("Second opinions", lines)
+
+
+#: What another solver says where it does not agree, by its status.
+DISAGREES = {
+    "optimal": "has another optimum", "feasible": "settings that fit, not shown to be best",
+    "infeasible": "finds no settings that fit", "failed": "came to no end",
+}  # fmt: skip
+
+
+def opinion_verdict(item: Opinion) -> tuple[str, str]:
+    """Whether another solver agrees, or what it says instead, and the style of that."""
+    if item.agrees:
+        return "agrees", ""
+    return DISAGREES.get(item.status, formats.one_line(item.status)), "yellow"
 
 
 def whose(result: Result, hardware: list[str]) -> str:

@@ -187,14 +187,12 @@ def rounding_lines(result: Result | FrontResult, design: Design) -> list[Line]:
     value, exact = rounded.objective_value, design.objective_value
     if value is None or exact is None or not isinstance(result, Result):
         return [sentence("Rounded as shown and checked again: every requirement still holds.")]
-    unit = result.objective.unit
-    moved = formats.change(value - exact, unit, exact)
-    return [
-        sentence(
-            f"Rounded as shown and checked again: every requirement still holds; the objective becomes "
-            f"{words.value_text(result, design, value)} ({moved})."
-        )
-    ]
+    held = "Rounded as shown and checked again: every requirement still holds"
+    moved = formats.change(value - exact, result.objective.unit, exact)
+    told = words.value_text(result, design, value)
+    if moved == formats.change(0.0, result.objective.unit, exact):
+        return [sentence(f"{held}; the objective stays {told}.")]
+    return [sentence(f"{held}; the objective becomes {told} ({moved}).")]
 
 
 def margin_blocks(design: Design) -> Iterator[Block]:

@@ -86,6 +86,7 @@ def part_id(part: UsedPart) -> str:
 
 
 SAME_HARDWARE = "the same hardware, other settings"
+TOGETHER = 1.01  # times as long as all took, from which stages must have run side by side
 WORTH_TELLING = 0.01  # of a price: less is no reason to choose
 
 
@@ -354,12 +355,14 @@ def account_sentence(certificate: Certificate) -> str:
 
 
 def run_time_sentence(timing_s: Mapping[str, float]) -> str:
-    """`0.43 s (search 0.30 s, report 0.13 s)`."""
+    """`0.43 s (search 0.30 s, report 0.13 s)`, and why these add up to more where some ran side by side."""
     steps = {name: value for name, value in timing_s.items() if name not in ("total", *PARTS_OF_THE_SEARCH)}
     total = timing_s.get("total", sum(steps.values()))
     listed = ", ".join(
         f"{one_line(name.replace('_', ' '))} {quantity(value, 's', 2)}" for name, value in steps.items()
     )
+    if sum(steps.values()) > TOGETHER * total:
+        listed += "; some of these ran side by side, so they add up to more"
     return quantity(total, "s", 3) + (f" ({listed})" if listed and len(steps) > 1 else "")
 
 

@@ -8,14 +8,15 @@ from dataclasses import replace
 import numpy as np
 
 from uwopt.deadline import Deadline
-from uwopt.forward.problem import Problem
+from uwopt.forward.problem import MeantFocus, Problem
 from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Opinion
 from uwopt.solvers.continuous.pieces import SmoothDesign
 from uwopt.solvers.continuous.solve_settings import FEASIBLE, solve_settings
-from uwopt.solvers.exact.imager_rules import limit
+from uwopt.solvers.exact.imager_rules import Behind, limit
+from uwopt.solvers.exact.imagers import imagers_in
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.one_hardware import parts_of
+from uwopt.solvers.one_hardware import parts_of, problem_of
 from uwopt.solvers.recommend import Sought, scene_rows_of
 from uwopt.solvers.settings.best import scenes_need_cells
 from uwopt.solvers.settings.closed_form import Chosen
@@ -71,6 +72,27 @@ def aperture_opinions(sought: Sought, found: Found) -> list[Opinion]:
                 f"has {word['searched_f_number']:.4g}",
             ))  # fmt: skip
     return made
+
+
+def alone(
+    sought: Sought, found: Found, f_number: float | None, meant_m: MeantFocus | float | None
+) -> Sought | None:
+    """A search of one hardware whose iris and focus stand where scenarios want them; None where nothing fits so.
+
+    What is recommended for those has its place in no table of the search by central numbers: it was found beside them,
+    with an iris that does not give way.
+
+    f_number : None: it is free
+    meant_m : as `Problem.focused_on` takes it
+    """
+    problem, only = problem_of(sought.problem, found).focused_on(meant_m), np.array([0])
+    if f_number is not None:
+        problem = problem.at_f_number(f_number)
+    imagers = imagers_in(problem, [Behind(only, only, only, found.landscape)])
+    if not len(imagers):
+        return None
+    made = Sought.of(sought.selection, problem, sought.goal, whole=True, imagers=imagers)
+    return made if made.outcome.best else None
 
 
 def opinion(sought: Sought, found: Found, method: str, deadline: Deadline) -> Opinion:

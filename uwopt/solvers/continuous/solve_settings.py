@@ -158,7 +158,7 @@ def best_choice(task: Task) -> Verdict:
     options = [pieces_of(scene) for scene in task.design.scenes]
     for index, found in enumerate(options):
         if not found:
-            return Verdict("infeasible", f"scene {index}: all settings are too dark or too bright")
+            return Verdict("infeasible", f"in scene {index + 1} all settings are too dark or too bright")
     alone, spent = bounds_of_scenes(task, options)
     choices = []
     for choice in itertools.product(*(range(len(found)) for found in options)):

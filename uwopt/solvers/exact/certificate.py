@@ -84,6 +84,7 @@ def scope(problem: Problem) -> str:
     parts = problem.parts
     generic = sum(p.generic for p in all_parts(parts))
     low, high = problem.count_range
+    mounts = len(problem.mounts)
     whole = {port.complete for port in parts.ports if port.complete}
     ports = {port.id for port in parts.ports if not port.complete}
     housings = {port.housing.id for port in parts.ports if port.housing is not None and not port.complete}
@@ -93,7 +94,7 @@ def scope(problem: Problem) -> str:
         + (f"{len(whole)} complete cameras, " if whole else "")
         + f"{len(parts.lights)} lights"
         + (f" ({generic} of these parts generic)" if generic else " (real parts only)")
-        + f", {low} to {high} lights, {len(problem.mounts)} mount(s), "
+        + f", {low if low == high else f'{low} to {high}'} of them at once, in {mounts} place{'s' * (mounts != 1)}, "
         f"{' and '.join(problem.mission.vehicle.orientations)}; estimates at their central values; "
         "focus where both ends of the wanted depth are equally sharp; "
         f"physics {'paper' if problem.paper else 'full'}"
