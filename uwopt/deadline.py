@@ -24,7 +24,7 @@ Work = Literal["loss tables", "pixels", "views", "bounds", "cells", "floors"]
 #: Seconds apiece of a fast core, from `solve --confidence 0.9` of eight missions in `problems/`, told by them within a
 #: factor of 1.7; 1.8 times as long on the slower core that they were fitted on.
 COSTS_S: dict[Work, float] = {
-    "loss tables": 0.0167,  # of the water's loss on both legs, with the integrals that one serves
+    "loss tables": 0.006,  # of the water's loss on both legs, with the integrals that one serves
     "pixels": 0.03,  # of some images, that may decide
     "views": 0.0045,  # of cameras and lenses behind one port
     "bounds": 2e-7,  # one image under one kind of lamps

@@ -740,7 +740,7 @@ def test_known_hardware_is_asked_though_time_is_over(monkeypatch: Any) -> None:
 
 def shares_held(monkeypatch: pytest.MonkeyPatch, held: Any) -> Any:
     """Counts of hardware that holds in so large a share of 256 scenarios of a mission; 0.9 are asked."""
-    monkeypatch.setattr(yielding, "most_held", lambda counts, mission, known: held(mission))
+    monkeypatch.setattr(yielding, "most_held", lambda counts, mission, known, least: held(mission))
     return SimpleNamespace(seen=SimpleNamespace(share=0.9, scenarios=SimpleNamespace(count=256)))
 
 
@@ -761,9 +761,10 @@ def test_what_gave_way_so_that_anything_fits_comes_back_where_the_rest_is_enough
 def test_hardware_is_counted_once_for_each_mission_that_it_is_asked_of(monkeypatch: pytest.MonkeyPatch) -> None:
     counted: list[float] = []
 
-    def held_with(problem: Any, goal: Any, found: Any, scenarios: Any, mission: Any) -> float:
+    def held_with(problem: Any, goal: Any, found: Any, scenarios: Any, mission: Any, *, least: float) -> float:
         counted.append(mission.reserve.snr_db)
-        return 0.5 if mission.reserve.snr_db else 0.8
+        held = 0.5 if mission.reserve.snr_db else 0.8
+        return held if held >= least else 0.0
 
     monkeypatch.setattr("uwopt.solvers.confidence.deciding.set_and_held_with", held_with)
     monkeypatch.setattr("uwopt.solvers.confidence.counted.names", lambda problem, found: found)
@@ -776,3 +777,7 @@ def test_hardware_is_counted_once_for_each_mission_that_it_is_asked_of(monkeypat
         counts = cast(Any, SimpleNamespace(sought=SimpleNamespace(problem=None, goal=None), seen=seen))
         shares.append(yielding.most_held(counts, mission, known))
     assert shares == [0.5, 0.8, 0.5, 0.8] and counted == [3.0, 3.0, 0.0, 0.0]
+    assert yielding.most_held(counts, missions[0], {}, 0.5) == 0.5 and counted[4:] == [3.0]  # the first is enough
+    few: dict[Any, float] = {}
+    assert [yielding.most_held(counts, missions[0], few, 0.9) for _ in range(2)] == [0.0, 0.0] and len(counted) == 7
+    assert yielding.most_held(counts, missions[0], few) == 0.5 and len(counted) == 9  # more is asked than was before

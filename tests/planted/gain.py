@@ -214,22 +214,22 @@ DEFECTS = (
     Defect(
         name="what gave way so that anything fits is not looked at again",
         file="uwopt/api/yielding.py",
-        old="        if not patience.passed() and held(rest) >= least:",
-        new="        if False and held(rest) >= least:",
+        old="        if not patience.passed() and held(rest, least) >= least:",
+        new="        if False and held(rest, least) >= least:",
         test=f"{YIELDING}::test_what_gave_way_so_that_anything_fits_comes_back_where_the_rest_is_enough",
     ),
     Defect(
         name="what gave way so that anything fits comes back whatever holds without it",
         file="uwopt/api/yielding.py",
-        old="        if not patience.passed() and held(rest) >= least:",
+        old="        if not patience.passed() and held(rest, least) >= least:",
         new="        if not patience.passed():",
         test=f"{YIELDING}::test_what_gave_way_so_that_anything_fits_comes_back_where_the_rest_is_enough",
     ),
     Defect(
         name="hardware is counted again for a mission that it was counted for",
         file="uwopt/api/yielding.py",
-        old="        if key not in known:",
-        new="        if key:",
+        old="        if key not in known:\n",
+        new="        if key:\n",
         test=f"{YIELDING}::test_hardware_is_counted_once_for_each_mission_that_it_is_asked_of",
     ),
     Defect(

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 from itertools import product
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -18,19 +19,20 @@ from uwopt.api import counting
 from uwopt.api.certainty import as_settable, focus_to_set_m, of_known
 from uwopt.api.counting import Counts
 from uwopt.catalog.parts.quantity import Quantity
-from uwopt.deadline import NEVER, Deadline, unheard
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError, unheard
 from uwopt.forward.views import focus_map
 from uwopt.mission.doubt import Doubt
 from uwopt.model.port import lens_dioptre_per_m, water_distance_m
 from uwopt.solvers.confidence import search as search_module
 from uwopt.solvers.confidence.deciding import gained, is_no_luck, worth_of_knowing
-from uwopt.solvers.confidence.outcomes import outcomes
+from uwopt.solvers.confidence.outcomes import outcomes, outcomes_of_each
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.search import (
     Certain,
     Counted,
     at_its_stop,
     chosen,
+    count_in_time,
     imagers_of,
     judged_anew,
     look,
@@ -550,6 +552,49 @@ def test_what_was_chosen_is_kept_when_time_is_over() -> None:
     assert kept.central == certain.central and design.feasible
     record = told(sought.problem, objective, kept, sought.outcome.best[0], ends=False)
     assert not record.fresh and record.scenarios == certain.scenarios.count
+
+
+def test_where_time_is_short_hardware_is_counted_one_by_one_what_has_room_first(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """There is time for two of three, and not for all of them together."""
+    counted: list[Any] = []
+
+    def count(some: list[str], deadline: Deadline) -> None:
+        if len(some) > 1 or len(counted) == 2:
+            raise OutOfTimeError
+        counted.extend(some)
+
+    monkeypatch.setattr(search_module, "names", lambda problem, found: found)
+    seen: Any = SimpleNamespace(problem=None, count=count)
+    with pytest.raises(OutOfTimeError):
+        count_in_time(seen, cast(Any, ["central", "roomy", "brightest"]), {"central"}, NEVER)
+    assert counted == ["roomy", "brightest"]
+
+
+def test_what_there_is_no_time_for_together_is_left_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A second for the light of some images in one water, and two more over floors: one image is worked out in 2.5 s.
+
+    Of two it is known after the first floor that there is no time for both.
+    """
+    sought, now_s = sought_of(one(wanted=FAST)), [0.0]
+    (found,), lit = sought.outcome.best[:1], Together._lit
+
+    def slowly(*given: Any, **how: Any) -> Any:
+        now_s[0] += 1.0
+        return lit(*given, **how)
+
+    def counted_in_time(some: list[Any]) -> int:
+        now_s[0] = 0.0
+        scenarios = Scenarios.drawn(sought.problem.mission, sought.problem.scenes, KNOWN, seed=0, count=FEW)
+        limit = Deadline.after(2.5, lambda: now_s[0])
+        return len(outcomes_of_each(sought.problem, some, sought.search.objective, scenarios, limit))
+
+    monkeypatch.setattr(Together, "_lit", slowly)
+    assert counted_in_time([found]) == 1 and now_s == [3.0]
+    with pytest.raises(OutOfTimeError):
+        counted_in_time([found, replace(found, count=2)])
+    assert found.count == 1 and now_s == [2.0]
 
 
 @pytest.mark.parametrize(("dearest", "listed"), [(500.0, 5), (4000.0, 5), (500.0, 1)])

@@ -12,6 +12,7 @@ from test_confidence import FAST, NOTHING, between, counted, sought_of
 
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError, add_effort, effort_s
 from uwopt.mission.doubt import Doubt
+from uwopt.solvers.confidence import deciding
 from uwopt.solvers.confidence.counted import Counted
 from uwopt.solvers.confidence.deciding import (
     EASED_S,
@@ -235,7 +236,9 @@ def test_how_light_changes_is_known_by_what_is_asked_of_it() -> None:
     assert held_with(problem, goal, one_.found, afresh, mission) == one_.held
 
 
-def test_what_cannot_be_set_by_central_numbers_holds_in_no_scenario_of_a_weaker_mission() -> None:
+def test_what_cannot_be_set_by_central_numbers_holds_in_no_scenario_of_a_weaker_mission(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """0.284 images/s are asked: the first camera is as fast in most scenarios, but not by its central number."""
     slow = {"max_frame_rate_hz": between(0.2, 0.25, 0.9)}
     sought = sought_of(with_parts(one(wanted=FAST, camera=slow), cameras=[{"max_frame_rate_hz": 100.0}]))
@@ -249,3 +252,6 @@ def test_what_cannot_be_set_by_central_numbers_holds_in_no_scenario_of_a_weaker_
     }  # fmt: skip
     assert held[1] == [1.0, 1.0]
     assert held[0] == [pytest.approx((0.9 - RATE_HZ) ** 2 / (0.65 * 0.7), abs=0.01), 0.0]
+    monkeypatch.setattr(deciding, "at_its_stop", lambda *given: pytest.fail("settings were looked for"))
+    slower = replace(fast, camera=0)  # of which settings are asked only where it holds in as many
+    assert set_and_held_with(problem, goal, slower, scenarios, problem.mission, least=held[0][0] + 0.01) == 0.0

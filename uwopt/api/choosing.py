@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from uwopt.api.common import halfway
@@ -39,11 +39,12 @@ class Recommendation:
     sought: Sought  # with what is recommended at its head
     proven: Outcome  # of the search by central numbers
     design: Design
-    others: list[Design]
+    listed: Sought | None = None  # the search whose next best are listed beside it; None: none are
     made_sure: Recommended | None = None  # None: by central numbers
     given_way: tuple[Yield, ...] = ()
     to_hold: bool = False  # whether any of it did so that something holds as often as is asked
     cut: bool = False  # whether a person wants no more
+    others: list[Design] = field(default_factory=list)  # what else is listed
 
     @property
     def is_proven(self) -> bool:
@@ -83,13 +84,11 @@ def chosen_of(searched: Searched, watch: Watch, before: Counts | None = None) ->
     """
     mission, sought, given_way = searched.mission, searched.sought, searched.given_way
     deadline, cut = watch.deadline, False
-    others: list[Design] = []
     central, winner = mission.confidence == CENTRAL, None
     with watch.timed("evaluation"):
         try:
             if central or math.isfinite(deadline.end_s):  # else what is recommended is still to be counted
                 sought, winner = best_settable(sought, deadline)
-            others = others_in_time(sought, deadline)
         except KeyboardInterrupt:  # what is proven is not lost; asked again, it is
             cut, winner = True, design_of(sought, sought.outcome.best[0])
     if not cut and not central:
@@ -97,13 +96,24 @@ def chosen_of(searched: Searched, watch: Watch, before: Counts | None = None) ->
 
         try:
             sure = with_confidence(sought, winner, watch, before)
-            if sure.of_all_parts:
-                others = []
-            return Recommendation(mission, sure.sought, sure.proven, sure.design, others, sure, given_way=given_way)
+            listed = None if sure.of_all_parts else sought
+            return Recommendation(mission, sure.sought, sure.proven, sure.design, listed, sure, given_way=given_way)
         except KeyboardInterrupt:
             cut = True
     winner = winner or design_of(sought, sought.outcome.best[0])
-    return Recommendation(mission, sought, sought.outcome, winner, others, given_way=given_way, cut=cut)
+    listed = None if cut else sought
+    return Recommendation(mission, sought, sought.outcome, winner, listed, given_way=given_way, cut=cut)
+
+
+def with_others(chosen: Recommendation, watch: Watch) -> Recommendation:
+    """What is recommended with what else is listed, as far as there is time."""
+    if chosen.listed is None or chosen.cut:
+        return chosen
+    with watch.timed("evaluation"):
+        try:
+            return replace(chosen, others=others_in_time(chosen.listed, watch.deadline))
+        except KeyboardInterrupt:  # what is recommended is not lost
+            return replace(chosen, cut=True)
 
 
 def others_in_time(sought: Sought, deadline: Deadline) -> list[Design]:

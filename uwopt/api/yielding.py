@@ -43,7 +43,7 @@ SUREST = 2  # hardware of those counted, for which it is asked what would make i
 LUCK = 1.64  # standard errors: of a share that was chosen, one in twenty is as far above the truth
 MORE_SHARE = 0.25  # of what is open that is asked about first: that something fits takes a fifth of that nothing does
 TRIED_SET = 5  # of the best, of which one at least has to have settings
-KnownToHold = dict[tuple[Any, Asking], float]  # in how many scenarios hardware holds in a mission
+KnownToHold = dict[tuple[Any, ...], float]  # in how many scenarios hardware holds in a mission, 0: in less than so many
 ROOM_DB = 1.0  # of signal to noise that is left where it can be: settings come in steps, and estimates may be wrong
 
 
@@ -275,18 +275,18 @@ def fewest_to_hold(
         and with_yields(asked, _in_order(given_way, [one])).to_dict() != base.to_dict()
     )  # fmt: skip
 
-    def held(gone: Collection[Yield]) -> float:
-        return most_held(counts, with_yields(asked, gone), known)
+    def held(gone: Collection[Yield], least: float) -> float:
+        return most_held(counts, with_yields(asked, gone), known, least)
 
-    least = min(share_to_hold(counts), held(_in_order(given_way, further)))
+    least = min(share_to_hold(counts), held(_in_order(given_way, further), 0.0))
 
     def holds(more: Collection[Yield]) -> bool:
-        return not patience.passed() and held(_in_order(given_way, more)) >= least
+        return not patience.passed() and held(_in_order(given_way, more), least) >= least
 
     few = _in_order(given_way, _fewest(base, further, holds))
     for one in reversed([one for one in few if one in given_way]):
         rest = tuple(other for other in few if other is not one)
-        if not patience.passed() and held(rest) >= least:
+        if not patience.passed() and held(rest, least) >= least:
             few = rest
     return few
 
@@ -297,24 +297,29 @@ def share_to_hold(counts: Counts) -> float:
     return min(share + LUCK * math.sqrt(share * (1.0 - share) / counts.seen.scenarios.count), 1.0)
 
 
-def most_held(counts: Counts, mission: Mission, known: KnownToHold) -> float:
+def most_held(counts: Counts, mission: Mission, known: KnownToHold, least: float = 0.0) -> float:
     """In how many of the same scenarios any of the hardware that held most often holds in a mission like that.
 
     As it can be recommended: at a stop at which it fits by central numbers as well.
 
     known : what is counted so of hardware that is counted again, for the same mission
+    least : whether it does in as many is all that is asked; 0: in how many
     """
     from uwopt.solvers.confidence.counted import names
     from uwopt.solvers.confidence.deciding import set_and_held_with
 
     problem, goal, seen, most = counts.sought.problem, counts.sought.goal, counts.seen, 0.0
+    enough = least or share_to_hold(counts)
     asks = Asking.of(mission)
     for one in sorted(seen.tried, key=lambda one: one.held, reverse=True)[:SUREST]:
         key = names(problem, one.found), asks
+        if key not in known and (*key, least) in known:
+            continue
         if key not in known:
-            known[key] = set_and_held_with(problem, goal, one.found, seen.scenarios, mission)
-        most = max(most, known[key])
-        if most >= share_to_hold(counts):
+            held = set_and_held_with(problem, goal, one.found, seen.scenarios, mission, least=least)
+            known[key if held >= least else (*key, least)] = held
+        most = max(most, known.get(key, 0.0))
+        if most >= enough:
             break
     return most
 

@@ -240,12 +240,15 @@ def held_with(
 
 def set_and_held_with(
     problem: Problem, objective: Objective, found: Found, scenarios: Scenarios, mission: Mission,
-    light: dict[Any, Any] | None = None, deadline: Deadline = NEVER,
+    light: dict[Any, Any] | None = None, deadline: Deadline = NEVER, least: float = 0.0,
 ) -> float:  # fmt: skip
-    """The same at a stop at which it fits by central numbers too, as what is recommended has to; 0 where none does."""
+    """The same at a stop at which it fits by central numbers too, as what is recommended has to; 0 where none does.
+
+    least : a smaller share is told as 0
+    """
     alone, one = outcomes_with(problem, objective, found, scenarios, mission, light, deadline)
     for stop in np.argsort(-one.outcomes.held, kind="stable"):
-        if one.outcomes.held[stop] == 0.0:
+        if one.outcomes.held[stop] == 0.0 or one.outcomes.held[stop] < least:
             break
         if at_its_stop(alone, objective, replace(one, stop=int(stop))) is not None:
             return float(one.outcomes.held[stop])

@@ -92,14 +92,11 @@ class WaterResponse:
         waters: Waters, states: Sequence[WaterState], reference: Reference, count: int
     ) -> list[WaterResponse]:
         """Of so many imagers: work out the nodes that these states need."""
-        clarity = nodes_for([state.clarity for state in states])
-        leg = nodes_for([state.lamp_leg for state in states])
+        clarity, leg, places = nodes_between(states)
 
         def seen(table: bool, c: float, k: float, floor: float = 1.0) -> list[SceneRows]:
             return reference(waters.kept(WaterState(table, c, k, floor), roughly=True))
 
-        corners = list(product(SIDES, SIDES)) if len(clarity) > 1 and len(leg) > 1 else []
-        places = dict.fromkeys([*product(clarity, (0.0,)), *product((0.0,), leg), *corners])
         nodes = {
             table: {at: seen(table, *at) for at in places} for table in sorted({state.other_table for state in states})
         }
@@ -183,6 +180,21 @@ def level(rows: SceneRows, name: str, row: int) -> Array:
     seen = signal[row] ** 2 / np.maximum(signal[row] if over is None else signal[row] + over[row], TINY)
     place = min(rows.may_miss, seen.shape[1] - 1)
     return np.take_along_axis(column, np.argsort(seen, axis=1, kind="stable")[:, place, None], axis=1)
+
+
+def nodes_between(
+    states: Sequence[WaterState],
+) -> tuple[tuple[float, ...], tuple[float, ...], list[tuple[float, float]]]:
+    """Of clarity, of the lamps' way, and of both: where light is worked out for these states in each table."""
+    clarity = nodes_for([state.clarity for state in states])
+    leg = nodes_for([state.lamp_leg for state in states])
+    corners = list(product(SIDES, SIDES)) if len(clarity) > 1 and len(leg) > 1 else []
+    return clarity, leg, list(dict.fromkeys([*product(clarity, (0.0,)), *product((0.0,), leg), *corners]))
+
+
+def waters_of(states: Sequence[WaterState]) -> int:
+    """How many waters the light of an image is worked out in, one over another floor among them."""
+    return len(nodes_between(states)[2]) * len({state.other_table for state in states}) + 1
 
 
 def nodes_for(values: Sequence[float]) -> tuple[float, ...]:

@@ -8,9 +8,10 @@ then proven (`proof`), but for the sun's light and for objectives whose settings
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -105,18 +106,32 @@ def look(
         seen = Looked(problem, objective, asked, scenarios, [])
     else:
         seen = replace(before, tried=[*before.tried], complete=True, fits={**before.fits})
+    central = {names(problem, one) for one in sought.outcome.best[:OF_CENTRAL]}
     try:
         for some in candidates(
             sought, seen, deadline, done=lambda: seen.holding >= ENOUGH, hopeful=lambda: seen.holding > 0,
             with_room=with_room, known=known,
         ):  # fmt: skip
-            seen.count(some, deadline)
+            count_in_time(seen, some, central, deadline)
             report(min(0.5 * len(seen.tried) / A_SEARCH, 0.5), "certainty")
     except OutOfTimeError:
         if not seen.tried:
             raise
         return replace(seen, complete=False)
     return seen
+
+
+def count_in_time(seen: Looked, some: Sequence[Found], last: Collection[Any], deadline: Deadline) -> None:
+    """Count hardware, all of it together; where there is no time for that, one by one. Raises OutOfTimeError.
+
+    last : names of what is counted after the others then: it is known to do what is asked, and not to have room
+    """
+    try:
+        seen.count(some, deadline)
+    except OutOfTimeError:
+        for one in sorted(some, key=lambda one: names(seen.problem, one) in last):
+            seen.count([one], deadline)
+        raise
 
 
 def chosen(seen: Looked, deadline: Deadline, report: Progress) -> Certain | None:

@@ -6,16 +6,18 @@ stand beside, light is integrated once an image, and settings are solved row by 
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import count
 from typing import Any
 
 import numpy as np
 
 from uwopt.arrays import Array
 from uwopt.catalog.records import Camera, Part
-from uwopt.deadline import NEVER, Deadline
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.forward.part_columns import FLASH
 from uwopt.forward.parts import Parts
 from uwopt.forward.problem import MeantFocus, Problem
@@ -25,7 +27,14 @@ from uwopt.forward.sharpness import SharpRows
 from uwopt.forward.spectra import TINY
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.panels import CLOSED, SHORTER, Anchor, may_close
-from uwopt.solvers.confidence.response import LIT, VEILED, WaterResponse, of_deciding_pixels, through_band
+from uwopt.solvers.confidence.response import (
+    LIT,
+    VEILED,
+    WaterResponse,
+    of_deciding_pixels,
+    through_band,
+    waters_of,
+)
 from uwopt.solvers.confidence.scenarios import SAME_FIELD, Scenarios
 from uwopt.solvers.confidence.sealed_focus import meant_foci_m
 from uwopt.solvers.confidence.waters import may_leave_band, over_band_of
@@ -246,13 +255,19 @@ class Together:
             row_of.setdefault(key, row)
         missing = [key for key in of if key not in known]
         alone = self.only(np.array([row_of[key] for key in missing], int))
+        waters, states, began_s = self.scenarios.waters, self.scenarios.all_states, deadline.left_s
+        rest = count(1)
 
         def reference(scenes: list[SceneOptics]) -> list[SceneRows]:
             deadline.check()
-            return alone._lit(self.problem.in_scenes(scenes), objective, deadline, None, light_alone=True)
+            made = alone._lit(self.problem.in_scenes(scenes), objective, deadline, None, light_alone=True)
+            is_first = next(rest) == 1 and len(missing) > 1 and math.isfinite(began_s)
+            if is_first and (began_s - deadline.left_s) * waters_of(states) > began_s:
+                raise OutOfTimeError  # soon: there may be time for some of them
+            return made
 
         if missing:
-            made = WaterResponse.of_each(self.scenarios.waters, self.scenarios.all_states, reference, len(missing))
+            made = WaterResponse.of_each(waters, states, reference, len(missing))
             known.update(zip(missing, made, strict=True))
         return [(known[key], own) for key, own in of.items()]
 
