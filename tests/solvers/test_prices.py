@@ -114,7 +114,7 @@ def test_the_first_page_tells_what_asking_for_more_costs(solved):
 def test_a_limit_from_above_gets_less_and_one_from_below_more(reef):
     names = ("min_snr_db", "max_gsd_mm", "cost", "overlap", "light_level_max", "frame_interval_s")
     margins = [SimpleNamespace(requirement=name, binding=True) for name in names]
-    winner = SimpleNamespace(scenes=[SimpleNamespace(margins=margins)])
+    winner = SimpleNamespace(margins=margins)
     steps = {key.name: step for key, _, step in priced_keys(reef, winner)}
     assert steps == {"min_snr_db": 1.0, "max_gsd_mm": -0.1, "cost": -800, "overlap": 0.06, "speed_m_s": 0.05}
 

@@ -176,7 +176,7 @@ def practice_notes(given: GivenSystem, design: Design) -> list[Note]:
 
     Set as it is told: its requirements are held against what the mission itself says, over the same tables.
     """
-    missed = {margin.requirement for scene in design.scenes for margin in scene.margins if not margin.satisfied}
+    missed = {margin.requirement for margin in design.missed}
     every = yields_of(given.problem.mission) if missed else ()
     if not every or any(name.startswith(MISFIT) for name in missed):
         return []

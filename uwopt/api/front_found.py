@@ -23,7 +23,7 @@ from uwopt.solvers.exact.certificate import accounted, scope
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.front.search import Front
-from uwopt.solvers.recommend import part_warnings
+from uwopt.solvers.recommend import check_feasible, part_warnings
 from uwopt.solvers.settable.rounding import given_of
 from uwopt.tolerances import AGREES_REL
 
@@ -132,15 +132,12 @@ def check_claim(claimed: dict[str, float], reported: dict[str, float], design: D
                 f"the front claims {name} = {value:.9g}, the evaluation of the same design says "
                 f"{reported[name]:.9g}; this is a defect of uwopt"
             )
-    missed = [m for s in design.scenes for m in s.margins if not m.satisfied]
-    if missed:
-        what = "; ".join(f"{m.requirement} = {m.value} against {m.limit}" for m in missed)
-        raise SolverError(f"the front claims a feasible design that misses {what}; this is a defect of uwopt")
+    check_feasible(design, "the front")
 
 
 def reference(objectives: Sequence[FrontObjective], frame: Frame) -> dict[str, Any]:
     """The frame by objective: its best and worst corner, where hypervolumes are measured from, and logarithms."""
-    signs = np.array([-1.0 if o.direction == "maximise" else 1.0 for o in objectives])
+    signs = np.array([o.sign for o in objectives])
     corners = {"ideal": np.zeros(len(signs)), "nadir": np.ones(len(signs)), "point": frame.reference}
     named = {
         key: dict(zip([o.name for o in objectives], (frame.values(unit) * signs).tolist(), strict=True))

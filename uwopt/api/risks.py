@@ -106,7 +106,7 @@ def missed(result: Result, design: Design) -> Weighed:
     by, because = "asked for", "the requirement is missed"
     if any(note.code == PRACTICE_MISSED for note in result.warnings):
         by, because = "good practice asks", "what the mission itself says is met"
-    for name, margin in {asked_name(m): m for m in margins(design) if not m.satisfied}.items():
+    for name, margin in {asked_name(m): m for m in design.missed}.items():
         yield 100.0, Risk(f"{name} is not as {by}", because, missed_figure(margin))
 
 
@@ -157,7 +157,7 @@ def nothing_in_hand(result: Result, design: Design) -> Weighed:
 def shallow(result: Result, design: Design) -> Weighed:
     """A depth rating that is used up by the deepest scene."""
     deepest_m = max((float(scene.get("depth_m") or 0.0) for scene in result.mission.get("scenes") or []), default=0.0)
-    for margin in margins(design):
+    for margin in design.margins:
         if not margin.satisfied or stem_of(margin.requirement) != "depth_rating_m" or margin.value is None:
             continue
         if deepest_m > 0.0 and margin.value < deepest_m * (1.0 + DEPTH_IN_HAND):
@@ -210,7 +210,7 @@ def lamps_off(result: Result, design: Design) -> Weighed:
 
 def noisy(result: Result, design: Design) -> Weighed:
     """Images that drown in noise, as the mission asks for no signal to noise: light is then saved on."""
-    if any(stem_of(margin.requirement) in OF_NOISE for margin in margins(design)):
+    if any(stem_of(margin.requirement) in OF_NOISE for margin in design.margins):
         return
     scene, snr_db = worst(design, "snr_db", least=True)
     if scene is None or snr_db >= ACCEPTABLE_SNR_DB:
@@ -278,7 +278,7 @@ def lost_in_corners(result: Result, design: Design) -> Weighed:
 def smeared_subjects(result: Result, design: Design) -> Weighed:
     """Subjects that move while the mission asks for no limit of motion blur."""
     swim = any(given.get("subject_speed_m_s") for given in result.mission.get("scenes") or [])
-    if not swim or any(margin.requirement == "max_blur_px" for margin in margins(design)):
+    if not swim or any(margin.requirement == "max_blur_px" for margin in design.margins):
         return
     scene, value = worst(design, "blur_px")
     if scene is not None and value > SEEN_PX:
@@ -323,7 +323,7 @@ def weak_colours(result: Result, design: Design) -> Weighed:
 
 def wide_open(result: Result, design: Design) -> Weighed:
     """A lens at its widest."""
-    if any(m.requirement == "f_number_min" and m.binding for m in margins(design)):
+    if any(m.requirement == "f_number_min" and m.binding for m in design.margins):
         stop = min(s.settings.get("f_number") or 0.0 for s in design.scenes)
         because = (
             "every lens is least sharp there, above all in the corners; stopping down asks for more light"
@@ -438,14 +438,9 @@ RULES: Sequence[Callable[[Result, Design], Weighed]] = (
 # ---------------------------------------------------------------- margins and figures
 
 
-def margins(design: Design) -> list[Margin]:
-    """All margins of all scenes."""
-    return [margin for scene in design.scenes for margin in scene.margins]
-
-
 def tight(design: Design) -> list[Margin]:
     """Requirements on the images and the vehicle in which next to nothing is in hand, the tightest first."""
-    found = [(left, m) for m in margins(design) if stem_of(m.requirement) not in OF_SETTINGS
+    found = [(left, m) for m in design.margins if stem_of(m.requirement) not in OF_SETTINGS
              and m.satisfied and (left := room(m)) is not None and left < NOTHING_IN_HAND]  # fmt: skip
     return [margin for _, margin in sorted(found, key=lambda item: item[0])]
 

@@ -339,7 +339,7 @@ class ParetoCall:
     ) -> list[FrontPoint]:
         """Designs evaluated again through the forward model; what it does not bear out is a defect."""
         objectives = self.axes_of_result()
-        signs = np.array([-1.0 if o.direction == "maximise" else 1.0 for o in objectives])
+        signs = np.array([o.sign for o in objectives])
         curves: dict[Any, str] = {}
         points = []
         for n, (found, design) in enumerate(zip(founds, self.evaluated(sought.problem, founds), strict=True)):
@@ -370,7 +370,7 @@ class ParetoCall:
         if sought.front is None:
             return []
         parts, out = sought.problem.parts, []
-        signs = np.array([-1.0 if o.direction == "maximise" else 1.0 for o in self.axes_of_result()])
+        signs = np.array([o.sign for o in self.axes_of_result()])
         names = [o.name for o in self.axes_of_result()]
         for peer in sought.peers:
             for n in few(peer.values, self.frame(sought)) if len(peer.values) else []:

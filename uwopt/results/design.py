@@ -251,6 +251,16 @@ class Design(Record):
         return self.rounded is None or self.rounded.feasible
 
     @property
+    def margins(self) -> list[Margin]:
+        """Those of all scenes."""
+        return [margin for scene in self.scenes for margin in scene.margins]
+
+    @property
+    def missed(self) -> list[Margin]:
+        """Those of them that are not met."""
+        return [margin for margin in self.margins if not margin.satisfied]
+
+    @property
     def as_set(self) -> Self:
         """This design at the settings that a person sets: its settings, figures, margins, totals and objective.
 

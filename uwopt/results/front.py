@@ -31,6 +31,11 @@ class FrontObjective(Record):
     unit: str = Field(description="of its values")
     own: Flag = Field(default=False, description="whether it is a function of the user's")
 
+    @property
+    def sign(self) -> float:
+        """Times a value: the less the better, whatever the direction."""
+        return -1.0 if self.direction == "maximise" else 1.0
+
 
 @dataclass(frozen=True, config=RECORD)
 class FrontPoint(Record):

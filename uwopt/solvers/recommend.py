@@ -223,11 +223,14 @@ def check_claim(design: Design, found: Found, objective: Objective) -> None:
             f"the search claims an objective of {claimed:.9g}, the evaluation of the same design says {value}; "
             "this is a defect of uwopt"
         )
-    missed = [m for s in design.scenes for m in s.margins if not m.satisfied]
-    if missed:
-        what = "; ".join(f"{m.requirement} = {m.value} against {m.limit}" for m in missed)
+    check_feasible(design, "the search")
+
+
+def check_feasible(design: Design, claimant: str) -> None:
+    """What is claimed to meet every requirement must do so by the forward model."""
+    if missed := "; ".join(f"{m.requirement} = {m.value} against {m.limit}" for m in design.missed):
         raise SolverError(
-            f"the search claims a feasible design, but its evaluation misses {what}; this is a defect of uwopt"
+            f"{claimant} claims a feasible design, but its evaluation misses {missed}; this is a defect of uwopt"
         )
 
 
@@ -240,7 +243,7 @@ def with_rounded(
     nearest to the design's own. Raises OutOfTimeError past the deadline.
     """
     again = rounded_design(problem, found.hardware, found.settings, objective, deadline).design
-    missed = list(dict.fromkeys(m.requirement for s in again.scenes for m in s.margins if not m.satisfied))
+    missed = list(dict.fromkeys(m.requirement for m in again.missed))
     if not again.feasible:
         rounded = SettableCheck(False, None, missed)
         return replace(design, rounded=rounded, warnings=[*design.warnings, not_settable()])

@@ -120,7 +120,7 @@ def design_columns(best: Design, shown: Design) -> Row:
     """What a row says of a system: settings of both kinds, figures of the design as it is shown."""
     used, exact = best.hardware, best.scenes[0]
     totals, scene = shown.totals, shown.scenes[0]
-    missed = [m.requirement for one in best.scenes for m in one.margins if not m.satisfied]
+    missed = [m.requirement for m in best.missed]
     row: Row = {
         **{kind: getattr(used, kind).id for kind in ("camera", "lens", "port", "light")},
         "housing": None if used.housing is None else used.housing.id,

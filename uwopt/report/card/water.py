@@ -45,7 +45,7 @@ def water_text(water: str) -> str:
 
 def missed_text(design: Design) -> str:
     """Requirements that break, with what is reached and asked."""
-    missed = {m.requirement: m for scene in design.scenes for m in scene.margins if not m.satisfied}
+    missed = {m.requirement: m for m in design.missed}
     said = []
     for margin in missed.values():
         value, limit = formats.margin_ends(margin)

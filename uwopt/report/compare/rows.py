@@ -53,7 +53,7 @@ def facts(comparison: Comparison) -> Iterator[ComparedRow]:
     goal = comparison.systems[0].result.objective
     values = tuple(Reached(d.objective_value, formats.quantity(d.objective_value, goal.unit, 4)) for d in designs)
     yield ComparedRow("", "objective", f"goal: {goal.name.replace('_', ' ')}", goal.direction, goal.unit, values)
-    missed = [sorted({m.requirement for s in d.scenes for m in s.margins if not m.satisfied}) for d in designs]
+    missed = [{margin.requirement for margin in d.missed} for d in designs]
     verdicts = tuple(Reached(float(len(m)), f"{len(m)} missed" if m else "all met", not m) for m in missed)
     yield ComparedRow("", "requirements", "requirements", "all met", "", verdicts)
     prices = tuple(Reached(d.totals.cost.value, price_text(d)) for d in designs)
@@ -159,9 +159,7 @@ def sentences(comparison: Comparison) -> Iterator[str]:
         if one is best:
             continue
         name = formats.one_line(one.name, 80)
-        missed = list(dict.fromkeys(
-            words.requirement_name(m.requirement) for s in one.design.scenes for m in s.margins if not m.satisfied
-        ))  # fmt: skip
+        missed = words.missed_names(one.design)
         verdict = f"misses {words.listed(missed)}" if missed else "meets everything"
         yield f"{words.capital(name)} {verdict}."
         yield from (words.as_sentence(note.message) for note in one.result.warnings if note.code == PRACTICE_MISSED)

@@ -92,7 +92,7 @@ def falls_short(result: Result) -> str:
     """What a system that is tendered misses, as nobody should order it unawares; empty where it does what is asked."""
     design, known = result.best, result.confidence
     assert design is not None
-    missed = {m.requirement: m for scene in design.as_set.scenes for m in scene.margins if not m.satisfied}
+    missed = {m.requirement: m for m in design.as_set.missed}
     if missed:
         by = {name: " against ".join(margin_ends(m, design.totals.cost)) for name, m in missed.items()}
         told = [f"{words.requirement_name(name)} ({ends})" for name, ends in by.items()]
@@ -195,7 +195,7 @@ def needed_beside(result: Result, kind: Kind, key: str) -> str:
 def room_needed_mm(result: Result, requirement: str) -> float | None:
     """What camera and lens take up in the housing; None where nothing holds it."""
     assert result.best is not None
-    known = [m.value for scene in result.best.as_set.scenes for m in scene.margins if m.requirement == requirement]
+    known = [m.value for m in result.best.as_set.margins if m.requirement == requirement]
     return max((value for value in known if value is not None), default=None)
 
 

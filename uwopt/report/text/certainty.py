@@ -76,7 +76,7 @@ def certainty_block(result: Result) -> Iterator[Block]:
 def keeps_reserves(result: Result) -> bool:
     """Whether a limit is moved by a reserve, so that what misses it may still do what was asked."""
     design = result.recommendation
-    return design is not None and any(margin.reserve for scene in design.scenes for margin in scene.margins)
+    return design is not None and any(margin.reserve for margin in design.margins)
 
 
 def facts(result: Result, known: Confidence) -> Iterator[tuple[str, str]]:

@@ -58,14 +58,7 @@ def best_sentence(result: Result, design: Design) -> str:
 def best_trust(result: Result, design: Design) -> str:
     """The certificate's claim, and what could change the answer."""
     if result.command == "evaluate":
-        missed = list(
-            dict.fromkeys(
-                words.requirement_name(margin.requirement)
-                for scene in design.scenes
-                for margin in scene.margins
-                if not margin.satisfied
-            )
-        )
+        missed = words.missed_names(design)
         estimated = sum(1 for item in result.assumptions if item.low is not None)
         said = [f"missed: {', '.join(missed)}"] if missed else [text for text in (fails_first(design.as_set),) if text]
         said.append(f"computed with physics {formats.one_line(result.physics.name)}")

@@ -208,6 +208,11 @@ def row_step_m(mounts: Sequence[LampPlace]) -> float | None:
     return steps.pop() if len(steps) == 1 and centred and 0.0 not in steps else None
 
 
+def missed_names(design: Design) -> list[str]:
+    """The requirements that a design does not meet, each once."""
+    return list(dict.fromkeys(requirement_name(margin.requirement) for margin in design.missed))
+
+
 def in_scene(name: str, scenes: Sequence[object]) -> str:
     """Which scene, where there are several."""
     return f" in {one_line(name, 40)}" if len(scenes) > 1 else ""
@@ -329,11 +334,8 @@ def axis_text(objective: FrontObjective, point: FrontPoint, digits: int = 4) -> 
 
 def status_sentence(result: Result) -> str:
     """What came out, in one sentence."""
-    if result.best is not None and result.command == "evaluate":
-        missed = [m for scene in result.best.scenes for m in scene.margins if not m.satisfied]
-        if missed:
-            verb = "is" if len(missed) == 1 else "are"
-            return f"{counted(len(missed), 'requirement')} {verb} missed"
+    if result.best is not None and result.command == "evaluate" and (missed := len(result.best.missed)):
+        return f"{counted(missed, 'requirement')} {'is' if missed == 1 else 'are'} missed"
     if result.status == "feasible" and result.best is not None and not result.best.is_settable:
         return "the exact design meets every requirement, but no settings that can be typed in were found that do"
     if result.status == "feasible" and any(note.code == "better_unsettable" for note in result.warnings):

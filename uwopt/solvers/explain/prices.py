@@ -73,7 +73,7 @@ def frame_keys(mission: Mission, binding: set[str], *, every: bool) -> Iterator[
 
 def binding_keys(winner: Design) -> set[str]:
     """Requirements that a design just meets; of the signal to noise the one that is asked, of mean or frame."""
-    names = {margin.requirement for scene in winner.scenes for margin in scene.margins if margin.binding}
+    names = {margin.requirement for margin in winner.margins if margin.binding}
     return names | ({SNR_LESS} if SNR in names else set()) | ({SNR} if MEAN_SNR in names else set())
 
 
@@ -88,7 +88,7 @@ def met_as_it_is(mission: Mission, winner: Design, key: str, asked: float) -> fl
         for name in (SNR, MEAN_SNR)
         if (spare := [
             float(one.value - one.limit)
-            for scene in winner.scenes for one in scene.margins
+            for one in winner.margins
             if one.requirement == name and one.value is not None and one.limit is not None
         ])
     }  # fmt: skip

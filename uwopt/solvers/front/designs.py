@@ -79,7 +79,7 @@ def picks_of(points: Sequence[FrontPoint], objectives: Sequence[FrontObjective],
     """The points that people ask for by name; within 0.1 % the better in the other objectives is taken."""
     if not points:
         return []
-    signs = np.array([-1.0 if o.direction == "maximise" else 1.0 for o in objectives])
+    signs = np.array([o.sign for o in objectives])
     names = [o.name for o in objectives]
     values = np.array([[p.values[name] for name in names] for p in points]) * signs
     unit = frame.unit(values)

@@ -29,9 +29,7 @@ def judged_by(mission: Mission, found: Sought, objective: Objective) -> Design:
 
 def missed_by(design: Design, names: Collection[str]) -> set[str]:
     """Those requirements that a design does not meet."""
-    missed = {
-        margin.requirement for scene in design.scenes for margin in scene.margins if not margin.satisfied
-    }
+    missed = {margin.requirement for margin in design.missed}
     return {name for name in names if RELAXABLE[name][1] in missed or name in missed}
 
 
@@ -62,7 +60,7 @@ def rated_depth(found: Sought) -> float | None:
 
 def reached_value(design: Design, key: str) -> float | None:
     """What the design reaches of a requirement, at its worst over altitudes and scenes."""
-    found = [one for scene in design.scenes for one in scene.margins if one.requirement == key]
+    found = [one for one in design.margins if one.requirement == key]
     values = [one.value for one in found if one.value is not None]
     if not values:
         return None

@@ -398,18 +398,11 @@ class Information:
 
     def _node_tangents(self, chunk: Chunk, image: Image, sharpest: Image) -> NodeTangents:
         """The transfer of images by node, each factor on its tangent at the image or at the sharpest of a cell."""
-        sharp, d, nodes = self.sharp, image.design, chunk.nodes
-
-        def pupil(one: Image) -> Array:
-            cycle_px = one.working * sharp.wavelength_nm[d] * 1e-9 / sharp.pixel_pitch_m[d]
-            return np.asarray(cycle_px[:, None] * nodes.radius_cyc_per_px)
-
-        def disc(one: Image) -> Array:
-            return np.asarray((sharp.rms_disc_px[d, 1] / one.f_number)[:, None] * nodes.radius_cyc_per_px)
-
-        pupil_log, by_pupil = on_tangents(pupil_and_slope, pupil(image), pupil(sharpest), 1.0)
-        disc_log, by_disc = on_tangents(jinc_and_slope, disc(image), disc(sharpest), J1_ZERO / np.pi)
-        lens_log, by_lens = log_lens(sharp, d, image.f_number, nodes.radius_cyc_per_px)
+        nodes, radius = chunk.nodes, chunk.nodes.radius_cyc_per_px
+        (cycle, disc), (least_cycle, least_disc) = self._round_px(image), self._round_px(sharpest)
+        pupil_log, by_pupil = on_tangents(pupil_and_slope, cycle * radius, least_cycle * radius, 1.0)
+        disc_log, by_disc = on_tangents(jinc_and_slope, disc * radius, least_disc * radius, J1_ZERO / np.pi)
+        lens_log, by_lens = log_lens(self.sharp, image.design, image.f_number, radius)
         moving = self._moving(nodes)
         blur_log, by_blur = on_tangents(
             sinc_and_slope, image.blur_px[:, None] * moving, sharpest.blur_px[:, None] * moving, 1.0
