@@ -94,6 +94,7 @@ def test_what_no_single_change_mends_is_told_with_the_pair_that_does(make_result
         "With signal to noise (min_snr_db) 25.00 dB -> 22.50 dB and swath (min_swath_m) 1.500 m -> 1.440 m together, "
         "this hardware holds in 92 % (each as little as is enough while the others stay).",
         "With cost 8 000 USD -> 30 500 USD, a + 4 x b holds in 90 % (less may do).",
+        "That is told of the hardware named: solve of a mission so changed chooses anew, and may take other.",
     ]
 
 

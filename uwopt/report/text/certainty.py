@@ -219,6 +219,10 @@ def uncertain(what: str) -> str:
 
 
 
+#: What a change is told of is one piece of hardware; that of a mission so changed may be another.
+CHOSEN_ANEW = "That is told of the hardware named: solve of a mission so changed chooses anew, and may take other."
+
+
 def surer_block(result: Result) -> Iterator[Block]:
     """On what it depends whether a system that is not certain enough holds, and with what asked less it would."""
     known = result.confidence
@@ -231,6 +235,8 @@ def surer_block(result: Result) -> Iterator[Block]:
         share = percent(float(known.asked))
         lines.append(sentence(f"With iris and focus set anew, this hardware holds in {share} {one_of}: {told}."))
     lines += map(sentence, [*in_vain_texts(known), *else_texts(known)])
+    if known.would_hold or known.would_hold_else:
+        lines.append(sentence(CHOSEN_ANEW))
     if lines:
         yield block("What would make it certain", lines)
 
