@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterator
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
-import lit_once
 import pytest
 from hypothesis import HealthCheck, settings
 from thorough import THOROUGH, drawn
@@ -135,17 +134,6 @@ def fewer_to_come() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         for name in ("FRESH", "TIES"):
             patch.setattr(search, name, drawn(256, getattr(search, name)))
-        yield
-
-
-@pytest.fixture(scope="session", autouse=not THOROUGH)
-def lit_once_a_process() -> Iterator[None]:
-    """Integrate the same light of lamps once, whichever tests ask for it."""
-    from uwopt.forward import lamp_light
-
-    with pytest.MonkeyPatch.context() as patch:
-        for name in lit_once.INTEGRALS:
-            patch.setattr(lamp_light, name, lit_once.once(getattr(lamp_light, name)))
         yield
 
 
