@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -18,14 +19,16 @@ from uwopt.api import varied as api_varied
 from uwopt.api import whatif as api_whatif
 from uwopt.api.searching import Searches
 from uwopt.cli.app import app
+from uwopt.deadline import NEVER, unheard
 from uwopt.errors import MissionError
 from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.mission.varying import VariedMission
 from uwopt.objectives.goal import goal_of
 from uwopt.report.page.whatif import whatif_html
+from uwopt.report.pictures.whatif_plots import whatif_figures
 from uwopt.report.text.whatif_tables import opening
-from uwopt.results.whatif import WhatIf
+from uwopt.results.whatif import WhatIf, WhatIfPoint
 from uwopt.solvers.confidence import search
 from uwopt.solvers.warm.searches import Warm
 
@@ -170,9 +173,36 @@ def test_a_value_that_contradicts_the_mission_is_a_row_with_its_reason():
     assert [(point.values, point.status) for point in table.points] == [([0.95], "infeasible"), ([0.2], "optimal")]
     (note,) = [note.message for note in table.warnings if note.code == "contradiction"]
     assert "at min_mtf_half_nyquist = 0.95" in note and "0.900 at half the Nyquist frequency" in note
-    assert not table.switches
+    (rim,) = table.switches  # it lay halfway, at 0.575
+    assert rim.second is None and rim.proven and rim.high - rim.low < 0.01 * (0.95 - 0.2)
+    needs = reef().to_dict()["requirements"]
+    ends = [alone(reef(requirements=needs | {"min_mtf_half_nyquist": end})) for end in (rim.low, rim.high)]
+    assert ends[0] is not None and ends[1] is None
     with pytest.raises(MissionError, match="2 of 2 points are like that"):
         uwopt.whatif(reef(), {"min_mtf_half_nyquist": [0.95, 0.97]})
+
+
+def test_a_mission_ends_where_it_begins_to_contradict_itself_without_a_search():
+    """Pixels alone leave sinc(1/4) = sin(pi/4) / (pi/4) = 0.90032 of the contrast at half the Nyquist frequency."""
+    base = VariedMission(reef(), {})
+    key = base.varied("min_mtf_half_nyquist", "0.2,0.95")
+    grid = api_varied.VariedGrid(base, (key,), api_varied.Systems(goal_of(reef())), Warm(NEVER))
+    grid.points[(0.2,)], grid.refused[(0.95,)] = WhatIfPoint([0.2], "optimal", 0), "too sharp"
+    (rim,) = api_varied.Switches(grid, NEVER, unheard).at_rims(searched=False)
+    assert rim.low < 0.90032 < rim.high and rim.high - rim.low < 0.0075
+    assert (rim.first, rim.second, rim.proven) == (0, None, False)
+
+
+def test_where_nothing_fits_no_optimum_is_drawn_and_practice_is_told_as_it_is(over_speed):
+    """An empty plot from -1 to 6; and of a mission that nothing meets it was said that it keeps good practice."""
+    nothing = [replace(point, objective=None, system=None, status="infeasible") for point in over_speed.points]
+    made = whatif_figures(replace(over_speed, points=nothing, switches=[], systems=[]))
+    assert "optimum" not in made and "optimum" in whatif_figures(over_speed)
+    work = SimpleNamespace(certain=False, given_way=(), base=SimpleNamespace(base=reef(practice="recommended")))
+    for fits_nothing, told in ((True, "the mission as it stands has no system either"), (False, "stands keeps it")):
+        work.fits_nothing = fits_nothing
+        (note,) = api_whatif.full_practice_notes(nothing, work)
+        assert told in note.message
 
 
 def test_a_word_that_no_mission_takes_is_told_as_such():

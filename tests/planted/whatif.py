@@ -12,6 +12,34 @@ YIELDING = "tests/api/test_yielding.py"
 
 DEFECTS = (
     Defect(
+        name="a system ends halfway to a point that is no mission",
+        file="uwopt/api/varied.py",
+        old="        return made + self.at_rims()\n",
+        new="        return made\n",
+        test="tests/api/test_whatif.py::test_a_value_that_contradicts_the_mission_is_a_row_with_its_reason",
+    ),
+    Defect(
+        name="where a mission ends is not looked for without a search",
+        file="uwopt/api/varied.py",
+        old="near, far = (middle, far) if grid.is_mission(middle) else (near, middle)",
+        new="near, far = near, middle",
+        test="tests/api/test_whatif.py::test_a_mission_ends_where_it_begins_to_contradict_itself_without_a_search",
+    ),
+    Defect(
+        name="an optimum is drawn where nothing fits",
+        file="uwopt/report/pictures/whatif_plots.py",
+        old="if fits and not over_two:",
+        new="if not over_two:",
+        test="tests/api/test_whatif.py::test_where_nothing_fits_no_optimum_is_drawn_and_practice_is_told_as_it_is",
+    ),
+    Defect(
+        name="a mission that nothing meets is said to keep good practice",
+        file="uwopt/api/whatif.py",
+        old="if work.fits_nothing else",
+        new="if False else",
+        test="tests/api/test_whatif.py::test_where_nothing_fits_no_optimum_is_drawn_and_practice_is_told_as_it_is",
+    ),
+    Defect(
         name="a table holds all of good practice though the mission as it stands lets it give way",
         file="uwopt/api/varied.py",
         old="with_given_way(made, self.given_way)",

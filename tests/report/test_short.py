@@ -422,3 +422,21 @@ def test_what_was_left_out_for_want_of_time_stands_on_the_page(make_result: Make
     nothing = {"recommendation": None, "runners_up": [], "generic_alternative": None}
     assert "Left out" in text_of(replace(late, status="infeasible", **nothing))
     assert "Left out" not in text_of(replace(late, status="stopped", **nothing))  # the verdict says so
+
+
+def test_a_battery_that_is_most_of_the_price_is_named(make_result: Make) -> None:
+    """A lander missed its budget by a battery of up to 8 700 EUR, and nobody spoke of it."""
+    design = make_result().recommendation
+    lamp = design.bom[-1]
+    battery = replace(
+        lamp, id="rest-battery", kind="extra", manufacturer="", model="battery in its housing, 2000 Wh", count=1,
+        owned=0, generic=False, unit_price=4000.0, unit_price_low=2000.0, unit_price_high=8700.0,
+    )  # fmt: skip
+    cost = replace(design.totals.cost, value=8000.0, low=4000.0, high=13800.0)
+    totals = replace(design.totals, cost=cost, energy_wh=430.0)
+    own = replace(design, bom=[*design.bom, battery], totals=totals, rounded=None)
+    told = "battery in its housing, 2000 Wh, of which the mission uses up 430 Wh"
+    text = text_of(make_result(recommendation=own))
+    assert f"most of it {told}" in text and "50 % of the price; vehicle.battery_wh sets it" in text
+    dear = replace(own, totals=replace(totals, cost=replace(cost, value=10_100.0)))
+    assert told not in text_of(make_result(recommendation=dear))

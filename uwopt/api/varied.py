@@ -8,6 +8,8 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from uwopt.deadline import Deadline
+from uwopt.errors import MissionError
+from uwopt.forward.scene_checks import check_physical
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Value, Varied, VariedMission
 from uwopt.mission.yielding import Yield, with_given_way
@@ -140,15 +142,34 @@ class VariedGrid:
 
     def changes(self) -> Iterator[tuple[int, At, At]]:
         """Neighbours along each numeric key of which the best systems differ: the key's index, and both."""
+        for k, a, b in self.neighbours():
+            if a in self.points and b in self.points and self.points[a].system != self.points[b].system:
+                yield k, a, b
+
+    def rims(self) -> Iterator[tuple[int, At, At]]:
+        """Neighbours of which one is no mission, and the other has a system: the key's index, that one, the refused."""
+        for k, a, b in self.neighbours():
+            for inside, outside in ((a, b), (b, a)):
+                if outside in self.refused and inside in self.points and self.points[inside].system is not None:
+                    yield k, inside, outside
+
+    def is_mission(self, at: At) -> bool:
+        """Whether the keys do not contradict each other or the rest of the mission at a point."""
+        try:
+            check_physical(self.mission(at))
+        except MissionError:
+            return False
+        return True
+
+    def neighbours(self) -> Iterator[tuple[int, At, At]]:
+        """Points beside each other along each numeric key: the key's index, the one with less, the one with more."""
         for k, key in enumerate(self.keys):
             if not key.is_numeric:
                 continue
             others = [values if n != k else values[:1] for n, values in enumerate(self.lines)]
             for fixed in itertools.product(*others):
                 line = [(*fixed[:k], value, *fixed[k + 1 :]) for value in sorted(key.values, key=float)]
-                for a, b in itertools.pairwise(line):
-                    if a in self.points and b in self.points and self.points[a].system != self.points[b].system:
-                        yield k, a, b
+                yield from ((k, a, b) for a, b in itertools.pairwise(line))
 
 
 @dataclass
@@ -165,7 +186,33 @@ class Switches:
         for number, (k, a, b) in enumerate(changes):
             self.say(number / len(changes), f"where systems take over, {number + 1} of {len(changes)}")
             made += self.between(k, a, b, SHARP * (float(b[k]) - float(a[k])))
-        return made
+        return made + self.at_rims()
+
+    def at_rims(self, *, searched: bool = True) -> list[Switch]:
+        """Where missions end, beside points that are none; searched: what wins just before that is looked for."""
+        return [switch for rim in self.grid.rims() for switch in self._at_rim(*rim, searched)]
+
+    def _at_rim(self, k: int, inside: At, outside: At, searched: bool) -> list[Switch]:
+        """From a solved point to where the mission begins to contradict itself, which takes no search to know."""
+        grid, near, far = self.grid, inside, outside
+        step = abs(float(outside[k]) - float(inside[k]))
+        while abs(float(far[k]) - float(near[k])) > SHARP * step:
+            middle = (*inside[:k], 0.5 * (float(near[k]) + float(far[k])), *inside[k + 1 :])
+            near, far = (middle, far) if grid.is_mission(middle) else (near, middle)
+        made, is_known = list[Switch](), near == inside
+        if searched and not is_known and not self.deadline.passed():
+            a, b = sorted((inside, near), key=lambda at: float(at[k]))
+            is_known = grid.solve(near).status in ("optimal", "infeasible")
+            if grid.points[a].system != grid.points[b].system:
+                made = self.between(k, a, b, SHARP * step)
+        last = grid.points.get(near, grid.points[inside])
+        if last.system is None:
+            return made
+        others = [None if n == k else value for n, value in enumerate(inside)]
+        ends, systems = (float(near[k]), float(far[k])), (last.system, None)
+        (low, high), (first, second) = (ends, systems) if ends[0] < ends[1] else (ends[::-1], systems[::-1])
+        proven = is_known and last.status in ("optimal", "infeasible")
+        return [*made, Switch(grid.keys[k].key, others, low, high, first, second, proven)]
 
     def coarse(self, k: int, a: At, b: At) -> Switch:
         """Between two solved points, no sharper than they are apart."""

@@ -136,6 +136,7 @@ class Work:
     n_searches: int = 0
     notes: list[Note] = field(default_factory=list)
     given_way: tuple[Yield, ...] | None = None  # of good practice, for the mission as it stands; None: not asked yet
+    fits_nothing: bool = False  # whether the mission as it stands has no system that was found, even with less of that
     to_hold: bool = False  # whether any of it gives way so that something holds as often as is asked
 
     def grid_of(self, keys: Sequence[Varied]) -> VariedGrid:
@@ -185,13 +186,15 @@ class Work:
             raise KeyboardInterrupt
         if answer.found is None and answer.complete:
             self.given_way = gives_way_alone(mission, self.deadline).yields
+            self.fits_nothing = not self.given_way
         if self.given_way:
             grid.begin_again(self.given_way)
 
     def switches(self, grid: VariedGrid) -> list[Switch]:
         """Where other systems take over."""
         if self.certain:  # between points another search would have to count
-            return [Switches(grid, self.deadline, self.say).coarse(k, a, b) for k, a, b in grid.changes()]
+            between = Switches(grid, self.deadline, self.say)
+            return [*(between.coarse(k, a, b) for k, a, b in grid.changes()), *between.at_rims(searched=False)]
         by_itself = math.isfinite(self.deadline.end_s)
         patience = self.deadline if by_itself else Deadline.after(SWITCHES_S, processor_s)
         before = grid.warm.n_searches
@@ -251,9 +254,12 @@ def full_practice_notes(points: Sequence[WhatIfPoint], work: Work) -> list[Note]
         return [Note("practice_held", "practice", NOT_FOR_CERTAINTY)] if for_certainty(work) else []
     if work.given_way or not yields_of(work.base.base) or all(point.status != "infeasible" for point in points):
         return []
+    why = "with less of it the mission as it stands has no system either" if work.fits_nothing else (
+        "the mission as it stands keeps it"
+    )  # fmt: skip
     text = (
-        "all of good practice is asked at every point, as the mission as it stands keeps it; where nothing fits with "
-        "it, uwopt solve lets some of it give way"
+        f"all of good practice is asked at every point, for {why}; at a point where nothing fits with it, uwopt solve "
+        "lets some of it give way, and may find a system"
     )
     return [Note("practice_held", "practice", text)]
 

@@ -39,13 +39,14 @@ def whatif_figures(table: WhatIf) -> dict[str, Plot]:
     """All plots of a table by name."""
     made: dict[str, Plot] = {}
     if table.points:
+        fits = any(point.objective is not None for point in table.points)  # else there is no optimum to draw
         over_two = len(table.keys) == 2 and is_numeric(table, 0) == is_numeric(table, 1)
-        if not over_two:
+        if fits and not over_two:
             made["optimum"] = line_plot(table)
         drawn = system_map(table)
         if drawn is not None:
             made["map"] = drawn
-        if over_two:
+        if fits and over_two:
             made["values"] = value_map(table)
     if table.spider:
         made["spider"] = spider_plot(table)

@@ -61,6 +61,7 @@ TOLD_FIRST = (SNR_INSTEAD, COLOUR_LEFT_OPEN)  # notes on what was chosen where t
 CUT_SHORT = ("time", "interrupted")  # notes on what was left out
 NUMBERS = ("", "The greatest risk", "The two greatest risks", "The three greatest risks")
 SHARED_FOCUS = "nearer than what is sharp, on purpose: middle and corners of a curved image share it"
+BATTERY, MUCH = "rest-battery", 0.4  # its line of the bill, and of the price from which it is named
 FIGURES = ("gsd_mm", "swath_m", "snr_db", "dof_m", "frame_rate_hz")
 DEAR = 0.1  # a part's share of the doubt in the price from which a quote is worth asking for
 GAVE_WAY = (
@@ -321,6 +322,8 @@ def cost_block(result: Result, design: Design) -> Block:
     if isinstance(limit, (int, float)) and cost.high > limit:
         end = "Its high end" if cost.value <= limit else "It"
         facts.append(("", f"{end} is above your limit of {formats.money(float(limit), cost.currency)}."))
+    if said := dear_battery(design):
+        facts.append(("most of it", said))
     if said := not_in_it(result, design):
         facts.append(("not in it", said))
     facts.append(("power", power_text(design)))
@@ -329,6 +332,20 @@ def cost_block(result: Result, design: Design) -> Block:
     if used_up := words.used_up_clause(totals).removeprefix(", "):
         facts.append(("used up", used_up))
     return block("What it costs", [fact_lines(facts)])
+
+
+def dear_battery(design: Design) -> str:
+    """The battery that a mission asks for by its size, where it takes much of the price; else nothing.
+
+    It is no part that a search could choose another of: only the mission can ask for less.
+    """
+    row, cost = next((row for row in design.bom if row.id == BATTERY), None), design.totals.cost
+    if row is None or not row.unit_price or not cost.value or row.unit_price * row.to_buy < MUCH * cost.value:
+        return ""
+    share = 100.0 * row.unit_price * row.to_buy / cost.value
+    used_wh = design.totals.energy_wh
+    of_it = "" if used_wh is None else f", of which the mission uses up {formats.quantity(used_wh, 'Wh')}"
+    return f"{bought_name(row)}{of_it}: {formats.due_text(row)}, {share:.0f} % of the price; vehicle.battery_wh sets it"
 
 
 def not_in_it(result: Result, design: Design) -> str:
@@ -461,4 +478,5 @@ def nothing_blocks(result: Result) -> Iterator[Block]:
     if miss is not None:
         note = miss_sentence(result)
         system = buy_block(miss, nearest_title(result))
-        yield Block(system.title, (*([note] if note else []), *system.lines))
+        dear = [sentence(f"Most of its price: {said}.")] if (said := dear_battery(miss)) else []
+        yield Block(system.title, (*([note] if note else []), *system.lines, *dear))
