@@ -110,8 +110,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="red asks for no light",
         file="uwopt/solvers/settings/windows.py",
-        old='("red", rows.min_snr_red))',
-        new='("red", 0.0))',
+        old='("red", rows.min_snr_red)]',
+        new='("red", 0.0)]',
         test=(
             f"{COLOUR}::test_search_asking_of_colours_equals_enumeration[as shipped-24]",
             f"{CONTINUOUS}[red that needs more than the mean-casadi]",

@@ -263,8 +263,8 @@ DEFECTS = (
     Defect(
         name="the image's mean may have as little as its frame",
         file="uwopt/solvers/settings/windows.py",
-        old='(("mean", rows.min_snr_mean), ("red"',
-        new='(("mean", 0.0), ("red"',
+        old='[("mean", rows.min_snr_mean), ("red"',
+        new='[("mean", 0.0), ("red"',
         test="tests/solvers/test_over_frame.py::test_the_mean_has_its_snr_where_pixels_may_have_less",
     ),
     Defect(

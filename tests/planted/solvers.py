@@ -1299,8 +1299,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="pixels that may miss an SNR bound the light with their veils",
         file="uwopt/forward/lamp_light.py",
-        old='worst_veil_e=np.broadcast_to(veil_there, shape), may_miss=FRAME_MAY_MISS if pixels == "frame" else 0,',
-        new="worst_veil_e=np.broadcast_to(veil_there, shape), may_miss=0,",
+        old='may_miss = FRAME_MAY_MISS if pixels == "frame" else 0\n        return ImageLight(signal',
+        new="may_miss = 0\n        return ImageLight(signal",
         test="tests/forward/test_remembered.py::test_some_pixels_with_their_veils_ask_for_no_more_light_than_all[frame]",
     ),
     Defect(

@@ -40,7 +40,8 @@ def test_few_pixels_ask_for_what_all_but_k_of_all_do(seed: int, more: dict[str, 
         at = dark.at_time(rows, np.array([time_s]))
         for altitude in range(2):
             asked = windows.light_of_each(at, altitude, rows.min_snr, of="worst")[0]
-            of_few = windows.light_asked_for(dark.at_time(few, np.array([time_s])), altitude)
+            short = dark.at_time(few, np.array([time_s]))
+            of_few = windows.light_for_snr(short, altitude, rows.min_snr, of="worst")
             assert of_few[0] == sorted(asked)[-1 - seed]
 
 
@@ -51,7 +52,7 @@ def test_a_design_where_pixels_miss_at_any_light_keeps_them() -> None:
     veil = rows.worst_veil_e.copy()
     veil[:, :, :2] = 2000.0
     few = deciding_pixels(replace(rows, worst_veil_e=veil))
-    assert np.isinf(windows.light_asked_for(few, 0)[0])
+    assert np.isinf(windows.light_asked_for(few)[0])
 
 
 def test_designs_of_different_pixels_keep_their_own() -> None:
@@ -66,7 +67,7 @@ def test_designs_of_different_pixels_keep_their_own() -> None:
     few = deciding_pixels(both)
     for time_s in (1e-3, 0.02, 0.25):
         full, less = (dark.at_time(rows, np.array([time_s, time_s])) for rows in (both, few))
-        assert (windows.light_asked_for(less, 1) == windows.light_asked_for(full, 1)).all()
+        assert (windows.light_asked_for(less) == windows.light_asked_for(full)).all()
 
 
 @pytest.mark.parametrize("more", [{}, {"resolve_m": 2.2e-3}], ids=["no bars", "bars behind the veil"])

@@ -35,11 +35,9 @@ def test_bounds_under_the_sun_know_the_veil_at_pixels() -> None:
         lights = search.tables.in_scenes(under, imager, veils=stage)
         rows = search.rows(imager, lights, lamp, two, under, optimistic=optimistic)[0]
         sun = Sun.at(rows, np.full(len(imager), 1e-4))
-        each = [windows.light_for_snr(rows, k, 10.0, of="worst", sun=sun) for k in range(rows.signal_e.shape[1])]
-        asked[stage] = np.max(each, axis=0)
-        clear = replace(rows, worst_veil_e=None)
-        each = [windows.light_for_snr(clear, k, 10.0, of="worst", sun=sun) for k in range(rows.signal_e.shape[1])]
-        unveiled = np.max(each, axis=0)
+        rows = replace(rows, min_snr=10.0)
+        asked[stage] = windows.light_asked_for(rows, sun=sun)
+        unveiled = windows.light_asked_for(replace(rows, worst_veil_e=None), sun=sun)
     assert (asked["all"] > 3.0 * unveiled).all()
     share = asked["none"] / asked["all"]
     assert (share <= 1.0 + 1e-9).all() and (share > 0.9).all()

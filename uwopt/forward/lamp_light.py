@@ -342,17 +342,14 @@ class LampField:
         return np.asarray(view.collecting_m2 * response * reached_by_most(gain, may_miss) * ROUND)
 
     def at_likely_veiled(self, view: Views, pixels: Pixels) -> ImageLight:
-        """Signal and veil at some of those pixels at the farthest altitude, which stands for all: for bounds.
+        """Signal and veil at some of those pixels at the farthest altitude alone: for bounds.
 
         What all but k of many pixels ask for is no less than what all but k of some do, nor at any altitude less than
         at one of them.
         """
         signal, veil_there = self.likely_veiled(view, pixels)
-        shape = (len(signal), len(self.scene.range_m), signal.shape[2])
-        return ImageLight(
-            np.broadcast_to(signal.min(axis=2), shape[:2]), worst_e=np.broadcast_to(signal, shape),
-            worst_veil_e=np.broadcast_to(veil_there, shape), may_miss=FRAME_MAY_MISS if pixels == "frame" else 0,
-        )  # fmt: skip
+        may_miss = FRAME_MAY_MISS if pixels == "frame" else 0
+        return ImageLight(signal.min(axis=2), worst_e=signal, worst_veil_e=veil_there, may_miss=may_miss)
 
     def likely_veiled(self, view: Views, pixels: Pixels) -> tuple[Array, Array]:
         """Signal and veil there, (n, 1, n_pixels), of the pixels that may decide."""

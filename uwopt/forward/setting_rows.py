@@ -41,7 +41,7 @@ class SceneRows(Columns):
     `signal_e`: image-forming electrons per lm s of nameplate light at N_w = 1, image mean, by altitude;
     `veil_e`: electrons of the same light that form no image. `worst_e` and `worst_veil_e`: both at the
     pixels that the SNR is asked of, (n, n_altitudes, n_pixels), or None when it is asked of the mean; `may_miss`
-    of them may fall short.
+    of them may fall short. Bounds look at those of the farthest altitude alone, (n, 1, n_pixels).
     `sun_*`: electrons per second of open shutter at N_w = 1, None without sun.
     Times are those that collect light: exposure plus offset, or the pulse; of a flash that fades the time at its peak
     brightness that gives as much (`flash`).
@@ -333,15 +333,9 @@ def of_fewest_pixels(rows: SceneRows, *, unlit: bool) -> SceneRows:
 
 
 def of_farthest_pixels(rows: SceneRows, *, unlit: bool) -> SceneRows:
-    """Rows for bounds under the sun: the pixels that may decide at the farthest altitude stand for those at all.
-
-    No settings are asked for less there than they are at one of them.
-    """
-    count = rows.signal_e.shape[1]
+    """Rows for bounds under the sun: of pixels those alone that may decide at the farthest altitude."""
     farthest: dict[str, Any] = {name: c[:, -1:] for name in PIXEL_COLUMNS if (c := getattr(rows, name)) is not None}
-    few = of_fewest_pixels(replace(rows, **farthest), unlit=unlit)
-    shown: dict[str, Any] = {name: np.repeat(getattr(few, name), count, axis=1) for name in farthest}
-    return replace(rows, **shown)
+    return of_fewest_pixels(replace(rows, **farthest), unlit=unlit)
 
 
 SHORTEST_TIME_S = 1e-9

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,13 @@ from uwopt.forward.lamp_light import ImageLight, SunLight, Veils
 from uwopt.forward.lamp_views import keeps_clear, lamps_refused
 from uwopt.forward.problem import Problem
 from uwopt.forward.remembered import RememberedSunField
-from uwopt.forward.setting_rows import SceneRows, of_farthest_pixels, of_fewest_pixels, setting_rows
+from uwopt.forward.setting_rows import (
+    PIXEL_COLUMNS,
+    SceneRows,
+    of_farthest_pixels,
+    of_fewest_pixels,
+    setting_rows,
+)
 from uwopt.forward.sharpness import SharpRows
 from uwopt.forward.sun_light import sun_light
 from uwopt.objectives.objective import Objective
@@ -60,15 +67,28 @@ class NodeRows:
                 sun=self.sun(index, imager, count, under, few=likely),
                 sharp=None if light_alone else self.sharp(index, imager, under),
             )  # fmt: skip
-            if likely and sunlit:
-                rows = of_farthest_pixels(rows, unlit=self.problem.are_unlit(light))
-            elif not optimistic and self.narrowed is None:
-                rows = of_fewest_pixels(rows, unlit=self.problem.are_unlit(light))
+            if sunlit and (likely or self.narrowed is None):
+                few = of_farthest_pixels if likely else of_fewest_pixels
+                rows = self._with_few_pixels(
+                    partial(few, unlit=self.problem.are_unlit(light)), index, rows, imager, count, under
+                )
             if not light_alone and not optimistic and self.has_rules(index):
                 kept = self.keep_rules_in(index, imager, light, count, under)
                 rows = replace(rows, time_max_s=np.where(kept, rows.time_max_s, -1.0))
             result.append(replace(rows, optimistic=optimistic))
         return result
+
+    def _with_few_pixels(
+        self, few: Callable[[SceneRows], SceneRows], scene_index: int, rows: SceneRows, imager: Array, count: Array,
+        under: Under,
+    ) -> SceneRows:  # fmt: skip
+        """The rows with fewer pixels, picked once of each image under a number of lamps: what collects scales all."""
+        first, back = rows_alike(self.tables.images[1][imager], count, under.index)
+        made, collecting = few(rows.take(first)), self.imagers.scenes[scene_index].view.collecting_m2[imager]
+        scale = (collecting / collecting[first][back])[:, None, None]
+        columns = {name: getattr(made, name) for name in PIXEL_COLUMNS}
+        changes: dict[str, Any] = {name: c[back] * scale for name, c in columns.items() if c is not None}
+        return replace(rows, **changes)
 
     def sharp(self, scene_index: int, imager: Array, under: Under) -> SharpRows | None:
         """What MTF and information depend on, where either is asked for."""
@@ -163,15 +183,14 @@ class NodeRows:
     def _with_likely_pixel(
         self, scene_index: int, imager: Array, count: Array, under: Under, seen: ImageLight
     ) -> ImageLight:
-        """With no less than the light at the pixel that decides, at all altitudes as at the farthest: for bounds."""
+        """With no less than the light at the pixel that decides, at the farthest altitude: for bounds."""
         pixels = self.problem.scenes[scene_index].pixels
         assert pixels is not None
         most_e = np.empty(len(imager))
         for lighting, number, mine in under.with_number(count):
             unique, back = distinct(imager[mine])
             most_e[mine] = self.tables.likely_pixel(scene_index, lighting, unique, count=number, pixels=pixels)[back]
-        worst_e = np.broadcast_to(most_e[:, None, None], (*seen.signal_e.shape, 1))
-        return seen.with_pixels(ImageLight(seen.signal_e, worst_e=worst_e))
+        return seen.with_pixels(ImageLight(seen.signal_e, worst_e=most_e[:, None, None]))
 
     def with_pixels(
         self, scene_index: int, imager: Array, count: Array, under: Under, seen: ImageLight, *, veils: Veils

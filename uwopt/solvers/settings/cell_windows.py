@@ -124,9 +124,8 @@ def window_over(
     sides = level_sides(rows, beside)
     low, high = sides.for_level, sides.high
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        for altitude in range(rows.signal_e.shape[1]):
-            never = np.inf if helping is None else 0.0  # with sun of another contrast it rules no X out
-            low = np.maximum(low, light_asked_for(quiet, altitude, sun=helping, never=never))
+        never = np.inf if helping is None else 0.0  # with sun of another contrast it rules no X out
+        low = np.maximum(low, light_asked_for(quiet, sun=helping, never=never))
         if helping is not None:
             low = np.maximum(low, light_beside_most_sun(quiet, y_lo, y_hi))
         if rows.min_contrast > 0.0 and not rows.optimistic:
@@ -153,8 +152,7 @@ def light_beside_most_sun(rows: SceneRows, y_lo: Array, y_hi: Array) -> Array:
     if len(some):
         rows, share = rows.take(some), y_lo[some] / y_hi[some]
         sun = Sun.at(rows, y_hi[some])
-        each = [light_asked_for(rows, altitude, sun=sun, never=0.0) for altitude in range(rows.signal_e.shape[1])]
-        least[some] = share * np.max(each, axis=0)
+        least[some] = share * light_asked_for(rows, sun=sun, never=0.0)
     return least
 
 

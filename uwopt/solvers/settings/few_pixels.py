@@ -53,7 +53,8 @@ def between(least: Array, most: Array, may_miss: int) -> tuple[Array, int]:
 
 def _asked(rows: SceneRows) -> Array:
     """Light that each pixel asks for at every altitude, (n, n_altitudes, n_pixels); inf: no light is enough."""
+    assert rows.worst_e is not None
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        each = [windows.light_of_each(rows, a, rows.min_snr, of="worst") for a in range(rows.signal_e.shape[1])]
+        each = [windows.light_of_each(rows, a, rows.min_snr, of="worst") for a in range(-rows.worst_e.shape[1], 0)]
     asked = np.stack(each, axis=1)
     return np.where(np.isfinite(asked), asked, np.inf)

@@ -135,8 +135,7 @@ def asked_sides(rows: SceneRows, sun: Sun | None = None) -> Window:
     sides = level_sides(rows, Beside(other, other, dark, level_dark, level_dark))
     full, for_snr = sides.full, np.zeros(len(dark))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        for altitude in range(rows.signal_e.shape[1]):
-            for_snr = np.maximum(for_snr, light_asked_for(rows, altitude, sun=sun))
+        for_snr = np.maximum(for_snr, light_asked_for(rows, sun=sun))
     if rows.min_contrast > 0.0 and sun is None:
         full = np.where(contrast(rows) < rows.min_contrast * (1 - 1e-9), -np.inf, full)
     return replace(sides, full=full, for_snr=for_snr).without_nan()
@@ -187,14 +186,16 @@ def nominal_contrast(rows: SceneRows) -> Array:
     return np.where(lit, rows.signal_e[:, rows.nominal] / np.where(lit, every, 1.0), 0.0)
 
 
-def light_asked_for(rows: SceneRows, altitude: int, *, sun: Sun | None = None, never: float = np.inf) -> Array:
-    """Least X that reaches every SNR that the mission asks for at one altitude: of mean, pixels and red."""
+def light_asked_for(rows: SceneRows, *, sun: Sun | None = None, never: float = np.inf) -> Array:
+    """Least X that reaches every SNR that the mission asks for at all altitudes, (n,): of mean, pixels and red."""
     of: Light = "mean" if rows.worst_e is None else "worst"
-    wanted = light_for_snr(rows, altitude, rows.min_snr, of=of, sun=sun, never=never)
-    beside: tuple[tuple[Light, float], ...] = (("mean", rows.min_snr_mean), ("red", rows.min_snr_red))
-    for other, snr in beside:
-        if snr > 0.0:
-            wanted = np.maximum(wanted, light_for_snr(rows, altitude, snr, of=other, sun=sun, never=never))
+    asked: list[tuple[Light, float]] = [(of, rows.min_snr)]
+    beside: list[tuple[Light, float]] = [("mean", rows.min_snr_mean), ("red", rows.min_snr_red)]
+    wanted = np.zeros(len(rows.signal_e))
+    for light, snr in asked + [one for one in beside if one[1] > 0.0]:
+        seen = rows.worst_e if light == "worst" and rows.worst_e is not None else rows.signal_e
+        for altitude in range(-seen.shape[1], 0):  # counted from the farthest, which bounds know alone of pixels
+            wanted = np.maximum(wanted, light_for_snr(rows, altitude, snr, of=light, sun=sun, never=never))
     return wanted
 
 
