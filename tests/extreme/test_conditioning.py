@@ -29,7 +29,7 @@ from uwopt.solvers.settings.question import Question
 TRUE_REL = 1e-6  # of a value called optimal; the proofs ask for residuals of 1e-6 to 1e-4 in logarithms
 #: Methods that settle every design below within their means; all others may only fail honestly.
 SURE = ("casadi", "slsqp")
-SLOW = ("global", "cobyla")
+SLOW = ("global", "isres", "ags", "direct_l", "mlsl", "lbfgs", "cobyla", "mma", "ccsaq")
 POWER, SNR = Objective.of("power"), Objective.of("snr_db")
 
 

@@ -32,7 +32,7 @@ from uwopt.solvers.continuous.solve_settings import Method, Verdict, solve_setti
 from uwopt.solvers.settings.best import best_settings
 from uwopt.solvers.settings.question import Question
 
-METHODS: tuple[Method, ...] = ("casadi", *continuous.ALGORITHMS)
+METHODS: tuple[Method, ...] = ("casadi", "slsqp", "cobyla", "global")  # those that settle what they are given
 AGREE = 1e-4  # what a second opinion is asked for; the solvers reach about 1e-9
 CAMERA_W, COST, MASS_KG, GSD_MM = 3.0, 5.0, 1.0, 2.0
 POWER, SNR, SUM = Objective.of("power"), Objective.of("snr_db"), Objective.of({"power": 1.0, "snr_db": 2.0})
@@ -371,3 +371,7 @@ def test_solvers_print_nothing(method: str, capfd: pytest.CaptureFixture[str]) -
     solved([scene()], method=method)
     solved(IMPOSSIBLE["full well below the need"][0], method=method)
     assert capfd.readouterr() == ("", "")
+
+
+def test_methods_have_a_proof_each() -> None:
+    assert set(continuous.PROOF) == {*METHODS, *continuous.ALGORITHMS}

@@ -213,7 +213,6 @@ def second_opinions(
     choice : of hardware that holds in the doubt: its iris and its focus stand where the scenarios want them
     """
     from uwopt.solvers.continuous import opinions
-    from uwopt.solvers.continuous.solve_settings import ALGORITHMS
 
     best, *others = sought.outcome.best
     first: Sought | None = sought
@@ -223,7 +222,7 @@ def second_opinions(
         return []
     if solver == "bonmin":
         return [opinions.mixed_opinion(first, max_seconds=min(opinions.BONMIN_S, deadline.left_s))]
-    methods = ALGORITHMS if solver == "nlopt" else ("casadi",)
+    methods = {"exact": ("casadi",), "casadi": ("casadi",), "nlopt": ("slsqp", "cobyla", "global")}[solver]
     if not opinions.smooth(sought):
         return opinions.aperture_opinions(sought, best) if choice is None else []
     few = [(first, first.outcome.best[0]), *((sought, other) for other in others if solver != "exact")]

@@ -217,7 +217,7 @@ def random_search(referee: Referee, seed: int) -> None:
 PEERS: dict[str, Callable[[Referee, int], None]] = {
     "casadi-ipopt": by_settings("casadi"),
     "bonmin": bonmin,
-    **{f"nlopt-{name}": by_settings(name) for name in ALGORITHMS},
+    **{f"nlopt-{name.replace('_', '-')}": by_settings(name) for name in ALGORITHMS},
     "pymoo-ga": genetic,
     "scipy-de": differential,
     "random": random_search,

@@ -35,9 +35,12 @@ from uwopt.solvers.continuous.program import Goal, Program
 from uwopt.tolerances import TIE
 from uwopt.units import ratio_to_db
 
-Method = Literal["casadi", "slsqp", "cobyla", "global"]
+Method = Literal[
+    "casadi", "global", "slsqp", "mma", "ccsaq", "lbfgs", "cobyla", "isres", "ags", "direct_l", "mlsl"
+]
 Status = Literal["optimal", "feasible", "infeasible", "failed"]
-ALGORITHMS: tuple[Method, ...] = get_args(Method)[1:]  # of NLopt
+#: Algorithms of NLopt one by one. Of these some only come near.
+ALGORITHMS: tuple[Method, ...] = get_args(Method)[2:]
 FEASIBLE = 1e-6  # relative, of any rule
 GAP = 1e-6  # of what is called optimal, in the program's objective: a logarithm of power or of SNR
 
@@ -135,7 +138,7 @@ def solve_settings(
     design : in all its scenes
     objective : power, snr_db or a weighted sum; other terms are constants of the design
     power_limit_w : of camera and lights together; inf when there is none
-    method : casadi, or an algorithm of NLopt
+    method : casadi, global, or an algorithm of NLopt
     max_seconds : after which the best so far counts
 
     Returns
