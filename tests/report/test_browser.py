@@ -442,6 +442,15 @@ def test_tables_are_whole_at_the_width_of_a_laptop(
     assert cut == []
 
 
+def test_what_to_buy_is_whole_on_a_telephone(show: Callable[..., Any], tank: Any) -> None:
+    page = show(tank, viewport={"width": 390, "height": 800})
+    over = page.evaluate(
+        "[...document.querySelectorAll('.short-part table.grid')].map(one => one.getBoundingClientRect().right"
+        " - one.closest('.short-part').getBoundingClientRect().right)"
+    )
+    assert over and max(over) <= 0
+
+
 def test_result_can_be_taken_from_the_page(show: Callable[..., Any], make_front: Make) -> None:
     front = make_front()
     page = show(front)
