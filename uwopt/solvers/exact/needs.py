@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -129,10 +130,14 @@ class ImagerNeeds:
         at = self.problem.scenes[scene_index].nominal if altitude is None else altitude
         return 1.0 / (1.0 + self.veils.least(scene_index, lightings, rows, at))
 
+    @cached_property
+    def _of_each_optics(self) -> list[Lighting]:
+        """One lighting of each optics: bounds of veils know no mount, of which there may be hundreds."""
+        return list({one.optics: one for one in self.tables.lightings}.values())
+
     def least_veil(self, scene_index: int, rows: Array) -> Array:
         """Least veil over signal under any lighting, at the farthest altitude and the nominal one, (n, 2)."""
-        every = self.tables.lightings
-        clearest = [self.most_contrast(scene_index, every, rows, altitude) for altitude in (-1, None)]
+        clearest = [self.most_contrast(scene_index, self._of_each_optics, rows, altitude) for altitude in (-1, None)]
         return 1.0 / np.stack(clearest, axis=1) - 1.0
 
 
