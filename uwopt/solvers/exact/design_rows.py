@@ -67,7 +67,7 @@ class NodeRows:
                 sun=self.sun(index, imager, count, under, few=likely),
                 sharp=None if light_alone else self.sharp(index, imager, under),
             )  # fmt: skip
-            if sunlit and (likely or self.narrowed is None):
+            if pixels is not None and sunlit and (likely or self.narrowed is None):
                 few = of_farthest_pixels if likely else of_fewest_pixels
                 rows = self._with_few_pixels(
                     partial(few, unlit=self.problem.are_unlit(light)), index, rows, imager, count, under
