@@ -216,14 +216,14 @@ def test_wherever_time_ends_the_result_is_sound(readings: int, limited: Callable
 
 
 def test_an_interrupted_explanation_keeps_what_helps(monkeypatch: pytest.MonkeyPatch) -> None:
-    honest = Relaxer.any_design
+    honest = Relaxer.seek
 
-    def any_design(*args: Any, depth_m: float | None = None, **more: Any) -> Any:
+    def seek(*args: Any, depth_m: float | None = None, **more: Any) -> Any:
         if depth_m == 0.0:  # the last requirement that is dropped
             raise KeyboardInterrupt
         return honest(*args, depth_m=depth_m, **more)
 
-    monkeypatch.setattr(Relaxer, "any_design", any_design)
+    monkeypatch.setattr(Relaxer, "seek", seek)
     result = api.solve(mission(catalog={**FEW_PARTS, "generic": "never"}, limits={"power_w": 0.001}))
     assert result.status == "infeasible" and result_status(result) == 130
     assert [item["name"] for item in result.infeasible["relaxations"]] == ["power_w"]

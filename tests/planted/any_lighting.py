@@ -90,8 +90,8 @@ DEFECTS = (
     Defect(
         name="of a large catalogue no few are tried",
         file="uwopt/solvers/infeasible/relaxer.py",
-        old="            pairs = FEW_PAIRS * (number",
-        new="            return None\n            pairs = FEW_PAIRS * (number",
+        old="    most = FEW_PAIRS * number",
+        new="    return None\n    most = FEW_PAIRS * number",
         test=f"{AT_HAND}::test_of_a_catalogue_too_large_to_list_a_few_pairs_are_tried_first",
     ),
 )

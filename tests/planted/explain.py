@@ -720,8 +720,8 @@ DEFECTS = (
     Defect(
         name="a type of water that takes too long is asked again and again",
         file=MOVES,
-        old="        except OutOfTimeError:\n            self.too_long = middle\n            return\n",
-        new="        except OutOfTimeError:\n            return\n",
+        old="        else:\n            self.too_long = middle\n",
+        new="",
         test=f"{TESTS}::test_a_type_of_water_that_takes_too_long_is_asked_once_and_clearer_ones_instead",
     ),
     Defect(

@@ -1158,8 +1158,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="what a few imagers do not do nothing does",
         file="uwopt/solvers/infeasible/relaxer.py",
-        old="return found if found is not None and (found.outcome.best or found.outcome.interrupted) else None",
-        new="return found",
+        old="if found is not None and (found.outcome.best or found.outcome.interrupted):",
+        new="if found is not None:",
         test=f"{RELAXED}::test_a_first_design_is_found_where_a_whole_search_finds_one",
     ),
     Defect(

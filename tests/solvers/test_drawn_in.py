@@ -95,7 +95,7 @@ def test_a_few_imagers_are_tried_first_though_all_are_soon_known(parts, catalog,
     """Where something likely fits: without what likely stands in the way, and half-way to what is asked."""
     one, asked = without_gsd(parts, catalog), list[Any]()
     monkeypatch.setattr(Relaxer, "is_soon_known", lambda self, freed=(): True)
-    monkeypatch.setattr(Relaxer, "among_few", lambda self, wanted, *_, **more: asked.append(wanted))
+    monkeypatch.setattr(Relaxer, "_few_known", lambda self, problem, *_: asked.append(problem.mission))
     one.by_few = True
     for _ in range(2):
         one.step(Deadline(0.5 * FIGURE_S, lambda: 0.0))

@@ -13,6 +13,7 @@ from uwopt.forward.assembly import load_catalog, selected
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.mission.weakened import RELAXABLE, without
 from uwopt.solvers.exact import search as searching
+from uwopt.solvers.exact.account import Account
 from uwopt.solvers.exact.certificate import certificate
 from uwopt.solvers.infeasible import relaxer as relaxing
 from uwopt.solvers.infeasible.moves import Mover
@@ -40,11 +41,10 @@ def found_without(name: str) -> Sought:
 
 @pytest.fixture
 def no_search(monkeypatch: pytest.MonkeyPatch) -> None:
-    def ask(self: Relaxer, *_: object, **__: object) -> None:
-        return None
-
-    for name in ("any_design", "few_designs"):
-        monkeypatch.setattr(Relaxer, name, ask)
+    """Of a moved key none ends, among a few imagers or among all."""
+    cut = SimpleNamespace(best=[], complete=False, interrupted=False, account=Account())
+    for name in ("_seek", "_among_few"):
+        monkeypatch.setattr(Mover, name, lambda self, *_, **__: SimpleNamespace(outcome=cut))
 
 
 def test_a_key_that_the_nearest_hardware_needs_moved_is_told_without_a_search(no_search):
@@ -109,7 +109,6 @@ def test_a_shorter_mission_may_have_parts_that_a_long_one_may_not():
         return load_mission(base | {"vehicle": vehicle, "catalog": base["catalog"] | ports})
 
     season, catalog = lasting(2000.0), load_catalog(reef(20.0))
-    found = Relaxer(season, catalog, "never").any_design(lasting(20.0), NEVER, moved="duration_h")
-    assert found is not None
+    found = Relaxer(season, catalog, "never").seek(lasting(20.0), POWER, {"duration_h"}, enough=True)
     assert [len(selected(one, catalog, generic="never").ports) for one in (season, lasting(20.0))] == [1, 2]
     assert len(found.selection.ports) == 2

@@ -308,7 +308,7 @@ def test_what_may_help_is_asked_of_first_and_once(parts, catalog, monkeypatch):
     assert asked == [{"min_swath_m"}, {"min_snr"}]
     one.drop_light()
     one.drop_rest()
-    assert asked[2:] == [{"overlap"}]
+    assert asked[2:] == [{"overlap"}, {"depth_rating_m"}]
 
 
 def test_what_does_not_help_alone_is_told_with_what_still_stands_in_the_way(parts, catalog):

@@ -92,7 +92,6 @@ def test_detail_that_no_parts_show_is_told_to_have_to_give_without_a_search_for_
         return seek_one(self, wanted, goal, freed, **more)
 
     monkeypatch.setattr(Relaxer, "seek", heard)
-    monkeypatch.setattr(Relaxer, "any_design", None)
     why, trials = explained(sharp(parts, 0.89), catalog)
     (told,) = why.relaxations
     assert told.name == SHARP and told.nearest and why.unmet == why.contradiction == [SHARP]

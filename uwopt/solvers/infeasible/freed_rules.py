@@ -49,6 +49,7 @@ MOVES_PASS: dict[str, frozenset[str]] = {
     "speed_m_s": frozenset({"max_blur_px", "frame_rate", "data_rate_mb_s", "storage_gb", "card_gb"}),
     "frame_interval_s": frozenset({"frame_rate", "data_rate_mb_s", "storage_gb", "card_gb"}),
     HOURS: frozenset({"storage_gb", "card_gb"}),
+    OTHER_WATER: frozenset(),
 }
 FREES = MAY_PASS | MOVES_PASS
 #: Those that count of imagers alone: who fits without them and not with them breaks their rule.
@@ -56,7 +57,7 @@ OF_IMAGERS = frozenset({"max_gsd_mm", "min_swath_m", "min_common_swath_m", "max_
 #: Those that no imager's rule or column knows.
 OF_LIGHT = frozenset({
     "min_snr", "max_white_balance", "max_skew_px", "max_airy_px", "max_gain_db", "mean_level", "min_contrast",
-    "min_uniformity", "min_mtf_half_nyquist", "peak_power_w",
+    "min_uniformity", "min_mtf_half_nyquist", "peak_power_w", OTHER_WATER,
 })  # fmt: skip
 
 

@@ -26,7 +26,7 @@ from uwopt.solvers.infeasible.freed_rules import MAY_PASS
 from uwopt.solvers.infeasible.least_change import Change, rounded_away, same_hardware, with_its_hardware
 from uwopt.solvers.infeasible.move_keys import BATTERY, shared_keys
 from uwopt.solvers.infeasible.reached import UNKNOWN, judged_by, miss, missed_by
-from uwopt.solvers.infeasible.relaxer import ANY
+from uwopt.solvers.infeasible.relaxer import ANY, FEW_IMAGERS
 from uwopt.solvers.infeasible.trials import BRIGHT, Trials
 from uwopt.solvers.recommend import Sought
 
@@ -41,7 +41,7 @@ FARTHEST = (0.4, 0.75)  # shares that are tried where nothing is known to help a
 FARTHEST_SOON = (0.75, 0.85)  # among a few imagers, of which a share that is small finds none
 SOON_TURN = 0.7  # of the time left, for one search of these, and for the first of all that fits
 DRAW_SHARE = 0.5  # of all the time left, for what their hardware needs no more
-SOON_PAIRS = 1500  # of camera and lens behind ports, where speed and height give too
+SOON_IMAGERS = 75  # where speed and height give too
 NO_MORE = 0.95  # of a limit from below: all of it would ask for nothing
 
 
@@ -153,10 +153,8 @@ class CommonShare:
             mission = self.mission(self.weaker_by(share))
             if self.few:
                 found = self._among_few(mission, turn)
-            elif self.moved:
-                found = trials.relaxer.any_design(mission, turn)
             else:
-                found = trials.relaxer.seek(mission, ANY, set(self.limits), deadline=turn, enough=True)
+                found = trials.relaxer.seek(mission, ANY, set(self.asked), deadline=turn, enough=True)
         except UwoptError:
             return None
         if found is None:
@@ -166,9 +164,8 @@ class CommonShare:
 
     def _among_few(self, mission: Mission, turn: Deadline) -> Sought | None:
         """A search of a few imagers, the brightest first: what needs little power is seldom bright enough."""
-        if self.moved:
-            return self.trials.relaxer.few_designs(mission, turn, number=SOON_PAIRS, goal=BRIGHT)
-        return self.trials.relaxer.among_few(mission, BRIGHT, set(self.limits), turn)
+        number = SOON_IMAGERS if self.moved else FEW_IMAGERS
+        return self.trials.relaxer.among_few(mission, BRIGHT, set(self.asked), turn, number=number)
 
     # ------------------------------------------------------------ back towards what was asked
 

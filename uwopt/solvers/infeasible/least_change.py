@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from uwopt.deadline import NEVER, Deadline, OutOfTimeError
+from uwopt.deadline import NEVER, Deadline
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.infeasible.reached import miss
@@ -83,7 +83,7 @@ class Narrowing:
     asked : of the mission
     change : as far as it is drawn in
     relaxed : the mission with another limit
-    search : over all hardware, in some time; may raise OutOfTimeError
+    search : over all hardware, in some time
     """
 
     asked: float
@@ -126,11 +126,7 @@ class Narrowing:
         limit = self.change.limit
         near = self.asked if self.share == CLOSER else self.too_near if self.too_long is None else self.too_long
         step = limit + self.share * (near - limit)
-        try:
-            closer = self.search(self.relaxed(step), turn)
-        except OutOfTimeError:
-            self._put_off(step)
-            return
+        closer = self.search(self.relaxed(step), turn)
         if closer.outcome.best:  # not the least by far, it seems: halve what is left
             typed = Change(rounded_away(step, self.asked), closer)
             self.change, self.share = with_its_hardware(self.too_near, typed, self.relaxed, turn), 0.5

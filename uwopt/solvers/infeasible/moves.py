@@ -7,11 +7,10 @@ drawn back as near as something still fits (`least_change`). Whatever is told ha
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 
-from uwopt.deadline import Deadline, OutOfTimeError
+from uwopt.deadline import Deadline
 from uwopt.errors import UwoptError
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Value, Varied, VariedMission, rounded
@@ -19,6 +18,7 @@ from uwopt.results.basis import Moved
 from uwopt.solvers.infeasible.freed_rules import OTHER_WATER
 from uwopt.solvers.infeasible.least_change import Change, Narrowing, same_hardware
 from uwopt.solvers.infeasible.move_keys import CLEAREST_FIRST, SWITCHES, Try, tries_of
+from uwopt.solvers.infeasible.relaxer import ANY
 from uwopt.solvers.infeasible.trials import Trials
 from uwopt.solvers.recommend import Sought
 from uwopt.units import split_unit
@@ -82,11 +82,7 @@ class NearestType:
         """Ask of the type in the middle."""
         self.steps += 1
         middle = self._to_ask
-        try:
-            found = self.search(CLEAREST_FIRST[middle], turn)
-        except OutOfTimeError:
-            self.too_long = middle
-            return
+        found = self.search(CLEAREST_FIRST[middle], turn)
         if found is not None and found.outcome.best:
             self.fits = middle
         elif found is None or found.outcome.complete:
@@ -194,7 +190,7 @@ class Mover:
     def _among_few(self, key: Varied, value: Value, turn: Deadline) -> Sought | None:
         """A design among a few imagers with a key at another value; None where there is none, or no such mission."""
         try:
-            found = self.trials.relaxer.few_designs(self._at(key, value), turn, what_moves(key))
+            found = self.trials.relaxer.among_few(self._at(key, value), ANY, {what_moves(key)}, turn)
         except UwoptError:
             return None
         self.trials.interrupted |= found is not None and found.outcome.interrupted
@@ -206,7 +202,7 @@ class Mover:
         for one in self.left:
             if self.trials.interrupted or phase.left_s <= LEAST_S or (one_is_enough and self.far):
                 break
-            with suppress(OutOfTimeError), self.trials.until_interrupted():
+            with self.trials.until_interrupted():
                 self._try_far(one, phase)
 
     @property
@@ -268,17 +264,17 @@ class Mover:
             return None
 
     def _seek(self, key: Varied, mission: Mission, turn: Deadline, *, few_first: bool = True) -> Sought:
-        """A search for any design; raises OutOfTimeError where its imagers alone take too long."""
-        found = self.trials.relaxer.any_design(mission, turn, few_first=few_first, moved=what_moves(key))
-        if found is None:
-            raise OutOfTimeError
+        """A search for any design."""
+        found = self.trials.relaxer.seek(
+            mission, ANY, {what_moves(key)}, deadline=turn, enough=True, few_first=few_first
+        )
         if found.outcome.interrupted:
             raise KeyboardInterrupt
         return found
 
 
 def what_moves(key: Varied) -> str:
-    """What a key changes, as the searches take it: of a scene the water alone is moved."""
+    """What a key frees, as the searches take it: of a scene the water alone is moved."""
     return OTHER_WATER if key.section == "scene" else key.name
 
 

@@ -3,27 +3,25 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable
-from functools import cached_property
+from collections.abc import Callable, Collection, Iterable
+from dataclasses import dataclass
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 
 from uwopt.catalog.choose import Selection
-from uwopt.deadline import NEVER, Deadline, OutOfTimeError
+from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.assembly import build_problem, selected
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.account import NOT_REACHED
-from uwopt.solvers.exact.imagers import FittingPairs, Imagers, enumerate_imagers, fitting_pairs, landscapes
+from uwopt.solvers.exact.imagers import FittingPairs, Imagers, fitting_pairs, landscapes
 from uwopt.solvers.exact.never_sharp import MAY_SHOW
-from uwopt.solvers.exact.search import are_too_many
 from uwopt.solvers.infeasible.freed_rules import (
     FREES,
     HOURS,
-    MAY_PASS,
-    MOVES_PASS,
     OF_HOURS,
     OF_LIGHT,
     OTHER_WATER,
@@ -33,81 +31,73 @@ from uwopt.solvers.infeasible.freed_rules import (
 from uwopt.solvers.infeasible.none_left import DEPTH
 from uwopt.solvers.infeasible.relaxed_imagers import RelaxedImagers, few_places, in_best_housing
 from uwopt.solvers.infeasible.sharpest import SHARP, asked_of, most_of_parts
-from uwopt.solvers.recommend import Sought, seek
+from uwopt.solvers.recommend import Sought
 from uwopt.solvers.warm.tables import asking, imagers_of
 
 FEW_PAIRS = 5000  # of camera and lens behind ports, likewise, of which most break some rule
 FEW_IMAGERS = 250  # that are tried before all: where something fits at all, it is mostly among them
 FEW_SHARPEST = 8  # the same, of those that may be sharpest
+
 CHEAPEST = Objective.of("cost")
 FEWER_PARTS = ("min_snr_red_db",)  # that some cameras never meet, and are left out for
 ANY = Objective.of("power")  # where any design that fits will do: by no other objective takes a search less
 
 
+@dataclass(frozen=True)
+class Searchable:
+    """Where designs of a mission that asks for less are looked for."""
+
+    selection: Selection
+    problem: Problem
+    few: Callable[[int], Imagers | None]  # about so many from all over; None where that is of no use
+    every: Callable[..., Imagers | None]  # in time, of every housing or one; None: whoever searches lists them
+
+    def search(self, goal: Objective, imagers: Imagers | None, **how: Any) -> Sought:
+        """What a search of some imagers finds, or of all; `how` as `Search` takes it."""
+        return Sought.of(self.selection, self.problem, goal, imagers=imagers, **how)
+
+
 class Relaxer(RelaxedImagers):
-    """One mission's searches without this or that requirement."""
+    """One mission's searches without this or that requirement, or with a key moved.
+
+    A mission differs from it in what is `freed`: requirements that are dropped or ask for less, keys that are moved and
+    ask for less, `OTHER_WATER`; any other name stands for parts or scenes that may be others.
+    """
 
     def seek(
         self, mission: Mission, goal: Objective, freed: Collection[str], *, deadline: Deadline = NEVER,
         enough: bool = False, ceiling: float = math.inf, few_first: bool = True, likely: bool = False,
+        depth_m: float | None = None,
     ) -> Sought:  # fmt: skip
-        """Search for a mission that differs in these requirements, which ask for less. `enough` as in `Search`.
+        """Search for a mission that differs in these. `enough` as in `Search`.
 
         few_first : where one design is enough, look for it among a few imagers before all
         likely : that something fits: so too where all are soon known
+        depth_m : for which parts must be rated; None: as the mission asks
         """
-        if not set(freed) <= FREES.keys() or self.are_too_many:
-            few_first &= enough and self.are_too_many
-            if few_first and (soon := fitting(self.among_few(mission, goal, freed, deadline))) is not None:
-                return soon
-            return seek(
-                mission, self.catalog, goal, generic=self.generic, deadline=deadline, like=self.problem,
-                enough=enough, ceiling=ceiling,
-            )  # fmt: skip
-        few_first &= enough and (likely or not self.is_soon_known(freed))
-        if few_first and (soon := fitting(self.among_few(mission, goal, freed, deadline))) is not None:
-            return soon
-        problem = self.asking(mission)
-        imagers = self.imagers_in_time(problem, freed, deadline, one_housing=enough)
-        return Sought.of(
-            self.selection, problem, goal, deadline=deadline, ceiling=ceiling, enough=enough, imagers=imagers
-        )
+        where = self._searchable(mission, freed, depth_m)
+        soon_known = self.is_soon_known(freed if self._has_same_parts(freed) else ())
+        if few_first and enough and (likely or not soon_known) and not deadline.passed():
+            few = where.few(FEW_IMAGERS)
+            found = None if few is None else where.search(goal, few, deadline=deadline, enough=True)
+            if found is not None and (found.outcome.best or found.outcome.interrupted):  # else it proves nothing
+                return found
+        every = where.every(deadline, one_housing=enough)
+        return where.search(goal, every, deadline=deadline, ceiling=ceiling, enough=enough)
 
     def among_few(
         self, mission: Mission, goal: Objective, freed: Collection[str], deadline: Deadline = NEVER, *,
-        enough: bool = True, number: int | None = None, **how: Any,
+        enough: bool = True, number: int = FEW_IMAGERS, **how: Any,
     ) -> Sought | None:  # fmt: skip
-        """A search of a few imagers from all over the catalogue; None where that is of no use.
+        """A search of about so many imagers from all over the catalogue; None where that is of no use.
 
-        Where none of them fits, that proves nothing. `mission` differs in these requirements, which ask for less;
-        `how` as `Search` takes it.
+        Where none of them fits, that proves nothing. `how` as `Search` takes it.
         """
-        if not set(freed) <= FREES.keys() or deadline.passed():
+        if deadline.passed():
             return None
-        if self.are_too_many:
-            pairs = FEW_PAIRS * (number or FEW_IMAGERS) // FEW_IMAGERS
-            asked = self.asking(mission)
-            return self._soon(self.selection, asked, self.pairs, deadline, pairs, goal, enough=enough, **how)
-        known, problem = self.known_in_best_housing, self.asking(mission)
-        if known is not None and OF_LIGHT.issuperset(freed):
-            share = len(known) // (number or FEW_IMAGERS)
-            if share < 2:
-                return None
-            imagers = known.take(np.arange(0, len(known), share))
-            if self.sharpest is not None and set(freed) == {SHARP}:
-                imagers = known.take(self.sharpest.first(FEW_SHARPEST))
-        else:
-            freed_pairs = self._freed_pairs(freed)
-            most = number or FEW_IMAGERS
-            if sum(map(len, freed_pairs.values())) < 2 * most:
-                return None
-            some = few_places(place for place, rows in freed_pairs.items() if len(rows))
-            share = max(1, sum(len(freed_pairs[place]) for place in some) // most)
-            few = {place: freed_pairs[place][start % share :: share] for start, place in enumerate(some)}
-            if set(freed) == {"cost"}:
-                few = self._with_cheapest(few, freed_pairs)
-            imagers = self._imagers_of(problem, few, NEVER, one_housing=True)
-        return Sought.of(self.selection, problem, goal, imagers=imagers, deadline=deadline, enough=enough, **how)
+        where = self._searchable(mission, freed)
+        few = where.few(number)
+        return None if few is None else where.search(goal, few, deadline=deadline, enough=enough, **how)
 
     def cheapest(
         self, mission: Mission, freed: Collection[str], *, deadline: Deadline = NEVER, ceiling: float = math.inf
@@ -115,83 +105,55 @@ class Relaxer(RelaxedImagers):
         """A search for what fits at the least prices, as these count against the mission's limit of cost."""
         problem = self.asking(mission).at_limit_prices()
         imagers: Imagers | None = None
-        if set(freed) <= MAY_PASS.keys() and not self.are_too_many:
+        if self._is_known(freed):
             imagers = self.imagers_in_time(problem, freed, deadline, one_housing=mission.limits.mass_kg is None)
         return Sought.of(self.selection, problem, CHEAPEST, deadline=deadline, ceiling=ceiling, imagers=imagers)
 
-    def any_design(
-        self, mission: Mission, deadline: Deadline, depth_m: float | None = None, *, few_first: bool = True,
-        moved: str = "",
-    ) -> Sought | None:  # fmt: skip
-        """A search for any design of a mission that may be in other scenes; None where imagers alone take too long.
+    # ------------------------------------------------------------ where to look
 
-        `moved`: the one key in which it differs and asks for less, or `OTHER_WATER` where that is all that differs.
-        """
-        few_first &= not self.is_soon_known()
-        if self._is_known_of(moved):
-            soon = fitting(self._of_known(mission, deadline, moved, few=True)) if few_first else None
-            return soon or self._of_known(mission, deadline, moved)
-        selection = selected(mission, self.catalog, generic=self.generic, depth_m=depth_m)
-        problem = build_problem(mission, selection, scenes=self.problem.scenes_for(mission))
-        pairs = fitting_pairs(problem)
-        few = not are_too_many(problem, pairs)
-        if few_first and (soon := fitting(self._soon(selection, problem, pairs, deadline))) is not None:
-            return soon
-        try:
-            imagers = enumerate_imagers(problem, deadline=deadline) if few else None
-        except OutOfTimeError:
-            return None
-        return Sought.of(selection, problem, ANY, deadline=deadline, enough=True, imagers=imagers)
+    def _searchable(self, mission: Mission, freed: Collection[str], depth_m: float | None = None) -> Searchable:
+        """Of imagers of which it is known what they break; of the same parts; or of parts chosen anew."""
+        if not self._has_same_parts(freed):
+            selection = selected(mission, self.catalog, generic=self.generic, depth_m=depth_m)
+            problem = build_problem(mission, selection, scenes=self.problem.scenes_for(mission))
+            pairs = fitting_pairs(problem)
+        else:
+            selection, pairs = self.selection, self.pairs
+            problem = build_problem(mission, selection) if OTHER_WATER in freed else self.asking(mission)
+        if self._is_known(freed):
+            few, every = partial(self._few_known, problem, freed), partial(self.imagers_in_time, problem, freed)
+            return Searchable(selection, problem, few, every)
+        few = partial(few_behind_ports, problem, pairs)
+        return Searchable(selection, problem, few, lambda deadline, one_housing: None)
 
-    def few_designs(
-        self, mission: Mission, deadline: Deadline, moved: str = "", number: int | None = None,
-        goal: Objective = ANY,
-    ) -> Sought | None:  # fmt: skip
-        """As `any_design`, of a few imagers from all over the catalogue; None where that is of no use."""
-        if self._is_known_of(moved):
-            return self._of_known(mission, deadline, moved, few=True)
-        selection = selected(mission, self.catalog, generic=self.generic)
-        problem = build_problem(mission, selection, scenes=self.problem.scenes_for(mission))
-        return self._soon(selection, problem, fitting_pairs(problem), deadline, number, goal)
+    def _has_same_parts(self, freed: Collection[str]) -> bool:
+        """Whether the mission allows no other parts, nor other scenes but for their water."""
+        others = HOURS in freed and any(one.rule in OF_HOURS for one in self.selection.excluded)
+        return set(freed) <= FREES.keys() and not others
 
-    def _is_known_of(self, moved: str) -> bool:
-        """Whether the imagers that a moved key leaves are among those of which it is known what they break."""
-        if self.are_too_many or (moved == HOURS and any(one.rule in OF_HOURS for one in self.selection.excluded)):
-            return False
-        return moved in MOVES_PASS or (moved == OTHER_WATER and self.known_in_best_housing is not None)
+    def _is_known(self, freed: Collection[str]) -> bool:
+        """Whether the imagers that are left are among those of which it is known what they break."""
+        return self._has_same_parts(freed) and not self.are_too_many
 
-    def _of_known(self, mission: Mission, deadline: Deadline, moved: str, *, few: bool = False) -> Sought | None:
-        """A search of those imagers, or of a few of them; None where that is of no use."""
-        if moved in MOVES_PASS:
-            if few:
-                return self.among_few(mission, ANY, {moved}, deadline)
-            return self.seek(mission, ANY, {moved}, deadline=deadline, enough=True, few_first=False)
+    def _few_known(self, problem: Problem, freed: Collection[str], number: int) -> Imagers | None:
+        """About so many imagers that break nothing but rules behind what is freed; None where there are hardly more."""
         known = self.known_in_best_housing
-        assert known is not None
-        share = len(known) // FEW_IMAGERS if few else 1
-        if few and (share < 2 or deadline.passed()):
+        if known is not None and OF_LIGHT.issuperset(freed):
+            share = len(known) // number
+            if share < 2:
+                return None
+            if self.sharpest is not None and set(freed) == {SHARP}:
+                return known.take(self.sharpest.first(FEW_SHARPEST))
+            return known.take(np.arange(0, len(known), share))
+        freed_pairs = self._freed_pairs(freed)
+        if sum(map(len, freed_pairs.values())) < 2 * number:
             return None
-        imagers = known.take(np.arange(0, len(known), share)) if few else known
-        problem = build_problem(mission, self.selection)
-        return Sought.of(self.selection, problem, ANY, imagers=imagers, deadline=deadline, enough=True)
-
-    def _soon(
-        self, selection: Selection, problem: Problem, pairs: FittingPairs, deadline: Deadline,
-        number: int | None = None, goal: Objective = ANY, *, enough: bool = True, **how: Any,
-    ) -> Sought | None:  # fmt: skip
-        """A search of a few pairs of camera and lens behind all ports."""
-        every = [(int(ports[0]), landscape) for ports in problem.port_groups for landscape in landscapes(problem)]
-        most = number or FEW_PAIRS
-        if len(pairs.camera) * len(every) < 2 * most or deadline.passed():
-            return None
-        places = few_places(every)
-        share = max(1, len(pairs.camera) * len(places) // most)
-        some = {
-            place: (pairs.camera[start % share :: share], pairs.lens[start % share :: share])
-            for start, place in enumerate(places)
-        }
-        imagers = imagers_of(problem, some, lambda block: in_best_housing(problem, block))
-        return Sought.of(selection, problem, goal, imagers=imagers, deadline=deadline, enough=enough, **how)
+        some = few_places(place for place, rows in freed_pairs.items() if len(rows))
+        share = max(1, sum(len(freed_pairs[place]) for place in some) // number)
+        few = {place: freed_pairs[place][start % share :: share] for start, place in enumerate(some)}
+        if set(freed) == {"cost"}:
+            few = self._with_cheapest(few, freed_pairs)
+        return self._imagers_of(problem, few, NEVER, one_housing=True)
 
     def asking(self, mission: Mission) -> Problem:
         """The tables for a mission that asks for less of the same parts in the same scenes."""
@@ -243,9 +205,19 @@ class Relaxer(RelaxedImagers):
         return float(min([asked, *(most[most < wanted] / MAY_SHOW)]))
 
 
-def fitting(found: Sought | None) -> Sought | None:
-    """A search that found something or that a person ended; None of any other, which proves nothing."""
-    return found if found is not None and (found.outcome.best or found.outcome.interrupted) else None
+def few_behind_ports(problem: Problem, pairs: FittingPairs, number: int) -> Imagers | None:
+    """The imagers of a few pairs of camera and lens behind all ports; None where there are hardly more pairs."""
+    every = [(int(ports[0]), landscape) for ports in problem.port_groups for landscape in landscapes(problem)]
+    most = FEW_PAIRS * number // FEW_IMAGERS
+    if len(pairs.camera) * len(every) < 2 * most:
+        return None
+    places = few_places(every)
+    share = max(1, len(pairs.camera) * len(places) // most)
+    some = {
+        place: (pairs.camera[start % share :: share], pairs.lens[start % share :: share])
+        for start, place in enumerate(places)
+    }
+    return imagers_of(problem, some, lambda block: in_best_housing(problem, block))
 
 
 def hope(found: Sought) -> float:

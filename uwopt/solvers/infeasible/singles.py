@@ -340,17 +340,12 @@ class Singles:
         if relaxed is None:
             self.useless[name] = ()
             return True
-        seek_one = partial(
-            trials.relaxer.seek, goal=goal_without(name), freed={name}, enough=True,
-            few_first=False,
-        )  # fmt: skip
         if by_depth:
-            deep = self._of_any_depth(turn)
-            if deep is None:
-                return False
-            found = deep
+            found = self._of_any_depth(turn)
         else:
-            found = seek_one(relaxed, deadline=turn)
+            found = trials.relaxer.seek(
+                relaxed, goal_without(name), {name}, deadline=turn, enough=True, few_first=False
+            )
         if found.outcome.best:
             self._take(name, relaxed, found)
         elif found.outcome.complete:
@@ -361,14 +356,15 @@ class Singles:
             raise KeyboardInterrupt
         return found.outcome.complete or bool(found.outcome.best)
 
-    def _of_any_depth(self, turn: Deadline) -> Sought | None:
+    def _of_any_depth(self, turn: Deadline) -> Sought:
         """A search for a design of parts rated for the depth alone, without its reserve; else for any depth."""
         trials = self.trials
+        seek = partial(trials.relaxer.seek, trials.mission, ANY, {"depth_rating_m"}, deadline=turn, enough=True)
         if trials.mission.depth_factor > 1.0:
-            deep = trials.relaxer.any_design(trials.mission, turn, depth_m=trials.mission.asked_depth_m)
-            if deep is not None and deep.outcome.best:
+            deep = seek(depth_m=trials.mission.asked_depth_m)
+            if deep.outcome.best:
                 return deep
-        return trials.relaxer.any_design(trials.mission, turn, depth_m=0.0)
+        return seek(depth_m=0.0)
 
     def _is_known_at_central_prices(self, name: str, limit: float) -> bool:
         """Whether a limit of cost is known to do with estimated prices at their middle; asked once."""

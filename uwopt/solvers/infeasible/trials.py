@@ -18,7 +18,7 @@ from uwopt.results.design import Design
 from uwopt.solvers.infeasible.freed_rules import OF_LIGHT, in_the_way
 from uwopt.solvers.infeasible.least_change import rounded_away
 from uwopt.solvers.infeasible.reached import judged_by, reached_value
-from uwopt.solvers.infeasible.relaxer import ANY, Relaxer
+from uwopt.solvers.infeasible.relaxer import ANY, FEW_IMAGERS, Relaxer
 from uwopt.solvers.recommend import Sought
 
 BRIGHT = Objective.of(
@@ -118,7 +118,7 @@ class Trials:
             mission = without(mission, *RELAXABLE[name][:2]) or mission
         return mission
 
-    def few_without(self, names: Collection[str], turn: Deadline, number: int | None = None) -> Sought | None:
+    def few_without(self, names: Collection[str], turn: Deadline, number: int = FEW_IMAGERS) -> Sought | None:
         """A search without all of these among a few imagers; None where that is of no use."""
         found = self.relaxer.among_few(self.without(names), ANY, set(names), turn, number=number)
         self.interrupted |= found is not None and found.outcome.interrupted
