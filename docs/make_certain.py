@@ -234,7 +234,7 @@ Times are seconds of the processor for a whole `solve`, doubts included, by cent
 interval of 95 %; *counted* is that share by `evaluate` in 10 000 others. The attack draws {tries} other pieces of
 hardware; *hold* are those that do at a first look in {screen} scenarios, *better* those that hold as often as asked,
 with a better median objective than the recommended by more than {much:g} %, or with any where it does not hold.
-A star: good practice has given way there, and what is drawn is held to as little of it as what is recommended.
+A star: good practice is relaxed there, and what is drawn is held to as little of it as what is recommended.
 Where nothing is proven, what 1 024 scenarios cannot tell apart (1 % of the median) is chosen by price.
 
 | mission | status | central, s | certain, s | ratio | claimed | counted | median | drawn | hold | better |

@@ -90,7 +90,7 @@ then it goes on, up to four times as long in all. *told* counts single changes, 
 The rows of `0d76faf6`, `b6ea20ef` and `e32569cb` (whose patience was 10 s) were made on a machine that takes 1.6 to
 1.8 times as long as that of the others (`mbari-lass-2013` by min_swath_m 1.7 and 2.8 s, `ooi-camhd` 1.6 and 2.8,
 `paper-tank` 1.6 and 2.9), so that the same patience answers less; there a mission of good practice is impossible if
-it is with as little of it as may be. `min_mtf_half_nyquist` 0.93 of earlier rows is refused today: pixels leave 0.900.
+it is with that relaxed, too. `min_mtf_half_nyquist` 0.93 of earlier rows is refused today: pixels leave 0.900.
 
 What falls short: where images are dear (stereo pairs, plankton, the harbour) half of the requirements are answered at
 best, changes are told without proof that less does not do, and the search alone may be beyond 10 s: plankton that is
@@ -154,7 +154,7 @@ def requirements_of(mission: Mission) -> dict[str, float]:
 
 
 def fits(mission: Mission) -> bool | None:
-    """Whether something fits, as `solve` lets it: of all parts, with as little of practice as may be; else None."""
+    """Whether something fits, as `solve` lets it: of all parts, with practice relaxed as far as may be; else None."""
     try:
         wanted = prepared(mission, None, None, "central").without_gain_cap
         wanted = with_yields(wanted, yields_of(wanted))

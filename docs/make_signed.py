@@ -60,7 +60,7 @@ What a result does not tell does not pass.
 | stop | f-number over the lens's widest | one stop or more, or a lens of one opening |
 | colour | white balance of the weakest channel | at most x 4; black and white passes |
 | depth | least depth rating over the deepest scene | 1.1 or more |
-| reserve | requirements on the images met with nothing in hand, where it was not counted how often they hold | none |
+| reserve | requirements on the images met without margin, where it was not counted how often they hold | none |
 | certain | scenarios of what is uncertain in which settings meet every requirement | 90 % or more |
 | bad ends | what is asked, with estimated numbers at their bad ends | still met |
 | water | other descriptions of the same water | all served |
@@ -156,8 +156,8 @@ def depth(result: Result, design: Design) -> Line:
 
 
 def reserve(result: Result, design: Design) -> Line:
-    """Risks that say that nothing is in hand."""
-    tight = [risk for risk in result.risks if "nothing is in hand" in risk.because]
+    """Risks that say that there is no margin."""
+    tight = [risk for risk in result.risks if "there is no margin" in risk.because]
     return Line("reserve", not tight, "none left" if tight else "kept")
 
 

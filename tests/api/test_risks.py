@@ -110,8 +110,8 @@ def test_lamps_that_never_light_are_told(calm: Result) -> None:
 
 
 @pytest.mark.parametrize(("end", "sense", "figure", "off"), [
-    ("dof_near_m", "<=", "sharp from 0.150 m, the nearest floor at 0.150 m: 0 m in hand", "focus set any farther"),
-    ("dof_far_m", ">=", "sharp to 0.150 m, the farthest floor at 0.150 m: 0 m in hand", "focus set any nearer"),
+    ("dof_near_m", "<=", "sharp from 0.150 m, the nearest floor at 0.150 m: margin 0 m", "focus set any farther"),
+    ("dof_far_m", ">=", "sharp to 0.150 m, the farthest floor at 0.150 m: margin 0 m", "focus set any nearer"),
 ])  # fmt: skip
 def test_an_end_of_the_depth_of_field_says_what_uses_it_up(
     calm: Result, end: str, sense: str, figure: str, off: str
@@ -123,7 +123,7 @@ def test_an_end_of_the_depth_of_field_says_what_uses_it_up(
 def test_what_rounding_leaves_is_told_as_nothing(calm: Result) -> None:
     hair = replace(margin("dof_near_m", 0.65 + 2e-16, 0.65, "<=", "m"), satisfied=True)
     risk = only(with_margin(calm, hair))
-    assert risk.figure == "sharp from 0.650 m, the nearest floor at 0.650 m: 0 m in hand"
+    assert risk.figure == "sharp from 0.650 m, the nearest floor at 0.650 m: margin 0 m"
 
 
 def test_what_only_good_practice_misses_is_not_told_as_asked_for(calm: Result) -> None:

@@ -1,4 +1,4 @@
-"""What fails first, in words: the least in hand of what is asked for."""
+"""What fails first, in words: the least margin on what is asked for."""
 
 from __future__ import annotations
 
@@ -65,21 +65,21 @@ def test_settings_and_budgets_break_no_image(one):
 
 
 def test_the_least_in_hand_is_named_with_its_reserve():
-    assert said(BLUR, SNR, RATE) == "fails first: signal to noise, 0 dB in hand (3 dB reserve kept)"
+    assert said(BLUR, SNR, RATE) == "fails first: signal to noise, margin 0 dB beyond the 3 dB reserve"
 
 
 def test_without_a_reserve_none_is_told():
-    assert said(BLUR, SNR, SWATH) == "fails first: swath, 0 m in hand"
+    assert said(BLUR, SNR, SWATH) == "fails first: swath, margin 0 m"
 
 
 def test_what_fails_together_is_named_together():
     gsd = margin("max_gsd_mm", 1.0, 1.0, "<=", "mm")
-    assert said(gsd, SWATH) == "fails first: pixel on the floor, 0 mm in hand; swath, 0 m in hand"
+    assert said(gsd, SWATH) == "fails first: pixel on the floor, margin 0 mm; swath, margin 0 m"
 
 
 def test_the_scene_is_named_where_there_are_several():
     two = Design([Scene([BLUR], "reef"), Scene([SWATH], "sand")])
-    assert fails_first(two) == "fails first: swath in sand, 0 m in hand"  # type: ignore[arg-type]
+    assert fails_first(two) == "fails first: swath in sand, margin 0 m"  # type: ignore[arg-type]
 
 
 def test_a_design_that_misses_something_already_fails():

@@ -225,7 +225,7 @@ def test_result_can_be_taken_from_the_page(make_result: Make, make_front: Make) 
 
 
 @pytest.mark.parametrize(("kind", "expected"), [
-    ("solve", ["Best of the catalogue under these assumptions, proven. Goal: least power, 40.50 W as set (40.00 W",
+    ("solve", ["Best of the catalogue under these assumptions, proven. Goal: least power, 40.50 W at these settings",
                "1 700 to 3 400 USD", "Cost 3 600 to 5 400 USD, of which 1 700 to 3 400 estimated",
                "Bill of materials", "Settings to type in", "12.345 ms", "At its limit: overlap along track",
                "Sony's best needs 50 W.", "Runners-up", "With parts to be made", "Certificate", "adds up",

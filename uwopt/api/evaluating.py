@@ -183,8 +183,8 @@ def practice_notes(given: GivenSystem, design: Design) -> list[Note]:
     plain = given.problem.asking(with_yields(given.problem.mission, every))
     shown = [settings_of(scene.settings) for scene in design.scenes]
     text = (
-        "what the mission itself says is met: all that is missed is good practice, of which solve lets give way what "
-        "nothing keeps"
+        "what the mission itself says is met: all that is missed is good practice, which solve relaxes where nothing "
+        "meets it"
     )
     is_met = meets_all(plain, given.hardware, shown, level_tolerance_rel=LEVEL_TOLERANCE_REL)
     return [Note(PRACTICE_MISSED, "practice", text)] if is_met else []

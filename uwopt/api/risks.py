@@ -59,7 +59,7 @@ OF_SETTINGS = (
     "depth_rating_m",
 )  # fmt: skip
 NOTHING_IN_HAND = 0.02  # of a limit
-#: Ends of the depth of field, and what uses up the little that is in hand there.
+#: Ends of the depth of field, and what uses up the little margin there.
 OFF_FOCUS = {
     "dof_near_m": "a floor that is any nearer, or a focus set any farther, is not sharp",
     "dof_far_m": "a floor that is any farther, or a focus set any nearer, is not sharp",
@@ -135,7 +135,7 @@ def at_bad_ends(result: Result, design: Design) -> Weighed:
     )
     because = "with its estimated numbers at the bad ends of their ranges a requirement is missed"
     if names := in_hand_names(design):
-        because += f", for nothing is in hand in {names}"
+        because += f", for there is no margin in {names}"
     yield 80.0, Risk("it may not do what is asked", because, counted(number, "estimated number"))
 
 
@@ -147,7 +147,7 @@ def nothing_in_hand(result: Result, design: Design) -> Weighed:
     if not least or (result.robustness or {}).get("feasible_at_bad_end") is False:
         return
     because = (
-        f"nothing is in hand in {in_hand_names(design)}: whatever is a little worse than computed misses it"
+        f"there is no margin in {in_hand_names(design)}: whatever is a little worse than computed misses it"
     )
     if (end := stem_of(least[0].requirement)) in OFF_FOCUS:
         because += f"; {OFF_FOCUS[end]}"
@@ -439,7 +439,7 @@ RULES: Sequence[Callable[[Result, Design], Weighed]] = (
 
 
 def tight(design: Design) -> list[Margin]:
-    """Requirements on the images and the vehicle in which next to nothing is in hand, the tightest first."""
+    """Requirements on the images and the vehicle with next to no margin, the tightest first."""
     found = [(left, m) for m in design.margins if stem_of(m.requirement) not in OF_SETTINGS
              and m.satisfied and (left := room(m)) is not None and left < NOTHING_IN_HAND]  # fmt: skip
     return [margin for _, margin in sorted(found, key=lambda item: item[0])]
@@ -479,7 +479,7 @@ def tight_figure(margin: Margin) -> str:
     rounding = abs(margin.margin) <= SATISFIED_REL * abs(margin.limit)
     (value, limit), left = ends_of(margin), format_difference(0.0 if rounding else margin.margin, margin.unit)
     side, wanted = ("from", "nearest") if margin.sense == "<=" else ("to", "farthest")
-    return f"sharp {side} {value}, the {wanted} floor at {limit}: {left} in hand"
+    return f"sharp {side} {value}, the {wanted} floor at {limit}: margin {left}"
 
 
 def asked_name(margin: Margin) -> str:

@@ -13,7 +13,7 @@ from uwopt.units import format_quantity
 if TYPE_CHECKING:
     from uwopt.api.choosing import Recommendation
 
-PRACTICE_LINE = "nothing meets all of good practice: what of it has to give way is looked for"
+PRACTICE_LINE = "nothing meets all of good practice: what of it has to be relaxed is looked for"
 
 
 def central_line(sought: Sought) -> str:
@@ -30,7 +30,7 @@ def held_line(made: Recommendation) -> str:
     assert counted is not None and not isinstance(counted.asked, str)
     return (
         f"best so far: {of_design(made)}; it holds in {100.0 * counted.held:.0f} % of the scenarios, "
-        f"{100.0 * counted.asked:g} % are asked: something else may, with less of good practice"
+        f"{100.0 * counted.asked:g} % are asked: something else may, with good practice relaxed further"
     )
 
 

@@ -15,7 +15,7 @@ SoFar = Callable[[str], None]  # takes a line
 
 #: What a person reads while a stage lasts that does not tell how far it is.
 STAGES = {
-    "practice": "what of good practice has to give way",
+    "practice": "what of good practice has to be relaxed",
     "certainty": "in how many scenarios hardware holds",
     "eased": "what would make it certain enough",
     "knee": "what more power and money would buy",

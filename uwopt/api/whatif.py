@@ -173,7 +173,7 @@ class Work:
         self.given_way, mission = (), self.base.base
         if not yields_of(mission):
             return
-        self.say(0.0, "what of good practice gives way")
+        self.say(0.0, "what of good practice has to be relaxed")
         if self.certain:
             from uwopt.api.certain_points import gives_way_with_certainty
 
@@ -239,7 +239,7 @@ class Work:
 
 NOT_FOR_CERTAINTY = (
     "every point is held to what is left of good practice in the mission as it stands; where something holds less "
-    "often than is asked, uwopt solve lets more of it give way"
+    "often than is asked, uwopt solve relaxes more of it"
 )
 
 
@@ -259,7 +259,7 @@ def full_practice_notes(points: Sequence[WhatIfPoint], work: Work) -> list[Note]
     )  # fmt: skip
     text = (
         f"all of good practice is asked at every point, for {why}; at a point where nothing fits with it, uwopt solve "
-        "lets some of it give way, and may find a system"
+        "relaxes some of it, and may find a system"
     )
     return [Note("practice_held", "practice", text)]
 

@@ -245,7 +245,7 @@ def _fits_alone(problem: Problem, found: Found, mission: Mission) -> bool:
 def all_to_hold(asked: Mission, given_way: Collection[Yield]) -> tuple[Yield, ...]:
     """What has given way so that anything fits, and all that may give way so that it holds as often as is asked.
 
-    That is what is kept in hand, colour, and what the frame may have less than its mean: certainty has not to be got by
+    That is reserves, colour, and what the frame may have less than its mean: certainty has not to be got by
     frames that are dark or soft at their edges.
 
     asked : the mission with all of good practice
@@ -351,24 +351,24 @@ def _in_order(given_way: Collection[Yield], more: Collection[Yield]) -> tuple[Yi
 def less_practice_note(weakest: Sought) -> Note:
     """That something fits where all of good practice gives way that may, that even so nothing does, or neither."""
     if weakest.outcome.best:
-        text = "with less than all of good practice something fits: uwopt solve lets some of it give way, and says what"
+        text = "with good practice relaxed something fits: uwopt solve relaxes what it must, and says what"
         return Note(PRACTICE_WOULD_YIELD, "practice", text)
     if not weakest.outcome.complete:
         text = (
-            "whether something fits with less of good practice is not known in this time: what would help is told of "
-            "the mission with all of it, and uwopt solve may answer with less of it"
+            "whether something fits with good practice relaxed is not known in this time: what would help is told of "
+            "the mission with all of it, and uwopt solve may relax some of it"
         )
         return Note(PRACTICE_UNTRIED, "practice", text)
     text = (
-        "nothing fits even with as little of good practice as may be; what would help is told of the mission with so "
-        "little of it; where a change is made uwopt solve keeps as much of it as it can"
+        "nothing fits even with good practice relaxed as far as uwopt may; the changes below are for the mission so "
+        "relaxed; once one is made, uwopt solve relaxes only what it must"
     )
     return Note(PRACTICE_IN_VAIN, "practice", text)
 
 
 def in_vain_note() -> Note:
     """That nothing fits with as little of good practice as may be, where nothing else is told of that."""
-    return Note(PRACTICE_IN_VAIN, "practice", "nothing fits even with as little of good practice as may be")
+    return Note(PRACTICE_IN_VAIN, "practice", "nothing fits even with good practice relaxed as far as uwopt may")
 
 
 def yield_notes(
@@ -385,5 +385,5 @@ def yield_notes(
     of_frame = f" (95 % of which reach {min(known):.0f} dB)" if known else ""
     words = (one.words + (of_frame if one.key in (SNR_AT, SNR_LESS) else "") for one in given_way)
     often = " as often as is asked" if to_hold else ""
-    text = f"nothing meets all of good practice{often}; what has given way: " + "; ".join(words)
+    text = f"nothing meets all of good practice{often}; what was relaxed: " + "; ".join(words)
     return [Note(PRACTICE_YIELDS, ", ".join(one.path for one in given_way), text)]

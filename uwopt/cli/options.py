@@ -40,7 +40,7 @@ FullOption = Annotated[
 ]
 HoldPracticeOption = Annotated[
     bool,
-    typer.Option("--hold-practice", help="Hold all of good practice, where nothing meets it too: none gives way."),
+    typer.Option("--hold-practice", help="Hold all of good practice, where nothing meets it too: none is relaxed."),
 ]
 SecondsOption = Annotated[
     float | None,

@@ -107,7 +107,7 @@ def tilt_notes(problem: Problem, hardware: Hardware, given: Sequence[SceneSettin
         if lost:
             text = (
                 f"with every lamp {tilt_deg:g} degrees further {way} and the settings as they are, "
-                f"{', '.join(lost)} would be missed; keep more in hand (reserve.snr_db), or fix the lamps' aim"
+                f"{', '.join(lost)} would be missed; ask for a larger reserve (reserve.snr_db), or fix the lamps' aim"
             )
             notes.append(Note(TILT_RESERVE, "reserve.tilt_deg", text))
     return notes

@@ -15,7 +15,7 @@ from uwopt.mission.mission import Mission, load_mission
 from uwopt.mission.yielding import Yield
 
 BY_OPTIONS = ("objective", "physics", "confidence")  # keys that a call may give in place of the file
-HEAD = "# As solved: what of good practice gave way is stated, so that the same comes out at once.\n"
+HEAD = "# As solved: what of good practice was relaxed is stated, so that the same comes out at once.\n"
 
 
 def as_solved(solved: Mission, given_way: Collection[Yield]) -> str:

@@ -91,7 +91,7 @@ class Mission(WholeFile):
     )
     reserve: ReserveOrWord = Field(
         default_factory=lambda: Reserve(),
-        description="section of what is kept in hand of each requirement, or the word recommended",
+        description="section of reserves, by how much requirements are to be exceeded, or the word recommended",
     )
     doubt: Doubt = Field(
         default_factory=lambda: Doubt(), description="section of what is uncertain beside the numbers of parts"

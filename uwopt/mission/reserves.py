@@ -1,4 +1,4 @@
-"""What a mission keeps in hand: reserves on what it asks for, and defaults of what an expert would refuse.
+"""Reserves of a mission: reserves on what it asks for, and defaults of what an expert would refuse.
 
 Here and nowhere else do requirements as asked become requirements as held: search, evaluation and explanations see
 the latter alone. The former stay beside them, so that a margin can say how much of its limit is reserve.
@@ -21,7 +21,7 @@ RECOMMENDED_RESERVE: Mapping[str, float] = {
     "max_gain_db": 12.0,
 }  # fmt: skip
 IN_DB = ("min_snr_db", "min_snr_red_db")  # what the reserve of the signal-to-noise ratio is added to
-REFUSED_DEPTH = 1.1  # rating over depth: less than 10 % in hand
+REFUSED_DEPTH = 1.1  # rating over depth: a margin below 10 %
 
 
 class Reserve(Section):

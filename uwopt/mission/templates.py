@@ -106,7 +106,7 @@ requirements:
   # max_airy_px: 2             # diffraction: diameter of the Airy disc
   # refuse: all                # by good practice; or a list of airy | skew | swath | depth | lamp | white_balance
 
-# What is kept in hand of each requirement; by good practice as here.
+# Reserves: by how much each requirement is to be exceeded; by good practice as here.
 # reserve:
 #   snr_db: 3
 #   blur: 0.2                  # shares of what is asked

@@ -58,14 +58,14 @@ def _asked(key: str, instead: Any, words: str) -> Yield:
     return Yield("requirements", key, RECOMMENDED_KEYS["requirements"][key], instead, words, for_certainty=False)
 
 
-#: What gives way first, first: what is kept in hand, then colour, then what is asked of the frame's darkest places.
+#: What gives way first, first: reserves, then colour, then what is asked of the frame's darkest places.
 YIELDS: tuple[Yield, ...] = (
-    _reserve("swath", "no swath is kept in hand"),
-    _reserve("dof", "no depth of field is kept in hand"),
-    _reserve("blur", "no motion blur is kept in hand"),
+    _reserve("swath", "no reserve on swath"),
+    _reserve("dof", "no reserve on depth of field"),
+    _reserve("blur", "no reserve on motion blur"),
     Yield("requirements", "refuse", WHITE_BALANCE, None, "one colour channel is amplified more than fourfold"),
     *(_frame_less(less_db) for less_db in FRAME_LESS_DB),
-    _reserve("snr_db", "no signal to noise is kept in hand"),
+    _reserve("snr_db", "no reserve on signal to noise"),
     _asked(SNR_AT, "mean", "the signal to noise holds in the image's mean, not over the frame"),
     _asked("dof_at", "axis", "the depth of field holds on the axis, not in the corners"),
     _asked("lens_stop_down", 0.0, "the lens need not be stopped down"),

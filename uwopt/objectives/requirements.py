@@ -46,7 +46,7 @@ class MarginRows:
     at_altitude_m: Array | None = None
     tolerance_rel: float = SATISFIED_REL
     tolerance_abs: float = 0.0  # rounding, where the limit may be 0
-    reserve: float = 0.0  # how much of the limit is kept in hand, beyond what is asked for
+    reserve: float = 0.0  # how much of the limit is a reserve, beyond what is asked for
 
     @property
     def margin(self) -> Array:

@@ -150,8 +150,8 @@ class Relaxed(Record):
     )
     gives_up: list[str] | None = Field(
         default=None,
-        description="what of good practice has to give way too, with what is held instead, where it did in vain; null: "
-        "not looked for",
+        description="what of good practice has to be relaxed too, with what is held instead, where that was in vain; "
+        "null: not looked for",
     )
 
 
@@ -240,8 +240,8 @@ class Moved(Record):
     nearest: Flag = Field(description="whether nothing fits a little nearer to what is asked")
     gives_up: list[str] | None = Field(
         default=None,
-        description="what of good practice has to give way too, with what is held instead, where it did in vain; null: "
-        "not looked for",
+        description="what of good practice has to be relaxed too, with what is held instead, where that was in vain; "
+        "null: not looked for",
     )
 
 

@@ -122,6 +122,10 @@ class Confidence(Record):
     objective_p90: Number | None = Field(description="kept or bettered in nine of ten; null: not held in as many")
     f_number: Number | None = Field(description="where the iris stands in all of them; null: moved at sea")
     lost_to: list[LostTo] = Field(description="what is missed where it does not hold, the most frequent first")
+    price_p50: Number | None = Field(
+        default=None, description="of all that is to buy, in the mission's currency: in half of them no more; null: "
+        "where the worst of all ends is asked for"
+    )
     central_objective: Number | None = Field(
         default=None, description="best objective with every number at its central value"
     )

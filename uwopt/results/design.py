@@ -18,7 +18,7 @@ SNR_INSTEAD = "snr_instead"  # code of the note that says why the best image is 
 PRACTICE_YIELDS = "practice_yields"  # nothing meets all of good practice
 PRACTICE_MISSED = "practice_missed"  # what is missed is good practice alone, not what the mission itself says
 PRACTICE_WOULD_YIELD = "practice_would_yield"  # the same, where all of it is asked nevertheless
-PRACTICE_IN_VAIN = "practice_in_vain"  # nothing fits even with as little of it as may be
+PRACTICE_IN_VAIN = "practice_in_vain"  # nothing fits even with all relaxed that may be
 PRACTICE_UNTRIED = "practice_untried"  # whether something fits with less of it was not known in time
 AS_CENTRAL = "certainty_left_out"  # it was not chosen by how many scenarios it holds in, though that is asked
 #: Settings that a system file states; its light level as a share, for flashes too.
@@ -209,7 +209,7 @@ class Margin(Record):
     satisfied: Flag = Field(description="whether it is met")
     binding: Flag = Field(description="whether nothing is left of it")
     word: str = Field(default="", description="in place of a value that is no number")
-    reserve: Number = Field(default=0.0, description="how much of the limit is kept in hand, beyond what is asked for")
+    reserve: Number = Field(default=0.0, description="how much of the limit is a reserve, beyond what is asked for")
 
     @property
     def asked(self) -> float | None:

@@ -104,7 +104,7 @@ class Result(Shown, FiledRecord):
         default=None, description="name, folder, text as the user wrote it"
     )
     mission_as_solved: str | None = Field(
-        default=None, description="text of a mission file that states what of good practice gave way; null: nothing did"
+        default=None, description="text of a mission file that states what of good practice was relaxed; null: none"
     )
     system: dict[str, Any] | None = Field(
         default=None, description="what was evaluated, inline parts included"

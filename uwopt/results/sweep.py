@@ -94,7 +94,7 @@ class SweepSummary(FiledRecord):
     currency: str = Field(default="", description="of the prices; empty where there are several")
     gave_way: dict[str, Whole] = Field(
         default_factory=dict,
-        description="missions by each key of good practice that has given way there, what is held instead beside it",
+        description="missions by each key of good practice that was relaxed there, what is held instead beside it",
     )
     failed: list[FailedMissions] = Field(default_factory=list, description="missions that failed, by why")
     kept: Whole = Field(default=0, description="rows that an earlier run had worked out")

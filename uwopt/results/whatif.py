@@ -108,7 +108,7 @@ class WhatIf(FiledRecord):
     )
     gave_way: list[str] = Field(
         default_factory=list,
-        description="keys of good practice that give way at every point, as nothing fits the mission as it stands, "
+        description="keys of good practice that are relaxed at every point, as nothing fits the mission as it stands, "
         "or holds as often as is asked, with all of it",
     )
     command: str = Field(default="whatif", description="always whatif")

@@ -200,7 +200,7 @@ def practice_notes(rows: Sequence[Mapping[str, Any]], *, held: bool) -> list[Not
     if counts := gave_way_of(rows):
         text = (
             f"in {sum(bool(row.get('gave_way')) for row in rows)} of {len(rows)} missions nothing meets all of good "
-            "practice, and what has given way is named (gave_way): "
+            "practice, and what was relaxed is named (gave_way): "
             + "; ".join(f"{one} in {count}" for one, count in counts.most_common())
         )
         notes.append(Note(PRACTICE_YIELDS, "practice", text))
@@ -208,8 +208,8 @@ def practice_notes(rows: Sequence[Mapping[str, Any]], *, held: bool) -> list[Not
     if told:
         paths = ", ".join(dict.fromkeys(path for one in told for path in one.split(", ")))
         less = (
-            "all of good practice is held, as was asked: without --hold-practice some of it gives way there"
-            if held else "that something does with less of it could not be known in time"
+            "all of good practice is held, as was asked: without --hold-practice some of it is relaxed there"
+            if held else "whether something does with less of it could not be known in time"
         )
         text = (
             f"in {len(told)} of {len(rows)} missions nothing fits with all of good practice, or not as often as is "

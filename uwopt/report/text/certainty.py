@@ -14,6 +14,7 @@ from uwopt.report.text.layout import Text as Cell
 from uwopt.results.certainty import CertaintyProof, Confidence, Decides, WorthKnowing
 from uwopt.results.result import Result
 from uwopt.tolerances import TIED_MEDIANS_REL
+from uwopt.units import format_within
 
 LOST_TO = {
     "light": "no exposure, gain and light level give enough signal without saturating",
@@ -29,6 +30,7 @@ UNCERTAIN = {
 }
 TAKEN_OFF = ", its power and price taken off"
 SAME_PARTS = "the same parts"
+MORE_LIGHT = 1.1  # times as much power, from which lamps that shine brighter are named as the cause
 EVERY_END = "at every end of what is uncertain"
 
 
@@ -83,11 +85,8 @@ def facts(result: Result, known: Confidence) -> Iterator[tuple[str, str]]:
     """Name and text of each fact."""
     name = formats.one_line(result.objective.name.replace("_", " "))
     yield "holds", words.capital(held_text(known)).removeprefix("Holds ")
-    if known.objective_p50 is not None:
-        text = f"{words.objective_text(result, known.objective_p50)} or better in half of them"
-        if known.objective_p90 is not None:
-            text += f", {words.objective_text(result, known.objective_p90)} or better in nine of ten"
-        yield name, text + (TAKEN_OFF if result.objective.name == BEST_IMAGE else "")
+    if known.objective_p50 is not None and result.objective.name != "cost":  # the price stands where it is told
+        yield name, median_text(result, known)
     for one in known.fixed:
         text = f"light level {100.0 * one.light_level:.3g} %, {one.light_time_ms:.3g} ms of light"
         text += f", gain {one.gain_db:.3g} dB"
@@ -104,7 +103,7 @@ def facts(result: Result, known: Confidence) -> Iterator[tuple[str, str]]:
             f"{f' ({missed})' if missed else ''}, so that there are no settings to tell"
         )
     if known.central_objective is not None and known.central_held is not None:
-        yield "by central numbers", central_text(result, known)
+        yield "at central estimates", central_text(result, known)
     if known.proof is not None:
         yield "proven", proof_text(result, known.proof)
     short = [] if known.complete else ["not all hardware with room was looked for"]
@@ -119,19 +118,41 @@ def facts(result: Result, known: Confidence) -> Iterator[tuple[str, str]]:
         yield "drawn", drawn_text(known)
 
 
+def median_text(result: Result, known: Confidence) -> str:
+    """`median 280 W, 320 W or better in nine of ten, set anew in each`, where that is done."""
+    text = f"median {words.objective_text(result, known.objective_p50)}"
+    if known.objective_p90 is not None:
+        text += f", {words.objective_text(result, known.objective_p90)} or better in nine of ten"
+    if result.objective.name == BEST_IMAGE:
+        return text + TAKEN_OFF
+    text += "" if known.fixed else ", with exposure, gain and light level set for each scenario"
+    best, median = result.best, known.objective_p50
+    central_w = None if best is None else best.power_as_set_w
+    if result.objective.name == "power" and central_w and median is not None and median > MORE_LIGHT * central_w:
+        text += f": most of them need more light than central estimates, which take {formats.quantity(central_w, 'W')}"
+    return text
+
+
+def told_value(result: Result, value: float | None) -> str:
+    """An objective of hardware in scenarios; a price with no more digits than its range leaves it."""
+    if result.objective.name != "cost" or value is None or result.best is None:
+        return words.objective_text(result, value)
+    cost = result.best.totals.cost
+    return format_within(value, min(cost.low, value), max(cost.high, value), result.objective.unit)
+
+
 def central_text(result: Result, known: Confidence) -> str:
     """What is best by central numbers, and what it does where the choice was made, beside what is recommended."""
-    value, parts = words.objective_text(result, known.central_objective), with_parts(result, known.central_hardware)
+    value, parts = told_value(result, known.central_objective), with_parts(result, known.central_hardware)
     if parts == SAME_PARTS:
-        return f"{value} with {parts}"
-    text = f"{value} with {parts}; of the {formats.count_text(known.scenarios_in_choice)} scenarios of the choice"
-
-    def does(held: float | None, median: float | None) -> str:
-        told = f"holds in {percent(held or 0.0)}"
-        return told if median is None else f"{told}, in half of all with {words.objective_text(result, median)}"
-
-    theirs, ours = does(known.central_held, known.central_p50), does(known.held_in_choice, known.p50_in_choice)
-    return f"{text} it {theirs}; what is recommended {ours}"
+        return "best with the same parts" if result.objective.name == "cost" else f"best is {value} with {parts}"
+    medians = [told_value(result, one) for one in (known.central_p50, known.p50_in_choice) if one is not None]
+    beside = f", with medians of {' and '.join(medians)}" if len(medians) > 1 else ""
+    return (
+        f"best is {value} with {parts}; that holds in {percent(known.central_held or 0.0)} of the "
+        f"{formats.count_text(known.scenarios_in_choice)} scenarios of the choice, what is recommended in "
+        f"{percent(known.held_in_choice)}{beside}"
+    )
 
 
 def with_parts(result: Result, ids: Sequence[str]) -> str:
@@ -172,7 +193,7 @@ def curve_table(result: Result, known: Confidence) -> Line:
     for point, after in zip(known.curve, [*known.curve[1:], None], strict=True):
         if after is not None and after.hardware == point.hardware:
             continue
-        median, parts = words.objective_text(result, point.objective_p50), with_parts(result, point.hardware)
+        median, parts = told_value(result, point.objective_p50), with_parts(result, point.hardware)
         table.add_row(*map(Cell, (percent(point.confidence), median, parts)))
     return table
 
@@ -191,7 +212,7 @@ def tied_text(result: Result, known: Confidence) -> str:
         return ""
     return (
         f"In these {formats.count_text(known.scenarios_in_choice)} scenarios what is recommended has "
-        f"{words.objective_text(result, ours)}: medians within {percent(TIED_MEDIANS_REL)} are a tie, which further "
+        f"{told_value(result, ours)}: medians within {percent(TIED_MEDIANS_REL)} are a tie, which further "
         "scenarios and then the price decided."
     )
 

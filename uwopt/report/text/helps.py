@@ -76,7 +76,7 @@ def not_known_lines(result: Result | FrontResult) -> list[Line]:
     told = []
     if why.not_known:
         names = words.listed([words.key_name(name) for name in why.not_known], "or")
-        told.append(f"whether it is enough to give way in {names}{in_part_text(why.in_part)}")
+        told.append(f"whether it is enough to relax {names}{in_part_text(why.in_part)}")
     if unsure:
         names = words.listed([words.key_name(name) for name in unsure])
         told.append(f"whether less than what is told of {names} is enough")

@@ -1,4 +1,4 @@
-"""What makes a design fail first: the requirement with the least in hand of what is asked for.
+"""What makes a design fail first: the requirement with the least margin, as a share of what is asked for.
 
 Judged by what the result says of its margins. What is only a matter of a setting with room left (overlap and rate,
 gain, highlights, light level) is passed over, and so are budgets: they break no image.
@@ -30,7 +30,7 @@ def share_in_hand(margin: Margin) -> float | None:
 
 
 def fails_first(design: Design) -> str:
-    """`fails first: signal to noise, 0 dB in hand (3 dB reserve kept)`; "" where nothing could, or something does."""
+    """`fails first: signal to noise, margin 0 dB beyond the 3 dB reserve`; "" where none could, or some do."""
     if not design.feasible:
         return ""
     found = [
@@ -47,6 +47,6 @@ def fails_first(design: Design) -> str:
         if share <= least + ALIKE:
             name = words.requirement_name(margin.requirement)
             place = words.in_scene(scene, design.scenes)
-            kept = f" ({formats.kept_text(margin)} reserve kept)" if margin.reserve else ""
-            named.setdefault(name, f"{name}{place}, {formats.margin_text(margin, design.totals.cost)} in hand{kept}")
+            kept = f" beyond the {formats.kept_text(margin)} reserve" if margin.reserve else ""
+            named.setdefault(name, f"{name}{place}, margin {formats.margin_text(margin, design.totals.cost)}{kept}")
     return f"fails first: {'; '.join(list(named.values())[:MOST_NAMED])}"

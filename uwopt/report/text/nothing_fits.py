@@ -81,7 +81,7 @@ def helpful_lines(result: Result | FrontResult) -> list[Line]:
 
 
 def practice_lines(result: Result | FrontResult) -> list[Line]:
-    """What of good practice is given up too with each change, where as little of it as may be was in vain."""
+    """What of good practice is relaxed too with each change, where relaxing all that may be was in vain."""
     if not any(note.code == PRACTICE_IN_VAIN for note in result.warnings):
         return []
     made, unknown = [], list[str]()
@@ -91,10 +91,12 @@ def practice_lines(result: Result | FrontResult) -> list[Line]:
             unknown.append(words.key_name(item.name))
         else:
             told = "; ".join(one.words for one in yields_named(", ".join(item.gives_up)))
-            made.append(sentence(f"With {possible} instead of {asked} of {name} something fits, and then {told}."))
+            fits = f"With {name} of {possible} instead of {asked} something fits"
+            kept = f"; good practice is then relaxed, too: {told}" if told else ", with all of good practice"
+            made.append(sentence(f"{fits}{kept}."))
     if unknown:
         left = words.listed(unknown)
-        made.append(sentence(f"How much of good practice is given up then was not looked for: {left}."))
+        made.append(sentence(f"What of good practice must be relaxed then was not looked for with: {left}."))
     return made
 
 
@@ -129,7 +131,7 @@ def excluding_most(result: Result) -> Text | None:
         by = f" {held}, by refuse: {word}" if word else ""
         return f"{words.rule_name(rule.name)} ({key}{by})"
 
-    return sentence(f"Most fall by: {'; '.join(map(told, most))}.")
+    return sentence(f"Most combinations are excluded by: {'; '.join(map(told, most))}.")
 
 
 def nearest_of_each(mission: Mapping[str, Any]) -> list[float]:
@@ -209,7 +211,7 @@ def miss_sentence(result: Result | FrontResult) -> Text | None:
 def miss_text(result: Result | FrontResult) -> str:
     """`meets all that is asked but signal to noise (min_snr_db): 28 dB instead of 30 dB`; "" if not known.
 
-    Where as little of good practice is asked as may be, it says so: else it would be taken for met.
+    Where good practice is relaxed as far as it may be, it says so: else it would be taken for met.
     """
     helpful = relaxations_of(result)
     if not helpful:
@@ -217,7 +219,7 @@ def miss_text(result: Result | FrontResult) -> str:
     name, asked, possible = relaxation_texts(result, helpful[0])
     missed = f"{name}: {possible} instead of {asked}"
     if any(note.code == PRACTICE_IN_VAIN for note in result.warnings):
-        return f"meets all that the mission itself says but {missed}, with as little of good practice as may be"
+        return f"meets all that the mission itself says but {missed}, with good practice relaxed as far as uwopt may"
     return f"meets all that is asked but {missed}"
 
 

@@ -48,6 +48,7 @@ from uwopt.results.design import (
     PRACTICE_YIELDS,
     SNR_INSTEAD,
     BillRow,
+    Cost,
     Design,
 )
 from uwopt.results.result import Result
@@ -65,7 +66,7 @@ BATTERY, MUCH = "rest-battery", 0.4  # its line of the bill, and of the price fr
 FIGURES = ("gsd_mm", "swath_m", "snr_db", "dof_m", "frame_rate_hz")
 DEAR = 0.1  # a part's share of the doubt in the price from which a quote is worth asking for
 GAVE_WAY = (
-    "Not all of good practice is kept: the risks say what gave way, and --out writes a mission that says so "
+    "Not all of good practice is kept: the risks say what was relaxed, and --out writes a mission that says so "
     "(mission-as-solved.yaml)."
 )
 BARE = (
@@ -229,7 +230,7 @@ def subject_sentences(result: Result, design: Design) -> Iterator[str]:
 
 
 def goal_sentence(result: Result, design: Design) -> str:
-    """`Goal: least power, 3.06 W as set.`, the value at the settings to type in where there are any."""
+    """`Goal: least power, 3.06 W at these settings.`, those to type in, and beside it the median of the scenarios."""
     if of_image := goal_text(result):
         return of_image
     goal, rounded = result.objective, design.rounded
@@ -238,9 +239,16 @@ def goal_sentence(result: Result, design: Design) -> str:
     value = rounded.objective_value if rounded is not None and as_set else design.objective_value
     most = "most" if goal.direction == "maximise" else "least"
     text = words.value_text(result, design, value)
+    if goal.name == "cost":
+        return f"Goal: {most} {name}, {text}."
     exact = words.value_text(result, design, design.objective_value)
     beside = f" ({exact} before rounding)" if as_set and exact != text else ""
-    return f"Goal: {most} {name}, {text}{' as set' if as_set else ''}{beside}."
+    told = f"{text} at these settings{beside}" if as_set else text
+    known = result.confidence
+    if known is None or known.objective_p50 is None:
+        return f"Goal: {most} {name}, {told}."
+    median = words.objective_text(result, known.objective_p50)
+    return f"Goal: {most} {name}, {told} and at central estimates; median of the scenarios {median}."
 
 
 def image_sentence(design: Design) -> str:
@@ -309,7 +317,7 @@ def cost_block(result: Result, design: Design) -> Block:
     cost, totals = design.totals.cost, design.totals
     text = formats.cost_text(cost)
     if formats.money(cost.low) != formats.money(cost.high):
-        text += f", most likely about {format_within(cost.value, cost.low, cost.high)}"
+        text += f", {middle_price(result, cost)}"
     if cost.value:
         text += f"; {words.quoted_share(cost)}"
     unpriced = words.n_unpriced(design.bom)
@@ -332,6 +340,17 @@ def cost_block(result: Result, design: Design) -> Block:
     if used_up := words.used_up_clause(totals).removeprefix(", "):
         facts.append(("used up", used_up))
     return block("What it costs", [fact_lines(facts)])
+
+
+def middle_price(result: Result, cost: Cost) -> str:
+    """The middle of a price that is a range: where scenarios drew it their median, else the sum of central estimates.
+
+    Prices lean to the high side, so that the median of a sum is more than the sum of what is likeliest of each.
+    """
+    known = result.confidence
+    if known is not None and known.price_p50 is not None and cost.low <= known.price_p50 <= cost.high:
+        return f"median about {format_within(known.price_p50, cost.low, cost.high)}"
+    return f"central estimate about {format_within(cost.value, cost.low, cost.high)}"
 
 
 def dear_battery(design: Design) -> str:

@@ -119,6 +119,7 @@ def counted(
         held_in_choice=chosen.held, scenarios_in_choice=chosen.outcomes.value.shape[1],
         p50_in_choice=reported(objective, chosen.quantile(0.5)),
         objective_p50=reported(objective, seen.quantile(0.5)), objective_p90=reported(objective, seen.quantile(0.9)),
+        price_p50=None if asked == "ends" or not math.isfinite(seen.outcomes.price) else seen.outcomes.price,
         f_number=seen.f_number, lost_to=[LostTo(name, number / count) for name, number in missed],
         fixed=[
             FixedSettings(scene.name, one.level, 1e3 * one.time_s, ratio_to_db(one.gain))
