@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -15,7 +17,8 @@ from uwopt.api.counting import Counts
 from uwopt.api.raised import eased_or_raised, raised
 from uwopt.deadline import NEVER, Deadline
 from uwopt.mission.doubt import Doubt
-from uwopt.solvers.confidence.changes import MOST_WIDENED, drawn_in, needed, other_changes, size
+from uwopt.solvers.confidence import changes
+from uwopt.solvers.confidence.changes import MOST_WIDENED, MovedKeys, drawn_in, needed, other_changes, size
 from uwopt.solvers.confidence.counted import Looked
 from uwopt.solvers.confidence.deciding import Ease, would_hold
 from uwopt.solvers.confidence.search import Certain
@@ -124,6 +127,24 @@ def test_what_is_missed_is_known_of_hardware_that_was_counted_beside_others_too(
 def ease(key: str) -> Ease:
     """A key of which 10 is asked, and 20 far."""
     return Ease(key, "", 10.0, (20.0,), lambda value, there=None: there)
+
+
+def test_what_was_widened_is_drawn_back_as_near_as_fresh_scenarios_allow(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It holds from 12.6 on, where 12 instead of 10 did in the choice: steps of a fifth go to 12.88, halves back."""
+
+    class ByHand(MovedKeys):
+        def held(self, found: Any, moves: Any, *, as_set: bool = False) -> float:
+            ((_, value),) = moves
+            self.deadline.check()
+            return 0.95 if value >= 12.6 else 0.8
+
+    monkeypatch.setattr(changes, "scenarios_of", lambda *given: None)
+    monkeypatch.setattr(changes, "names", lambda *given: "the same")
+    problem, one_ = cast(Any, SimpleNamespace(mission=SimpleNamespace(seed=0))), cast(Any, object())
+    for until, needed_ in ((NEVER, 12.6), (Deadline(0.0, lambda: 1.0), 12.9)):
+        trial = ByHand(problem, cast(Any, None), cast(Any, None), 0.9, until)
+        told = trial.would_hold(one_, [(ease("x"), 12.0)], one_)
+        assert told is not None and told.held == 0.95 and [one.needed for one in told.moves] == [needed_]
 
 
 def test_moves_that_are_not_needed_are_dropped_and_the_rest_drawn_in() -> None:

@@ -144,7 +144,11 @@ def test_a_steadier_height_is_told_where_a_vehicle_leaves_its_band() -> None:
     assert 0.0 < one_.held < 0.9 and [*one_.outcomes.missed(one_.stop)] == ["max_gsd_mm"]
     told = would_hold(sought.problem, sought.search.objective, one_, scenarios, 0.9, NEVER)
     assert [made.name for made in told] == ["max_gsd_mm", "altitude_tolerance_m"]
-    assert (told[1].needed, told[1].nearest) == (0.375, False)
+    assert (told[1].needed, told[1].nearest) == (0.437, False)  # within a quarter of a step of 0.125 m
+    for tolerance_m, enough in ((0.437, True), (0.469, False)):  # 0.375 and 0.5 m, by halves
+        there = sought_of(one(wanted=wanted, vehicle={"altitude_tolerance_m": tolerance_m}), beyond_band=0.25)
+        made = counted(there, Doubt.model_validate(NOTHING | {"beyond_band": 0.25}), count=COUNT)
+        assert bool(made.held.max() >= 0.9) is enough
 
 
 def test_light_in_a_narrower_band_is_that_worked_out_there() -> None:

@@ -46,6 +46,7 @@ CHANGES_S = 4.0  # of work, for all of it, where no time is given
 JOINT_SHARE = 0.6  # of what is left then, for keys that are moved together
 LESS = 0.9  # of a change, that another has to do with to be told in place of what was found
 MOST_WIDENED, WIDER = 4, 1.2  # times that a change is made larger, each by so much, until fresh scenarios agree
+DRAWN_BACK = 3  # halves of the last of these steps: to 2.5 % of the change
 OTHERS = 4  # hardware that was counted, the best first, that is asked as well
 MOST_PAIRS = 4  # pairs of keys that hold, the surest first, which are drawn in
 LIMITS = tuple(name for name, (section, _, _) in RELAXABLE.items() if section == "limits" and name != "depth_rating_m")
@@ -86,25 +87,43 @@ class MovedKeys:
     def would_hold(self, found: Found, moves: Sequence[Move], ours: Found | None) -> WouldHold | None:
         """As it is told, whatever the time: with what is enough in scenarios that the choice has not seen, too.
 
-        What is just enough in those of the choice owes some of that to luck; it is moved farther then. None where that
-        is in vain, or no settings can be told. `ours`: what is recommended.
+        What is just enough in those of the choice owes some of that to luck; it is moved farther then, and drawn back
+        as near as these allow while there is time. None where that is in vain, or no settings can be told.
+        `ours`: what is recommended.
         """
         problem = self.problem
         seed = (problem.mission.seed + FRESH_SEED) % 2**32
         fresh = scenarios_of(problem, self.share, seed, FRESH, self.scenarios)
-        anew, held = replace(self, scenarios=fresh, deadline=NEVER), 0.0
-        for _ in range(MOST_WIDENED):
-            held = anew.held(found, moves, as_set=True)
-            if held >= self.share:
-                break
-            moves = [(ease, rounded_away(ease.asked + WIDER * (to - ease.asked), ease.asked)) for ease, to in moves]
-        if held < self.share:
+        anew = replace(self, scenarios=fresh, deadline=NEVER)
+        widths = [WIDER**number for number in range(MOST_WIDENED)]
+        tried = ((width, anew.held(found, by_share(moves, width), as_set=True)) for width in widths)
+        enough, held = next(((width, held) for width, held in tried if held >= self.share), (0.0, 0.0))
+        if not enough:
             return None
+        if enough > 1.0:
+            enough, held = replace(anew, deadline=self.deadline).drawn_back(found, moves, enough, held)
+        moves = by_share(moves, enough)
         same = ours is not None and names(self.problem, found) == names(self.problem, ours)
         parts = [] if same else [part.id for _, part in pieces_of(self.problem, found)]
         if parts and found.count > 1:
             parts[-1] = f"{found.count} x {parts[-1]}"
         return WouldHold([moved(*move) for move in moves], parts, held)
+
+    def drawn_back(self, found: Found, moves: Sequence[Move], enough: float, held: float) -> tuple[float, float]:
+        """The least width of some moves with which hardware holds, and how often; a step of `WIDER` less does not do.
+
+        enough, held : the width that does, and how often it holds then
+        """
+        short = enough / WIDER
+        with suppress(OutOfTimeError):
+            for _ in range(DRAWN_BACK):
+                middle = 0.5 * (short + enough)
+                now = self.held(found, by_share(moves, middle), as_set=True)
+                if now >= self.share:
+                    enough, held = middle, now
+                else:
+                    short = middle
+        return enough, held
 
     def _light(self, moves: Sequence[Move]) -> dict[Any, Any]:
         heights = [move for move in moves if move[0].key in (ALTITUDE, TOLERANCE)]

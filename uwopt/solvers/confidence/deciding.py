@@ -14,7 +14,8 @@ whenever it is shuffled over the scenarios, many times.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -64,6 +65,7 @@ FARTHEST_DB = 20.0
 LOWER = (0.9, 0.75)  # of the altitude that is asked, in turn
 CLOSE = 0.05  # of a change: no nearer value is looked for
 STEADIER = (0.75, 0.5, 0.25)  # of the tolerance that is asked, in turn
+HALVED = 2  # times the last of these steps, of which light is known
 EASED_S = 2.0  # of work, where no time is given: for keys of which any value may do
 TRIED_S = 10.0  # likewise, after these: for keys of which a few values are tried, as light may have to be made anew
 Shares = dict[tuple[str, float], float]  # of the scenarios, in which hardware holds with one key at a value
@@ -133,10 +135,22 @@ def would_hold(
             far = next((value for value in ease.values if holds(value)), None)
             if far is not None:
                 needed = far if coarse else nearest(ease.asked, far, holds)
+                if ease.key == TOLERANCE:
+                    needed = halved((ease.asked, *ease.values), far, holds)
                 made.append(Moved(ease.key, ease.asked, needed, ease.unit, not coarse))
         except OutOfTimeError:
             continue
     return made
+
+
+def halved(values: Sequence[float], far: float, holds: Callable[[float], bool]) -> float:
+    """Of values in turn one between the first with which it holds and that before it, by halves; as of `nearest`."""
+    near = values[values.index(far) - 1]
+    with suppress(OutOfTimeError):
+        for _ in range(HALVED):
+            middle = rounded_away(0.5 * (near + far), values[0])
+            near, far = (near, middle) if holds(middle) else (middle, far)
+    return far
 
 
 def nearest(asked: float, far: float, holds: Callable[[float], bool]) -> float:
