@@ -5,6 +5,7 @@ import os
 import time
 
 import pytest
+from any_text import ANY_TEXT
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from thorough import drawn
@@ -189,7 +190,7 @@ def test_a_mapping_of_python_is_copied_to_plain_values(tmp_path):
 
 
 @settings(max_examples=drawn(100, 1000))
-@given(st.text(max_size=80))
+@given(st.text(ANY_TEXT, max_size=80))
 def test_any_text_gives_values_or_a_fault(text):
     with contextlib.suppress(MissionError):
         compose(text, "fuzz.yaml")

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from any_text import ANY_TEXT
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from thorough import drawn
@@ -516,11 +517,11 @@ values = st.recursive(
         st.booleans(),
         st.integers(),
         st.floats(),
-        st.text(max_size=8),
+        st.text(ANY_TEXT, max_size=8),
         st.sampled_from(["II", "sand", "1e-3"]),
     ),
     lambda inner: st.one_of(
-        st.lists(inner, max_size=3), st.dictionaries(st.text(max_size=6), inner, max_size=3)
+        st.lists(inner, max_size=3), st.dictionaries(st.text(ANY_TEXT, max_size=6), inner, max_size=3)
     ),
     max_leaves=6,
 )

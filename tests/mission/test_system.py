@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from any_text import ANY_TEXT
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from thorough import drawn
@@ -197,9 +198,9 @@ def test_the_json_schema_documents_every_key():
 
 
 values = st.recursive(
-    st.one_of(st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=8), st.just("dome")),
+    st.one_of(st.none(), st.booleans(), st.integers(), st.floats(), st.text(ANY_TEXT, max_size=8), st.just("dome")),
     lambda inner: st.one_of(
-        st.lists(inner, max_size=3), st.dictionaries(st.text(max_size=6), inner, max_size=3)
+        st.lists(inner, max_size=3), st.dictionaries(st.text(ANY_TEXT, max_size=6), inner, max_size=3)
     ),
     max_leaves=6,
 )

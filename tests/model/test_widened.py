@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.polynomial.chebyshev import chebvander
 from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
 from scipy.integrate import quad
@@ -21,7 +22,15 @@ from uwopt.model.scattering import PhaseTable
 from uwopt.model.veil.geometry import Scatterer
 from uwopt.model.veil.mean import mean_backscatter
 from uwopt.model.veil.ray import backscatter_gain
-from uwopt.model.widened import Turned, arriving_share, bounding, carried_share, ways_m, widened
+from uwopt.model.widened import (
+    Turned,
+    arriving_share,
+    bounding,
+    carried_share,
+    chebyshev_rows,
+    ways_m,
+    widened,
+)
 
 Array = NDArray[Any]
 NARROW = beams.cosine_power_beam(np.deg2rad(16.0))
@@ -105,6 +114,12 @@ def test_molecules_and_particles_add_up() -> None:
     assert carried_share(None)[0, 0] == pytest.approx(0.5, rel=1e-3)  # symmetric: half goes forward
     known = np.exp(1.0 * (carried_share(sea)[0, 0] - 1.0 + 0.1) + 0.5 * (0.5 - 1.0 + 0.4))
     assert beams.flux_per_lm(both) == pytest.approx(known, rel=0.01)
+
+
+@pytest.mark.parametrize("count", [2, 3, 4, 9, 64, 65])
+def test_chebyshevs_polynomials_are_those_of_numpy(count: int) -> None:
+    x = np.append(np.cos(np.linspace(0.0, np.pi, 50)), [-0.5, 0.3])
+    np.testing.assert_allclose(chebyshev_rows(x, count).T, chebvander(x, count - 1), rtol=0, atol=1e-13)
 
 
 @pytest.mark.parametrize("g", [0.8, 0.95])

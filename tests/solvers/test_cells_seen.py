@@ -27,5 +27,5 @@ def test_all_quadrants_count_wherever_lamps_stand_and_aim(place, aim):
         return most_in_cells(BEAM, lamps, along, across, 2.0, 0.2)
 
     apart = light(place[0] + hair, place[1] + hair, hair)
-    assert light(*place, 0.0) == pytest.approx(apart, rel=1e-3)
+    np.testing.assert_allclose(light(*place, 0.0), apart, rtol=1e-3)
     assert light(*place, 0.0).sum() == pytest.approx(apart.sum(), rel=1e-6)

@@ -112,9 +112,9 @@ class Lenses(PartColumns):
 
     def f_number_from(self, stops_down: float) -> Array:
         """The smallest f-number to use when lenses are closed by so many stops: see `f_number_closed`."""
-        widest, back = np.unique(self.f_number_min, return_inverse=True)
-        closed = np.array([f_number_closed(each, stops_down) for each in widest.tolist()])
-        return np.where(self.one_opening, self.f_number_min, closed[back.reshape(-1)])
+        widest = self.f_number_min.tolist()
+        closed = {each: f_number_closed(each, stops_down) for each in set(widest)}
+        return np.where(self.one_opening, self.f_number_min, [closed[each] for each in widest])
 
 
 @dataclass(frozen=True)

@@ -296,7 +296,7 @@ def field_dioptres_per_m(places: Array, range_m: Array | float) -> Array:
 
 def altitudes_m(scene: SceneOptics) -> Array:
     """Near, nominal and far altitude, as ranges along the optical axis, (3,); of rows with their own (n, 3)."""
-    return np.stack([scene.range_m[0], scene.range_m[scene.nominal], scene.range_m[-1]], axis=-1)
+    return scene.range_m[[0, scene.nominal, -1]].T
 
 
 def heights_m(scene: SceneOptics) -> Array:

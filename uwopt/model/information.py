@@ -302,7 +302,7 @@ def _ruled(
         served = (colour_px > lowest_px) & (colour_px <= highest_px)
         lowest_px = highest_px
         spread = table.spread if highest_px > 0.0 else None
-        for kind, hard in np.unique(np.stack([ends.kind[served], ends.hard[served]]), axis=1).T:
+        for kind, hard in sorted(set(zip(ends.kind[served].tolist(), ends.hard[served].tolist(), strict=True))):
             rows = np.flatnonzero(served & (ends.kind == kind) & (ends.hard == hard))
             wanted = orders or orders_of((scaled(usual[0], fineness), scaled(usual[1], fineness)), int(hard), fineness)
             block = max(1, _BLOCK_NODES // (wanted[0] * wanted[1]))

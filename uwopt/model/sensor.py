@@ -242,7 +242,7 @@ def light_for_snr(
     noise_slope = snr2 * (
         total * (1.0 + 2.0 * prnu2 * other_light_e) + 2.0 * follow * level_per_light_e * base_e
     )
-    helped = bool(np.any(other_signal_e))
+    helped = bool(other_signal_e if isinstance(other_signal_e, float) else np.any(other_signal_e))
     half = 0.5 * noise_slope - signal_per_light_e * other_signal_e if helped else 0.5 * noise_slope
     noise_floor = (
         read_noise_e**2 + fixed + dark_e + other_light_e + prnu2 * other_light_e**2 + follow * base_e**2

@@ -178,7 +178,7 @@ def two_gaussian_led(wavelength_nm: ArrayLike) -> FloatArray:
 
 def _increasing(wavelength_nm: ArrayLike, what: str) -> FloatArray:
     wavelength = np.asarray(wavelength_nm, dtype=float)
-    if wavelength.ndim != 1 or wavelength.size < 2 or not np.all(np.diff(wavelength) > 0):
+    if wavelength.ndim != 1 or wavelength.size < 2 or not (wavelength[1:] > wavelength[:-1]).all():
         raise RangeError(f"the wavelengths of a {what} must be at least two, one row, increasing [nm]")
     return wavelength
 
