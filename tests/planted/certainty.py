@@ -340,16 +340,23 @@ DEFECTS = (
     ),
     Defect(
         name="what was searched with room is searched again",
-        file=f"{ROOM}/search.py",
-        old="            fits = True\n            continue\n",
-        new="            fits = True\n",
+        file=f"{ROOM}/roomy.py",
+        old="                if worse not in shown.fits and",
+        new="                if",
         test=f"{PROOF}::test_what_goes_on_from_what_has_room_finds_and_counts_what_one_look_does[28.0-0.75-True]",
     ),
     Defect(
-        name="no hardware with room is looked for",
+        name="what is searched meanwhile is searched again",
         file=f"{ROOM}/search.py",
-        old="    for worse in (*WORSE, *LESS_WORSE):\n",
-        new="    for worse in ():\n",
+        old="                searches.take_over(then)\n",
+        new="",
+        test=f"{PROOF}::test_what_is_searched_while_others_are_counted_is_what_is_searched_after_them[28.0]",
+    ),
+    Defect(
+        name="no hardware with room is looked for",
+        file=f"{ROOM}/roomy.py",
+        old="for worse in (*WORSE, *LESS_WORSE) for bright",
+        new="for worse in () for bright",
         test=f"{TESTS}::test_a_sure_camera_is_bought_where_the_other_holds_too_seldom",
     ),
     Defect(
@@ -676,9 +683,9 @@ DEFECTS = (
     ),
     Defect(
         name="worse numbers are searched where milder ones fit nothing",
-        file=f"{ROOM}/search.py",
-        old="        if any(worse >= share for share, fit in seen.fits.items() if not fit):",
-        new="        if False:",
+        file=f"{ROOM}/roomy.py",
+        old="shown.fits and not self._is_vain(worse):",
+        new="shown.fits:",
         test=f"{PROOF}::test_where_nothing_fits_no_worse_numbers_are_searched",
     ),
     Defect(

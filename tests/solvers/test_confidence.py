@@ -23,6 +23,7 @@ from uwopt.deadline import NEVER, Deadline, OutOfTimeError, unheard
 from uwopt.forward.views import focus_map
 from uwopt.mission.doubt import Doubt
 from uwopt.model.port import lens_dioptre_per_m, water_distance_m
+from uwopt.solvers.confidence import roomy
 from uwopt.solvers.confidence import search as search_module
 from uwopt.solvers.confidence.deciding import gained, is_no_luck, worth_of_knowing
 from uwopt.solvers.confidence.outcomes import outcomes, outcomes_of_each
@@ -398,13 +399,13 @@ def test_where_known_hardware_holds_the_proof_alone_brings_up_what_is_better(mon
     problem = sought.problem
     cameras = [part.id for part in problem.parts.cameras]
     found = {cameras[one.camera]: one for one in sought.outcome.best}
-    worse = search_module.worse_problem
+    worse = roomy.worse_problem
 
     def counted_search(*given: Any) -> Any:
         searched.append(given[-1])
         return worse(*given)
 
-    monkeypatch.setattr(search_module, "worse_problem", counted_search)
+    monkeypatch.setattr(roomy, "worse_problem", counted_search)
     seen = look(sought, 0.5, NEVER, unheard, known=[found["camera-0"]])
     assert [cameras[one.found.camera] for one in seen.tried] == ["camera-0"] and searched == []
     best = chosen(seen, NEVER, unheard)
@@ -502,7 +503,7 @@ def test_what_fits_by_central_numbers_is_looked_for_where_the_surest_does_not(mo
     worse numbers bring up the surest alone, beside which the last is no better: it is found beside the other that fits.
     """
     monkeypatch.setattr(search_module, "OF_CENTRAL", 1)
-    monkeypatch.setattr(search_module, "A_SEARCH", 1)
+    monkeypatch.setattr(roomy, "A_SEARCH", 1)
     monkeypatch.setattr(search_module, "can_be_proven", lambda problem, objective: False)
     rates = {3.0: (0.2, 0.285, 0.29), 3.5: (0.2, 0.28, 5.0), 4.0: (0.2, 0.33, 0.45)}
     first, *others = [{"power_w": w, "max_frame_rate_hz": between(*rate)} for w, rate in rates.items()]

@@ -16,12 +16,14 @@ from random_cases import Case, case
 from thorough import drawn
 
 from uwopt.catalog.parts.quantity import Quantity
-from uwopt.deadline import NEVER, Deadline, unheard
+from uwopt.deadline import NEVER, Deadline, effort_s, unheard
 from uwopt.forward.part_columns import FAVOURED
 from uwopt.forward.parts import Parts
 from uwopt.forward.problem import Problem
+from uwopt.solvers.beside import cores
 from uwopt.solvers.confidence import local_search as local_search_module
 from uwopt.solvers.confidence import proof as proof_module
+from uwopt.solvers.confidence import roomy as roomy_module
 from uwopt.solvers.confidence import search as search_module
 from uwopt.solvers.confidence.counted import Counted, Looked, best_of, names, rank
 from uwopt.solvers.confidence.local_search import Glance, polish
@@ -307,12 +309,12 @@ def test_where_nothing_fits_no_worse_numbers_are_searched(monkeypatch: pytest.Mo
         return problem
 
     nothing = SimpleNamespace(whole=lambda: SimpleNamespace(best=[]), every_imager=None)
-    monkeypatch.setattr(search_module, "Search", lambda *_, **__: nothing)
-    monkeypatch.setattr(search_module, "worse_problem", worse_problem)
+    monkeypatch.setattr(roomy_module, "Search", lambda *_, **__: nothing)
+    monkeypatch.setattr(roomy_module, "worse_problem", worse_problem)
     never = dict(done=lambda: False, hopeful=lambda: False)
     seen = looked(sought, certain.scenarios, [])
     found = list(search_module.candidates(sought, seen, NEVER, **never))
-    assert worse == [search_module.WORSE[0], *search_module.LESS_WORSE]
+    assert worse == [roomy_module.WORSE[0], *roomy_module.LESS_WORSE]
     assert [len(some) for some in found] == [min(len(sought.outcome.best), search_module.OF_CENTRAL)]
 
 
@@ -333,7 +335,7 @@ def test_what_goes_on_from_what_has_room_finds_and_counts_what_one_look_does(
             runs.append(self.objective)
             return super().run()
 
-    monkeypatch.setattr(search_module, "Search", Counting)
+    monkeypatch.setattr(roomy_module, "Search", Counting)
 
     def look(**how: Any) -> tuple[Looked, int]:
         before = len(runs)
@@ -347,6 +349,27 @@ def test_what_goes_on_from_what_has_room_finds_and_counts_what_one_look_does(
     for ours, theirs in zip(further.tried, whole.tried, strict=True):
         assert names(sought.problem, ours.found) == names(sought.problem, theirs.found)
         np.testing.assert_array_equal(ours.outcomes.value, theirs.outcomes.value)
+
+
+@pytest.mark.parametrize("min_snr_db", drawn([28.0], [28.0, 31.0]))
+def test_what_is_searched_while_others_are_counted_is_what_is_searched_after_them(
+    monkeypatch: pytest.MonkeyPatch, min_snr_db: float
+) -> None:
+    """Where nothing holds as often as asked all is needed; where all does, no search after the first is."""
+    case_ = rivals()
+    wanted = {"max_blur_px": 1.0, "min_snr_db": min_snr_db}
+    sought = sought_of(replace(case_, mission=case_.mission.with_changes(requirements=wanted)))
+    monkeypatch.setattr(search_module, "can_be_proven", lambda problem, objective: False)
+    monkeypatch.setattr(roomy_module, "A_SEARCH", 1)
+    for asked in (1.01, 0.01):
+        made = []
+        for count in (1, 2):
+            before_s = effort_s()
+            with cores(count):
+                seen = search_module.look(sought, asked, NEVER, unheard)
+            made.append((seen.fits, [names(sought.problem, one.found) for one in seen.tried], effort_s() - before_s))
+        assert made[0][:2] == made[1][:2] and made[1][2] == pytest.approx(made[0][2], rel=0.2)
+        assert (len(made[0][0]) > 1) == (asked > 1.0)
 
 
 def test_what_fresh_scenarios_refute_is_not_certain_enough() -> None:

@@ -8,7 +8,8 @@ then proven (`proof`), but for the sun's light and for objectives whose settings
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Generator, Sequence
+from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
@@ -20,24 +21,23 @@ from uwopt.errors import MissionError
 from uwopt.forward.problem import Problem
 from uwopt.mission.doubt import ENDS
 from uwopt.objectives.objective import Objective
+from uwopt.solvers.beside import ahead
 from uwopt.solvers.confidence.counted import Counted, Looked, names, rank
 from uwopt.solvers.confidence.local_search import polish
 from uwopt.solvers.confidence.outcomes import outcomes, outcomes_of_each
 from uwopt.solvers.confidence.proof import NoneBetter, Prover
+from uwopt.solvers.confidence.roomy import A_SEARCH, WORSE, RoomySearches
 from uwopt.solvers.confidence.scenarios import Scenarios
-from uwopt.solvers.confidence.worst_case import EndScenarios, worse_problem
+from uwopt.solvers.confidence.worst_case import EndScenarios
 from uwopt.solvers.exact.imager_rules import Behind
 from uwopt.solvers.exact.imagers import Imagers, imagers_in
 from uwopt.solvers.exact.ranking import Found, told_apart
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.one_hardware import KINDS, among, problem_of
+from uwopt.solvers.one_hardware import KINDS, problem_of
 from uwopt.solvers.recommend import Sought
 from uwopt.solvers.settings.best import scenes_need_cells
 from uwopt.tolerances import TIE, TIED_MEDIANS_REL
 
-WORSE = (0.75, 0.9)  # than this share of the scenarios: what searches for hardware with room start from
-LESS_WORSE = (0.5, 0.3)  # where nothing fits so
-A_SEARCH = 4  # hardware that each brings up
 OF_CENTRAL = 2  # of the central search
 ENOUGH = 3  # hardware that holds: no further search is made
 POLISH_S = 2.0  # that a round of it may last where there is a limit
@@ -107,13 +107,15 @@ def look(
     else:
         seen = replace(before, tried=[*before.tried], complete=True, fits={**before.fits})
     central = {names(problem, one) for one in sought.outcome.best[:OF_CENTRAL]}
+    brought_up = candidates(
+        sought, seen, deadline, done=lambda: seen.holding >= ENOUGH, hopeful=lambda: seen.holding > 0,
+        with_room=with_room, known=known,
+    )  # fmt: skip
     try:
-        for some in candidates(
-            sought, seen, deadline, done=lambda: seen.holding >= ENOUGH, hopeful=lambda: seen.holding > 0,
-            with_room=with_room, known=known,
-        ):  # fmt: skip
-            count_in_time(seen, some, central, deadline)
-            report(min(0.5 * len(seen.tried) / A_SEARCH, 0.5), "certainty")
+        with closing(brought_up):
+            for some in brought_up:
+                count_in_time(seen, some, central, deadline)
+                report(min(0.5 * len(seen.tried) / A_SEARCH, 0.5), "certainty")
     except OutOfTimeError:
         if not seen.tried:
             raise
@@ -248,60 +250,46 @@ def fits_centrally(problem: Problem, objective: Objective, known: dict[int, bool
 def candidates(
     sought: Sought, seen: Looked, deadline: Deadline, *, done: Callable[[], bool],
     hopeful: Callable[[], bool], with_room: bool = False, known: Sequence[Found] = (),
-) -> Iterator[list[Found]]:  # fmt: skip
+) -> Generator[list[Found]]:  # fmt: skip
     """Hardware worth counting, some at a time: the best of the central search and what is known to be good, then of
     those with room.
 
     What is proven besides brings up all other hardware that holds; else worse numbers are tried. Where none of these
     holds, the brightest and worse numbers still; where nothing fits with room, less room is asked for, unless that is
     all that is wanted (`with_room`). What was looked at is not searched again, nor is counted hardware brought up.
-    Where some that is known holds and a proof is to come, no other is searched for.
+    Where some that is known holds and a proof is to come, no other is searched for. While hardware is counted the next
+    search is made, for as long as it is not known whether it is needed.
     """
     problem, objective = sought.problem, sought.goal
     provable = can_be_proven(problem, objective)
     rungs = WORSE if not provable else () if known else WORSE[:1]
-    wants_light = objective.single != "snr_db" and any(scene.view.requirements.min_snr for scene in problem.scenes)
     had, first = {names(problem, one.found) for one in seen.tried}, (*sought.outcome.best[:OF_CENTRAL], *known)
     waiting = list({name: one for one in first if (name := names(problem, one)) not in had}.values())
     had.update(names(problem, found) for found in waiting)
+    searches = RoomySearches.of(
+        problem, objective, seen.scenarios, rungs=rungs, with_room=with_room, had=had, fits=seen.fits
+    )
     if known and provable:
         yield waiting
         waiting = []  # else they are counted with the first that have room: light is worked out once
-    fits = False
-    for worse in (*WORSE, *LESS_WORSE):
-        if with_room and worse in LESS_WORSE:
-            break
-        if done() or (hopeful() and worse not in rungs) or (fits and worse in LESS_WORSE):
-            break
-        if seen.fits.get(worse, False):
-            fits = True
-            continue
-        if any(worse >= share for share, fit in seen.fits.items() if not fit):
-            continue  # nothing does with these, or with numbers that are less worse
-        changed, fits_here, imagers = worse_problem(problem, seen.scenarios, worse), False, None
-        for goal in (objective, Objective.of("snr_db")):
-            if done() or (goal is not objective and (hopeful() or not wants_light or not fits)):
-                break
-            patience = deadline.at_most(PROOF_SHARE * deadline.left_s) if waiting else deadline
-            search = Search(changed, goal, top=A_SEARCH, deadline=patience, imagers=imagers)
-            searched, imagers = search.whole(), search.every_imager
-            if patience.passed():
-                yield waiting
-                raise OutOfTimeError
-            fits_here |= bool(searched.best)
-            fits |= fits_here
-            if with_room and not fits:
-                seen.fits[worse] = False
-                yield waiting
-                return
-            wants_light &= goal is objective
-            here = {names(problem, one): one for one in (among(problem, found, changed) for found in searched.best)}
-            waiting += [one for name, one in here.items() if name not in had]
-            had.update(here)
-            if waiting:
-                yield waiting
-                waiting = []
-        seen.fits[worse] = fits_here
+    patience = deadline.at_most(PROOF_SHARE * deadline.left_s) if waiting else deadline
+    try:
+        more = searches.next(patience, done=done(), hopeful=hopeful(), once=bool(waiting))
+    except OutOfTimeError:
+        yield waiting
+        raise
+    waiting = [] if more is None else [*waiting, *more]
+    while waiting:
+        held = hopeful()
+        with ahead(partial(searches.ahead, deadline, hopeful=held), lists=[deadline.left_out]) as further:
+            yield waiting
+            if done() or hopeful() != held:
+                more = searches.next(deadline, done=done(), hopeful=hopeful())
+            else:
+                more, then = further()
+                deadline.check()
+                searches.take_over(then)
+        waiting = more or []
 
 
 def tied_with_best(problem: Problem, choice: Certain, other: Found) -> bool:
