@@ -239,6 +239,20 @@ DEFECTS = (
         "::test_where_one_that_fits_is_enough_the_lighting_of_the_first_comes_first[True-groups1]",
     ),
     Defect(
+        name="no smaller battery is tried where money lacks",
+        file="uwopt/solvers/infeasible/move_keys.py",
+        old="if for_want_of_energy or not is_dear else SMALLER",
+        new="if True else SMALLER",
+        test="tests/solvers/test_moves.py::test_a_battery_is_smaller_by_what_the_budget_lacks",
+    ),
+    Defect(
+        name="a battery is said to be of no help though cost is in the way",
+        file="uwopt/solvers/infeasible/freed_rules.py",
+        old='        if are_idle("cost", "mass_kg"):',
+        new="        if True:",
+        test="tests/solvers/test_moves.py::test_a_battery_is_smaller_by_what_the_budget_lacks",
+    ),
+    Defect(
         name="dear cameras are taken for what the last designs fall by",
         file="uwopt/solvers/infeasible/freed_rules.py",
         old="lost[rule] - each * tally.get(rule, 0) for",

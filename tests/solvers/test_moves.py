@@ -149,6 +149,27 @@ def test_a_battery_that_only_times_endurance_is_no_key_to_move(parts):
     assert names.isdisjoint({"battery_wh", "duration_h", "camera_between_images"})
 
 
+def test_a_battery_is_smaller_by_what_the_budget_lacks(parts):
+    """At 5 USD a watt-hour, the high end: 1000 USD less than it takes are 200 of 1000 Wh; 150 Wh are needed."""
+
+    def priced(cost: float) -> Mission:
+        wanted = lander(parts, duration_h=50.0, battery_wh=1000.0)
+        given = wanted.to_dict()
+        limits, catalog = given["limits"] | {"cost": cost}, given["catalog"] | {"rest": "estimate"}
+        return wanted.with_changes(limits=limits, catalog=catalog)
+
+    catalog, low, high = load_catalog(priced(1.0)), 5e3, 1e5
+    while high - low > 1.0:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if fits(priced(middle), catalog) else (middle, high)
+    wanted = priced(high - 1000.0)
+    told = moves(wanted)
+    assert next(iter(told)) == "battery_wh" and told["battery_wh"].nearest
+    assert told["battery_wh"].needed == pytest.approx(800.0, abs=5.0)
+    at = wanted.to_dict()["vehicle"]
+    assert fits(wanted.with_changes(vehicle=at | {"battery_wh": told["battery_wh"].needed}), catalog)
+
+
 def test_what_does_not_help_is_not_told(parts):
     assert moves(mission(parts, min_snr_db=100.0)) == {}  # more electrons than the pixel holds
 

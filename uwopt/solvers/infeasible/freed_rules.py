@@ -77,7 +77,8 @@ def in_the_way(found: Sought, freed: str = "") -> tuple[str, ...]:
 
 
 BUDGETS = ("cost", "mass_kg", "power_w", "energy_wh")  # rules in the order of bounds, and the limits of which they are
-FEEDING = ("battery_wh", "camera_between_images", "lamps_between_images")  # keys that a limit of power or energy knows
+FEEDING = ("camera_between_images", "lamps_between_images")  # keys that a limit of power or energy knows
+BATTERY = "battery_wh"  # and one that cost and mass know, too
 #: Requirements that only a design with its settings is asked about.
 OF_SETTINGS = ("max_skew_px", "max_airy_px", "min_uniformity", "peak_power_w")
 #: And those that bounds ask of a design's light and lens, each under its own rule.
@@ -103,6 +104,8 @@ def untouched(account: Account) -> Iterator[str]:
     yield from (name for place, name in enumerate(BUDGETS) if are_idle(*BUDGETS[place:]))
     if are_idle("power_w", "energy_wh"):
         yield from FEEDING
+        if are_idle("cost", "mass_kg"):
+            yield BATTERY
 
 
 # ---------------------------------------------------------------- likely in the way

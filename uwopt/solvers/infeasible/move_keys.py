@@ -1,6 +1,7 @@
 """Which keys of a mission are moved where nothing fits, and how far: water, height, speed, times, what feeds it.
 
-A key is tried only where it can matter: what takes or holds energy where energy is counted against a limit.
+A key is tried only where it can matter: what takes or holds energy where energy is counted against a limit. A battery
+that the system brings along is tried larger where energy lacks, else smaller, where its price or mass counts.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ FARTHEST_CLARITY = (40.0, 8.0)  # times as clear, but no clearer than a mission 
 CLEAREST = {"c_per_m": 0.055, "visibility_m": 80.0, "secchi_m": 80.0, "turbidity_ntu": 0.02}
 FARTHEST_TIME = 10.0  # times as long between images
 FARTHEST_ENERGY = (10.0, 100.0)  # times as short a mission, or as much in its battery
+SMALLER = (0.5, 0.2, 0.08)  # of the battery that is asked, which must still last as long
 BATTERY = "battery_wh"
 #: Jerlov types from the clearest on, by their attenuation at 530 nm.
 CLEAREST_FIRST = ("I", "IA", "IB", "II", "1C", "III", "3C", "5C", "7C", "9C")
@@ -38,21 +40,27 @@ class Try:
     values: tuple[Value, ...]
 
 
-def tries_of(mission: Mission, *, for_want_of_energy: bool = False) -> Iterator[Try]:
+def tries_of(mission: Mission, *, for_want_of_energy: bool = False, for_want_of_budget: bool = False) -> Iterator[Try]:
     """Each key that may be moved; one on which the scenes differ is left alone.
 
     for_want_of_energy : whether it is energy that nothing has enough of: then what takes or holds it comes first
+    for_want_of_budget : whether it is money or mass: then a battery that takes of them comes first
     """
     others = [*_waters(mission), *_vehicle(mission)]  # water takes least to try: the imagers stay
-    energy = [*_energy(mission)]
-    yield from [*energy, *others] if for_want_of_energy else [*others, *energy]
+    energy = [*_energy(mission, for_want_of_energy=for_want_of_energy)]
+    if for_want_of_budget and not for_want_of_energy:
+        first = [one for one in energy if one.key.name == BATTERY]
+        yield from [*first, *others, *(one for one in energy if one not in first)]
+    else:
+        yield from [*energy, *others] if for_want_of_energy else [*others, *energy]
 
 
 def shared_keys(mission: Mission, *, for_want_of_energy: bool) -> dict[str, float]:
     """Keys of the vehicle that may give together with limits, as asked: by a share less, but of a battery more."""
     common = {key: in_all_scenes(mission, "vehicle", key) for key in ("speed_m_s", "altitude_m")}
     if for_want_of_energy:
-        common |= {one.key.name: float(one.asked) for one in _energy(mission) if one.key.name in (BATTERY, HOURS)}
+        energy = [one for one in _energy(mission, for_want_of_energy=True) if one.key.name in (BATTERY, HOURS)]
+        common |= {one.key.name: float(one.asked) for one in energy}
     return {key: value for key, value in common.items() if value}
 
 
@@ -69,7 +77,7 @@ def _vehicle(mission: Mission) -> Iterator[Try]:
         yield _try("requirements", "frame_interval_s", interval, (rounded(FARTHEST_TIME * interval),))
 
 
-def _energy(mission: Mission) -> Iterator[Try]:
+def _energy(mission: Mission, *, for_want_of_energy: bool) -> Iterator[Try]:
     """What stays on between images, the battery that the system brings along, and how long that must last."""
     limits, of_all = mission.limits, Duration.of(mission)
     is_limited = math.isfinite(of_all.energy_wh) and of_all.duration_h is not None
@@ -78,8 +86,9 @@ def _energy(mission: Mission) -> Iterator[Try]:
             if in_all_scenes(mission, "vehicle", name) == "on":
                 yield _try("vehicle", name, "on", ("off",))
     if is_limited and of_all.energy_wh == of_all.battery_wh and limits.energy_wh is None:
-        values = tuple(rounded(times * of_all.energy_wh) for times in FARTHEST_ENERGY)
-        yield _try("vehicle", BATTERY, of_all.energy_wh, values)
+        is_dear = mission.catalog.rest == "estimate" and (limits.cost is not None or limits.mass_kg is not None)
+        times = FARTHEST_ENERGY if for_want_of_energy or not is_dear else SMALLER
+        yield _try("vehicle", BATTERY, of_all.energy_wh, tuple(rounded(one * of_all.energy_wh) for one in times))
     if of_all.duration_h and (is_limited or limits.storage_gb is not None):
         values = tuple(rounded(of_all.duration_h / times) for times in FARTHEST_ENERGY)
         yield _try("vehicle", HOURS, of_all.duration_h, values)

@@ -224,7 +224,8 @@ class Mover:
     @cached_property
     def tries(self) -> tuple[Try, ...]:
         """The keys that may be moved, in turn."""
-        return tuple(tries_of(self.mission, for_want_of_energy=self.trials.lacks_energy))
+        lacks = {"for_want_of_energy": self.trials.lacks_energy, "for_want_of_budget": self.trials.lacks_budget}
+        return tuple(tries_of(self.mission, **lacks))
 
     # ------------------------------------------------------------ far, and back
 

@@ -93,6 +93,12 @@ class Trials:
         return like is not None and "energy_wh" in in_the_way(like)
 
     @cached_property
+    def lacks_budget(self) -> bool:
+        """Whether they fall for want of money, or by their mass."""
+        like = self.relaxer.like
+        return like is not None and not {"cost", "mass_kg"}.isdisjoint(in_the_way(like))
+
+    @cached_property
     def limits(self) -> dict[str, float]:
         """What the mission asks for and can do without, with its limits."""
         asked = {name: asked_value(self.mission, *RELAXABLE[name][:2]) for name in RELAXABLE}
