@@ -60,6 +60,17 @@ def test_a_cap_below_which_nothing_fits_is_lifted_with_a_warning() -> None:
     assert told == [f"gain {gain_db(free):.3g} dB, beyond 20 dB, below which nothing fits: light is out of reach"]
 
 
+def test_a_front_lifts_a_cap_below_which_nothing_fits() -> None:
+    front = uwopt.pareto(survey(CAP_DB, dark=True), objectives=["power", "cost"], solver="exact")
+    best = solved(CAP_DB, dark=True)
+    assert min(point.values["power"] for point in front.points) == pytest.approx(best.objective.value, rel=1e-6)
+    told = [note.message for note in front.warnings if note.code == "gain_cap"]
+    assert len(told) == 1 and told[0].endswith("beyond 20 dB, below which nothing fits: light is out of reach")
+    assert front.mission["reserve"]["max_gain_db"] == CAP_DB
+    bright = uwopt.pareto(survey(CAP_DB, dark=False), objectives=["power", "cost"], solver="exact")
+    assert bright.points and "gain_cap" not in [note.code for note in bright.warnings]
+
+
 def test_what_a_part_must_fulfil_is_asked_without_a_cap_that_yielded() -> None:
     free, held = (needed_of_lens(solved(cap_db, dark=True)) for cap_db in (None, CAP_DB))
     assert held["transmission_frac"] == free["transmission_frac"] != "at least 0.900"

@@ -15,7 +15,7 @@ import yaml
 from thorough import drawn
 
 import uwopt
-from uwopt.api import certain_points, explaining, yielding
+from uwopt.api import certain_points, explaining, trading, yielding
 from uwopt.api import whatif as api_whatif
 from uwopt.api.certain_points import CertainPoints, gives_way_with_certainty
 from uwopt.api.choosing import surer
@@ -230,6 +230,25 @@ def test_a_front_of_what_gives_way_says_so() -> None:
     best = solved(1.0).result.objective.value
     assert min(point.values["power"] for point in front.points) == pytest.approx(best, rel=1e-6)
     assert given_way(uwopt.pareto(survey(brightest_db() - 4.0), objectives=["power", "cost"], solver="exact")) == []
+
+
+@pytest.mark.parametrize(("less_db", "gone"), [(1.0, ["reserve.snr_db"]), (-4.0, []), (5.0, [])])
+def test_no_front_is_searched_where_nothing_meets_all_of_practice(
+    less_db: float, gone: list[str], monkeypatch: pytest.MonkeyPatch, unexplained: None
+) -> None:
+    """That nothing fits is asked first; what is searched then is the front that is told, whatever has given way."""
+    asked: list[float] = []
+    build = trading.FrontSearch
+
+    def search(problem: Any, *args: Any, **named: Any) -> Any:
+        asked.append(problem.mission.reserve.snr_db)
+        return build(problem, *args, **named)
+
+    monkeypatch.setattr(trading, "FrontSearch", search)
+    front = uwopt.pareto(survey(brightest_db() - less_db), objectives=["power", "cost"], solver="exact")
+    assert given_way(front) == gone and len(asked) == 1
+    assert asked[0] == front.mission["reserve"]["snr_db"] == (0.0 if gone else 3.0)
+    assert bool(front.points) == (less_db > 0.0)
 
 
 def test_who_waits_is_told_what_for() -> None:

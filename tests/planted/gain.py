@@ -9,6 +9,27 @@ YIELDING = "tests/api/test_yielding.py"
 
 DEFECTS = (
     Defect(
+        name="a front keeps a cap of gain below which nothing fits",
+        file="uwopt/api/trading.py",
+        old="    if run.mission is not capless and is_empty(sought):",
+        new="    if False and is_empty(sought):",
+        test=f"{CAP}::test_a_front_lifts_a_cap_below_which_nothing_fits",
+    ),
+    Defect(
+        name="a front is searched below a cap where nothing fits without it",
+        file="uwopt/api/trading.py",
+        old="capless if known.fits(capless) is False else held)",
+        new="held)",
+        test=f"{YIELDING}::test_no_front_is_searched_where_nothing_meets_all_of_practice[-4.0-gone1]",
+    ),
+    Defect(
+        name="a front is searched with all of practice where something fits with less",
+        file="uwopt/api/trading.py",
+        old="            given_way = gives_way_if_any(wanted, catalog, deadline, known)\n",
+        new="            pass\n",
+        test=f"{YIELDING}::test_no_front_is_searched_where_nothing_meets_all_of_practice[1.0-gone0]",
+    ),
+    Defect(
         name="it is asked whether anything fits where that is known",
         file="uwopt/api/searching.py",
         old="if capless is not mission and not fits:",

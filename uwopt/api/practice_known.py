@@ -42,6 +42,12 @@ class PracticeKnown:
             return False
         return True if any(asks.asks_no_more(one) for one in self.met) else None
 
+    def scenes_like(self, mission: Mission, catalog: Catalog) -> Problem:
+        """Tables whose scenes are those of a mission: of an earlier one, where it has the same."""
+        if self.like is None or self.like.scenes_for(mission) is None:
+            self.like = build_problem(mission, selected(mission, catalog, generic=mission.catalog.generic_at_last))
+        return self.like
+
     def can_be_set(self, mission: Mission) -> bool:
         """Whether something that can be set is known to fit in a mission."""
         asks = Asking.of(mission)

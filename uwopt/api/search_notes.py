@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from uwopt.api.common import beyond_cap
 from uwopt.deadline import Deadline
+from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.results.design import Design, Note
 from uwopt.results.result import Certificate, Result
 from uwopt.solvers.recommend import Sought
 
 
-def gain_warnings(mission: Mission, sought: Sought, winner: Design) -> list[Note]:
-    """That nothing fits below the gain that is recommended, where its cap had to yield."""
+def gain_warnings(mission: Mission, problem: Problem, designs: Sequence[Design]) -> list[Note]:
+    """That nothing fits below the gain that is recommended, where its cap had to yield: of several designs the most."""
     cap_db = mission.reserve.max_gain_db
-    if cap_db is None or sought.problem.mission.reserve.max_gain_db is not None:
+    if cap_db is None or not designs or problem.mission.reserve.max_gain_db is not None:
         return []
-    gain_db = max((scene.settings.get("gain_db") or 0.0) for scene in winner.as_set.scenes)
+    gain_db = max((scene.settings.get("gain_db") or 0.0) for design in designs for scene in design.as_set.scenes)
     text = f"{beyond_cap(gain_db, cap_db)}, below which nothing fits: light is out of reach"
     return [Note("gain_cap", "reserve.max_gain_db", text)]
 

@@ -167,7 +167,8 @@ def told_of(chosen: Recommendation, wanted: ToTell, watch: Watch, first: First |
         if first is not None:
             first(with_risks(made))
         made = doubted(made, chosen, wanted, watch)
-    return replace(made, warnings=[*made.warnings, *gain_warnings(chosen.mission, chosen.sought, chosen.design)])
+    beyond = gain_warnings(chosen.mission, chosen.sought.problem, [chosen.design])
+    return replace(made, warnings=[*made.warnings, *beyond])
 
 
 def with_accuracy(

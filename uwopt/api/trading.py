@@ -25,9 +25,11 @@ from uwopt.api.front_found import (
     reference,
     status_of,
 )
+from uwopt.api.practice_known import PracticeKnown
 from uwopt.api.recommending import proven_in_full
+from uwopt.api.search_notes import gain_warnings
 from uwopt.api.watch import Watch
-from uwopt.api.yielding import gives_way, yield_notes
+from uwopt.api.yielding import gives_way_if_any, yield_notes
 from uwopt.arrays import Array
 from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import ToBeMade
@@ -36,7 +38,7 @@ from uwopt.evaluation.influences import influences_of
 from uwopt.forward.assembly import build_problem, load_catalog, selected
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
-from uwopt.mission.yielding import Yield, with_yields
+from uwopt.mission.yielding import Yield, with_yields, yields_of
 from uwopt.objectives.axes import DEFAULT, Axes, Frame, plain_names
 from uwopt.objectives.dominance import hypervolume, nondominated
 from uwopt.objectives.objective import Objective
@@ -100,23 +102,23 @@ def pareto(
     with watch.timed("catalogue"):
         catalog = load_catalog(wanted)
 
+    given_way, known = tuple[Yield, ...](), PracticeKnown()
+    if EXACT in solvers and not hold_practice and yields_of(wanted):
+        with watch.stage("practice"):  # that nothing fits is sooner proven than that a front has no point
+            given_way = gives_way_if_any(wanted, catalog, deadline, known)
+    held = with_yields(wanted, given_way)
+
     def searched(asked: Mission) -> tuple[ParetoCall, FrontSearched]:
         run = ParetoCall(asked, catalog, objectives, axes, solvers, asked.seed if seed is None else seed, watch)
-        sought = run.sought(asked.catalog.generic_at_first)
+        sought = run.sought(asked.catalog.generic_at_first, known.like)
         if asked.catalog.generic == "fallback" and is_empty(sought):
-            sought = run.sought(asked.catalog.generic_at_last)
+            sought = run.sought(asked.catalog.generic_at_last, sought.problem)
         return run, sought
 
-    run, sought = searched(wanted)
-    given_way: tuple[Yield, ...] = ()
-    if is_empty(sought) and sought.front is not None and not hold_practice:
-        with watch.stage("practice"):
-            given_way = gives_way(wanted, catalog, sought.problem, deadline).yields
-        weaker = searched(with_yields(wanted, given_way)) if given_way else (run, sought)
-        if is_empty(weaker[1]):
-            given_way = ()
-        else:
-            run, sought = weaker
+    capless = held.without_gain_cap
+    run, sought = searched(capless if known.fits(capless) is False else held)  # it yields: nothing fits with it either
+    if run.mission is not capless and is_empty(sought):
+        run, sought = searched(capless)
     result = run.result(sought)
     if alternatives and result.points and axes is not None and not sought.cut:
         from uwopt.solvers.explain.other_makers import beside_front
@@ -125,7 +127,9 @@ def pareto(
             told = beside_front(sought.selection, sought.search, axes, result, deadline)
         result = replace(result, alternatives=told)
     notes = [*central_notes(wanted, "uwopt solve holds it"), *time_warnings(deadline)]
-    return replace(result, timing_s=watch.total(), warnings=[*yield_notes(given_way), *result.warnings, *notes])
+    notes[:0] = gain_warnings(held, sought.problem, [point.design for point in result.points])
+    result = replace(result, mission=held.to_dict(), timing_s=watch.total())
+    return replace(result, warnings=[*yield_notes(given_way), *result.warnings, *notes])
 
 
 @dataclass(frozen=True)
@@ -169,11 +173,15 @@ class ParetoCall:
         names = [item for item in self.objectives if isinstance(item, str)]
         return Objective(dict.fromkeys(names or ["power"], 1.0))
 
-    def sought(self, generic: ToBeMade) -> FrontSearched:
-        """Select, tabulate, search with every solver."""
+    def sought(self, generic: ToBeMade, like: Problem | None = None) -> FrontSearched:
+        """Select, tabulate, search with every solver.
+
+        like : of another search, whose light is not worked out again where it is in the same scenes
+        """
         with self.watch.timed("tables"):
             selection = selected(self.mission, self.catalog, generic=generic)
-            problem = build_problem(self.mission, selection)
+            scenes = None if like is None else like.scenes_for(self.mission)
+            problem = build_problem(self.mission, selection, scenes=scenes)
         front, search = None, None
         self.left_out = why_no_exact(problem, self.axes)
         solvers = list(self.solvers)

@@ -11,7 +11,7 @@ from uwopt.api.practice_known import PracticeKnown, on_hardware
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import Deadline, effort_s
 from uwopt.errors import MissionError
-from uwopt.forward.assembly import build_problem, load_catalog, selected
+from uwopt.forward.assembly import load_catalog
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.strictness import Asking
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from uwopt.api.counting import Counts
 
 YIELD_S = 20.0  # of work, for what has to give way where no time is given: what is recommended hangs on it
+ASKED_S = 60.0  # of work, to learn whether anything has to, likewise
 GIVEN_SHARE = 0.5  # of a time that is given
 A_QUESTION = 0.25  # of what is left of that, for one that need not be answered: else the first dear proof takes it all
 WITNESSES = 2  # hardware that fitted last, which is asked before all other
@@ -105,21 +106,30 @@ def _can_be_set(
     return False
 
 
-def patience_of(deadline: Deadline) -> Deadline:
+def patience_of(deadline: Deadline, work_s: float = YIELD_S) -> Deadline:
     """How long it may be asked what has to give way: with less time more gives way than has to."""
     if math.isfinite(deadline.left_s):
         return deadline.at_most(GIVEN_SHARE * deadline.left_s)
-    return deadline.or_after(YIELD_S, effort_s)
+    return deadline.or_after(work_s, effort_s)
 
 
 def gives_way_alone(mission: Mission, deadline: Deadline, known: PracticeKnown | None = None) -> GivenWay:
     """As `gives_way`, of a mission that no search is known of."""
     known, catalog = PracticeKnown() if known is None else known, load_catalog(mission)
-    scenes = None if known.like is None else known.like.scenes_for(mission)
-    if known.like is None or scenes is None:
-        selection = selected(mission, catalog, generic=mission.catalog.generic_at_last)
-        known.like = build_problem(mission, selection)
-    return gives_way(mission, catalog, known.like, deadline, known)
+    return gives_way(mission, catalog, known.scenes_like(mission, catalog), deadline, known)
+
+
+def gives_way_if_any(mission: Mission, catalog: Catalog, deadline: Deadline, known: PracticeKnown) -> tuple[Yield, ...]:
+    """What gives way in a mission of which it is not known whether something meets all of good practice.
+
+    Nothing where that is not answered in the time that it may take.
+    """
+    if not yields_of(mission):
+        return ()
+    like = known.scenes_like(mission, catalog)
+    if YieldTrials(mission.without_gain_cap, catalog, like, patience_of(deadline, ASKED_S), known).fits((), part=1.0):
+        return ()
+    return gives_way(mission, catalog, like, deadline, known).yields if known.missed else ()
 
 
 def with_room(mission: Mission) -> Mission | None:

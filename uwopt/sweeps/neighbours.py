@@ -87,7 +87,7 @@ def row_of_best(
             *winner.warnings,
             *taken_instead(sought.problem.mission),
             *colour_notes(sought.problem, best.hardware),
-            *gain_warnings(mission, sought, winner),
+            *gain_warnings(mission, sought.problem, [winner]),
         ],
     )
     return row_of(result) | {"lower_bound": goal.reported(answer.lower_bound), "gap_rel": gap}
