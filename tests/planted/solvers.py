@@ -360,6 +360,13 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/solvers/test_seen.py::test_each_pair_of_the_catalogue_sees_what_it_sees_alone[full]",
     ),
     Defect(
+        name="pairs that pass see what the first pairs see",
+        file="uwopt/solvers/exact/imagers.py",
+        old="kinds.of_pairs(problem, camera, lens, port, left)",
+        new="kinds.of_pairs(problem, camera, lens, port, np.arange(len(left)))",
+        test="tests/solvers/test_seen.py::test_what_is_seen_by_pairs_that_pass_is_what_these_see_alone",
+    ),
+    Defect(
         name="lenses of any mount are taken",
         file="uwopt/solvers/exact/imagers.py",
         old='("mount", fits)',

@@ -89,13 +89,17 @@ def beaten_housings(problem: Problem, ports: Array, alive: Array) -> Array:
 
 
 def view_rules(
-    problem: Problem, port: int, seen: list[Views], spacers_m: Array
+    problem: Problem, port: int, seen: list[Views], spacers_m: Array, of: Array
 ) -> Iterator[tuple[str, Array]]:
-    """The rules that a view and its focus are enough for, in turn, with the imagers that pass them, (n,)."""
-    yield "view", all_of(view_clears(problem, port, view) for view in seen)
-    yield "horizon", below_horizon(seen)
+    """The rules that a view and its focus are enough for, in turn, with the imagers that pass them, (n,).
+
+    of : which of the views each imager has, (n,)
+    """
+    yield "view", all_of(view_clears(problem, port, view) for view in seen)[of]
+    yield "horizon", below_horizon(seen)[of]
     yield "focus", np.isfinite(spacers_m)
-    yield from sight_rules(problem, seen)
+    for rule, passes in sight_rules(problem, seen):
+        yield rule, passes[of]
 
 
 def below_horizon(seen: Sequence[Views], slack: float = ROUND) -> Array:

@@ -36,7 +36,7 @@ from uwopt.solvers.exact.imager_rules import (
     totals,
     view_rules,
 )
-from uwopt.solvers.exact.seen import seen_behind
+from uwopt.solvers.exact.seen import kinds_behind
 
 PAIR_SAMPLES = 256  # discarded pairs of camera and lens remembered per rule, about
 
@@ -235,13 +235,14 @@ def sharp_behind(problem: Problem, behind: Behind, tally: Tally) -> SharpPairs:
         return SharpPairs(camera, lens, np.empty(0), [])
     spend("views")
     port = int(behind.ports[0])
-    seen, dioptre, spacers_m = seen_behind(problem, camera, lens, port, behind.landscape)
-    left = tally.passing(view_rules(problem, port, seen, spacers_m), behind)
+    kinds = kinds_behind(problem, camera, lens, port, behind.landscape)
+    spacers_m = kinds.spacers_m(problem, lens)
+    left = tally.passing(view_rules(problem, port, kinds.views, spacers_m, kinds.of), behind)
+    camera, lens, spacers_m = camera[left], lens[left], spacers_m[left]
     if len(left) == 0:
-        return SharpPairs(camera[left], lens[left], spacers_m[left], [])
-    if len(left) < len(camera):
-        behind, dioptre, spacers_m = behind.take(left), dioptre[left], spacers_m[left]
-        seen, camera, lens = [view.take(left) for view in seen], behind.camera, behind.lens
+        return SharpPairs(camera, lens, spacers_m, [])
+    behind, dioptre = behind.take(left), kinds.dioptre_per_m[kinds.of[left]]
+    seen = kinds.of_pairs(problem, camera, lens, port, left)
     focused = focused_behind(problem, camera, lens, port, seen, stands(problem, camera, lens, dioptre), spacers_m)
     left = tally.passing(focus_rules(problem, camera, lens, focused), behind)
     scenes = [SceneImagers(view, extra) for view, extra in zip(seen, focused, strict=True)]

@@ -6,7 +6,7 @@ What is the same of like sensors behind lenses of one focal length is worked out
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,22 +21,48 @@ from uwopt.model.imaging import PortShape
 from uwopt.model.port import lens_dioptre_per_m
 
 
+@dataclass(frozen=True)
+class SeenOfKinds:
+    """What kinds of pairs see of every scene behind a port, but for how much light; and of which kind each pair is."""
+
+    views: list[Views]
+    dioptre_per_m: Array  # their common focus, by kind
+    of: Array  # (n,)
+
+    def of_pairs(self, problem: Problem, camera: Array, lens: Array, port: int, pairs: Array) -> list[Views]:
+        """What some of the pairs see, with their light; camera, lens : of these."""
+        cameras, lenses, of = problem.cameras.take(camera), problem.lenses.take(lens), self.of[pairs]
+        return [
+            replace(view.take(of), collecting_m2=collecting_m2(scene, cameras, lenses, problem.shape(port, index)))
+            for index, (scene, view) in enumerate(zip(problem.scenes, self.views, strict=True))
+        ]
+
+    def spacers_m(self, problem: Problem, lens: Array) -> Array:
+        """The ring that the focus of each pair needs behind its lens, (n,) [m]; nan where none does."""
+        foci, focus_of = np.unique(self.dioptre_per_m, return_inverse=True)
+        alike, back = distinct(lens * len(foci) + focus_of[self.of])
+        few = needed_spacer_m(problem.lenses, foci[alike % len(foci)], rows=alike // len(foci))
+        return np.asarray(few[back])
+
+
+def kinds_behind(problem: Problem, camera: Array, lens: Array, port: int, landscape: bool) -> SeenOfKinds:
+    """What these pairs see behind a port, by kind."""
+    shapes = [problem.shape(port, index) for index in range(len(problem.scenes))]
+    if callable(problem.meant_m) or any(scene.range_m.ndim > 1 for scene in problem.scenes):  # each pair its own
+        of = np.arange(len(camera))
+    else:
+        camera, lens, of = pairs_alike(problem, camera, lens)
+    views_of_kinds, dioptre = seen_in_focus(problem, camera, lens, shapes, landscape)
+    return SeenOfKinds(views_of_kinds, dioptre, of)
+
+
 def seen_behind(
     problem: Problem, camera: Array, lens: Array, port: int, landscape: bool
 ) -> tuple[list[Views], Array, Array]:
     """What these pairs see of every scene behind a port, their common focus [1/m] and the rings that it needs [m]."""
-    shapes = [problem.shape(port, index) for index in range(len(problem.scenes))]
-    if callable(problem.meant_m) or any(scene.range_m.ndim > 1 for scene in problem.scenes):  # each pair its own
-        seen, dioptre = seen_in_focus(problem, camera, lens, shapes, landscape)
-    else:
-        one_camera, one_lens, of = pairs_alike(problem, camera, lens)
-        few, few_dioptre = seen_in_focus(problem, one_camera, one_lens, shapes, landscape)
-        cameras, lenses, dioptre = problem.cameras.take(camera), problem.lenses.take(lens), few_dioptre[of]
-        seen = [
-            replace(view.take(of), collecting_m2=collecting_m2(scene, cameras, lenses, shape))
-            for scene, shape, view in zip(problem.scenes, shapes, few, strict=True)
-        ]
-    return seen, dioptre, needed_spacer_m(problem.lenses, dioptre, rows=lens)
+    kinds = kinds_behind(problem, camera, lens, port, landscape)
+    seen = kinds.of_pairs(problem, camera, lens, port, np.arange(len(camera)))
+    return seen, kinds.dioptre_per_m[kinds.of], kinds.spacers_m(problem, lens)
 
 
 def pairs_alike(problem: Problem, camera: Array, lens: Array) -> tuple[Array, Array, Array]:

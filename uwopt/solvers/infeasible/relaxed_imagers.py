@@ -256,7 +256,7 @@ class Broken:
                 bits[own] = 0
                 camera, lens = pairs.camera[own], pairs.lens[own]
                 seen, dioptre, spacers_m = seen_behind(problem, camera, lens, port, landscape)
-                mark(bits, own, view_rules(problem, port, seen, spacers_m))
+                mark(bits, own, view_rules(problem, port, seen, spacers_m, np.arange(len(own))))
                 focused = focused_behind(problem, camera, lens, port, seen, dioptre[None, :], spacers_m)
                 mark(bits, own, focus_rules(problem, camera, lens, focused))
         return Broken(pairs, behind, tuple(names))
