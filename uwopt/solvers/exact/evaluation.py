@@ -297,14 +297,13 @@ class Evaluation:
 
     def _rank(self, pairs: NodeDesigns, lights: list[ImageLight]) -> None:
         """Solve these designs and put them in their place among the best."""
-        solved = self.solve(pairs, lights)
-        self.ranking.add(pairs.row, pairs.light, pairs.count, pairs.lit, *solved)
+        self.ranking.add(pairs, *self.solve(pairs, lights))
 
     def solve(
         self, pairs: NodeDesigns, lights: list[ImageLight], *, optimistic: bool = False,
         stage: Veils = "none", closed_alone: bool = False,
-    ) -> tuple[Array, Terms, list[Chosen], list[Array]]:  # fmt: skip
-        """Objective (inf where infeasible), its terms, settings and exposures of these designs.
+    ) -> tuple[Array, Terms, list[Chosen]]:  # fmt: skip
+        """Objective (inf where infeasible), its terms and settings of these designs.
 
         `optimistic`: lower bounds for any veil that the lights may have, at this stage; `closed_alone` as in
         `best_settings`. Raises OutOfTimeError past the deadline.
@@ -325,15 +324,11 @@ class Evaluation:
             hopeless = self._draw_too_much(question, np.flatnonzero(open_))
             best = replace(best, lower_bound=np.where(hopeless, np.inf, best.lower_bound))
         value = np.where(feasible & np.isfinite(value), value, np.inf)
-        exposure = [
-            r.exposure_s(c.time_s) if c.exposure_s is None else c.exposure_s
-            for r, c in zip(rows, best.chosen, strict=True)
-        ]
         if best.lower_bound is not None:
             if optimistic:
-                return best.lower_bound, terms, best.chosen, exposure
+                return best.lower_bound, terms, best.chosen
             self.open_gap_bound = min(self.open_gap_bound, float(best.lower_bound.min(initial=np.inf)))
-        return value, terms, best.chosen, exposure
+        return value, terms, best.chosen
 
     def _draw_too_much(self, question: Question, which: Array) -> Array:
         """Which of some designs draw more than the limit at any settings, by a bound of their power alone, (n,)."""

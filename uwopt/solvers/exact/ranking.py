@@ -19,7 +19,9 @@ from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.imager_rules import Behind
 from uwopt.solvers.exact.imagers import Imagers
-from uwopt.solvers.exact.lightings import Lighting, Under
+from uwopt.solvers.exact.lightings import Lighting
+from uwopt.solvers.exact.node_designs import NodeDesigns
+from uwopt.solvers.settings.closed_form import Chosen
 from uwopt.tolerances import SLACK, TIE
 
 
@@ -131,11 +133,8 @@ class Ranking:
         tied = value <= least + TIE * np.maximum(np.abs(value), abs(least))
         return (value < least - slack) | (tied & (before | level))
 
-    def add(
-        self, imager: Array, light: Array, count: Array, under: Under, value: Array, terms: Terms,
-        chosen: list[Any], exposure: list[Array],
-    ) -> None:  # fmt: skip
-        """Merge designs into the list of the best with other hardware."""
+    def add(self, designs: NodeDesigns, value: Array, terms: Terms, chosen: list[Chosen]) -> None:
+        """Merge designs into the list of the best with other hardware; of each its objective, terms and settings."""
         hopeful = np.nonzero(np.isfinite(value) & (value <= self.threshold()))[0]
         if len(hopeful) == 0:
             return
@@ -143,35 +142,31 @@ class Ranking:
         tie_class = np.round(value[hopeful] / (TIE * max(float(np.abs(value[hopeful]).min()), 1e-12)))
         keys = (
             pulse,
-            count[hopeful],
+            designs.count[hopeful],
             *(told_apart(figure[hopeful]) for figure in (terms.mass, terms.cost, terms.power)),
             tie_class,
         )
         order = hopeful[np.lexsort(keys)]
         order = order[~self.shut_out(value[order], terms.power[order], terms.cost[order], terms.mass[order])]
         im = self.imagers
-        rows = imager[order]
+        rows = designs.row[order]
         # each hardware's best comes first
-        first, _ = rows_alike(im.camera[rows], im.lens[rows], im.port[rows], light[order])
+        first, _ = rows_alike(im.camera[rows], im.lens[rows], im.port[rows], designs.light[order])
         order = order[np.sort(first)]
         while len(order):
             i, known = int(order[0]), self.best
-            self._insert(self._found(i, imager, light, count, under, value, terms, chosen, exposure))
+            self._insert(self._found(i, designs, float(value[i]), terms, chosen))
             order = order[1:]
             if self.best is not known:
                 order = order[~self.shut_out(value[order], terms.power[order], terms.cost[order], terms.mass[order])]
 
-    def _found(
-        self, i: int, imager: Array, light: Array, count: Array, under: Under, value: Array, terms: Terms,
-        chosen: list[Any], exposure: list[Array],
-    ) -> Found:  # fmt: skip
-        settings = [
-            {**each.of_row(i), "exposure_s": float(open_s[i])} for each, open_s in zip(chosen, exposure, strict=True)
-        ]
+    def _found(self, i: int, designs: NodeDesigns, value: float, terms: Terms, chosen: list[Chosen]) -> Found:
+        node = int(designs.node[i])
         return Found.of(
-            self.imagers, int(imager[i]), settings, light=int(light[i]), count=int(count[i]), lighting=under.of(i),
-            minimised=float(value[i]), power_w=float(terms.power[i]), cost=float(terms.cost[i]),
-            mass_kg=float(terms.mass[i]), snr_db=float(terms.snr_db[i]),
+            self.imagers, int(designs.imager[node]), [one.of_row(i) for one in chosen], light=int(designs.light[i]),
+            count=int(designs.count[i]), lighting=designs.under.of(node), minimised=value,
+            power_w=float(terms.power[i]), cost=float(terms.cost[i]), mass_kg=float(terms.mass[i]),
+            snr_db=float(terms.snr_db[i]),
         )  # fmt: skip
 
     def _insert(self, design: Found) -> None:

@@ -18,7 +18,6 @@ import numpy as np
 
 from uwopt.arrays import Array
 from uwopt.forward.columns import Columns
-from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.beside import shares, side_by_side
 from uwopt.solvers.exact.node_bounds import bit_per_px_bound
@@ -82,14 +81,6 @@ class Answers(Columns):
         return Answers(design, limit_w, nothing, nothing, bound, np.zeros(len(design), bool), chosen)
 
 
-def with_exposures(rows: list[SceneRows], chosen: list[Chosen]) -> list[Chosen]:
-    """Settings with the exposure filled in where it follows from the time."""
-    return [
-        c if c.exposure_s is not None else replace(c, exposure_s=r.exposure_s(c.time_s))
-        for r, c in zip(rows, chosen, strict=True)
-    ]
-
-
 class Trade:
     """Least power and best quality of designs, quality being one term of an objective, or None."""
 
@@ -101,9 +92,8 @@ class Trade:
     def least_power(self, some: Hopeful) -> Answers:
         """Settings of least power within the limit, and the quality that they have."""
         best = self._best(some, POWER, some.power_limit_w)
-        chosen = with_exposures(some.rows, best.chosen)
-        quality = np.zeros(len(some)) if self.quality is None else self._quality_of(some, best, chosen)
-        return self._answers(some, np.arange(len(some)), best, chosen, quality, None, None)
+        quality = np.zeros(len(some)) if self.quality is None else self._quality_of(some, best)
+        return self._answers(some, np.arange(len(some)), best, quality, None, None)
 
     def best_quality(
         self, some: Hopeful, design: Array, limit_w: Array, *, wanted: Array | float = -np.inf,
@@ -122,9 +112,7 @@ class Trade:
         )
         bound = self._quality_bound(best)
         quality = np.asarray(getattr(best, self.quality))
-        return self._answers(
-            mine, design, best, with_exposures(mine.rows, best.chosen), quality, limit_w, bound
-        )
+        return self._answers(mine, design, best, quality, limit_w, bound)
 
     def _best(
         self, some: Hopeful, goal: Objective, limit_w: Array | float, cutoff: Array | float = np.inf,
@@ -146,18 +134,17 @@ class Trade:
             return np.where(np.isfinite(best.lower_bound), -best.lower_bound, -np.inf)
         return np.where(best.feasible, best.snr_db, -np.inf)
 
-    def _quality_of(self, some: Hopeful, best: Best, chosen: list[Chosen]) -> Array:
+    def _quality_of(self, some: Hopeful, best: Best) -> Array:
         """Quality of settings that were chosen for their power."""
         if self.quality != "information":
             return np.asarray(getattr(best, str(self.quality)))
-        return information_of(some.rows, chosen, best.feasible)
+        return information_of(some.rows, best.chosen, best.feasible)
 
     def _answers(
-        self, some: Hopeful, design: Array, best: Best, chosen: list[Chosen], quality: Array, limit_w: Array | None,
-        bound: Array | None,
-    ) -> Answers:  # fmt: skip
+        self, some: Hopeful, design: Array, best: Best, quality: Array, limit_w: Array | None, bound: Array | None
+    ) -> Answers:
         """Settings as answers; what has none is nan."""
-        power = some.camera_power_w + np.max([c.light_power_w for c in chosen], axis=0)
+        power = some.camera_power_w + np.max([c.light_power_w for c in best.chosen], axis=0)
         possible = best.feasible & (power <= some.power_limit_w * ABOVE)
         ok = possible & np.isfinite(quality)
         power = np.where(ok, power, np.nan)
@@ -174,7 +161,7 @@ class Trade:
             quality,
             bound,
             np.ones(len(design), bool),
-            chosen,
+            best.chosen,
         )
 
     def tried(self, some: Hopeful, design: Array) -> list[Answers]:
@@ -212,8 +199,8 @@ class Trade:
         tried = []
         for goal in goals:
             best = best_by_cells(self._asked(some, goal, some.power_limit_w), halve=False)
-            quality = self._quality_of(some, best, best.chosen) if self.quality else np.zeros(len(some))
-            tried.append(self._answers(some, design, best, best.chosen, quality, None, None))
+            quality = self._quality_of(some, best) if self.quality else np.zeros(len(some))
+            tried.append(self._answers(some, design, best, quality, None, None))
         return tried
 
     def _one_try(
@@ -233,8 +220,7 @@ class Trade:
                 one = closed_form.settle(rows, f_number, np.where(top > 0, wanted, np.nan), high)
                 ok &= np.isfinite(one.level) & (one.light_x <= high * ABOVE) & (one.light_x >= low / ABOVE)
                 ok &= (one.time_s <= r.time_max_s * ABOVE) & (f_number <= r.n_high * ABOVE)
-            chosen.append(one)
-        chosen = with_exposures(some.rows, chosen)
+            chosen.append(one.exposed(r))
         ok &= np.isfinite(np.max([c.light_power_w for c in chosen], axis=0))
         power = some.camera_power_w + np.where(ok, np.max([c.light_power_w for c in chosen], axis=0), np.nan)
         ok &= power <= some.power_limit_w * ABOVE

@@ -38,10 +38,9 @@ class Shares:
 
 @dataclass(frozen=True)
 class Decoded:
-    """Settings by scene, exposures, and by how much designs miss what they need, 0: nothing."""
+    """Settings by scene with their exposures, and by how much designs miss what they need, 0: nothing."""
 
     chosen: list[Chosen]
-    exposure_s: list[Array]
     missing: Array
 
 
@@ -81,8 +80,7 @@ def on_curve(rows: list[SceneRows], motorised: Array, light_limit_w: Array, shar
     lost = np.nonzero(~feasible)[0]
     if len(lost):
         missing[lost] = np.maximum(shortfall([r.take(lost) for r in rows], motorised[lost]), 1e-3)
-    exposure = [r.exposure_s(c.time_s) for r, c in zip(rows, chosen, strict=True)]
-    return Decoded(chosen, exposure, missing)
+    return Decoded([c.exposed(r) for r, c in zip(rows, chosen, strict=True)], missing)
 
 
 def _above(
@@ -142,18 +140,17 @@ def one_by_one(
     own = motorised | (len(rows) == 1)
     lowest = np.max([s.n_start for s in scenes], axis=0)
     highest = np.min([s.n_end for s in scenes], axis=0)
-    chosen, exposure = [], []
+    chosen = []
     missing = np.zeros(len(motorised))
     for index, scene in enumerate(scenes):
         start, end = np.where(own, scene.n_start, lowest), np.where(own, scene.n_end, highest)
         missing += log_excess(start, end)
         share = np.where(own, shares[index].aperture_frac, shares[0].aperture_frac)
         f_number = between(start, np.maximum(end, start), share)
-        settings, exposure_s, lacking = scene.settle(f_number)
+        settings, lacking = scene.settle(f_number)
         missing += lacking
         chosen.append(settings)
-        exposure.append(exposure_s)
-    return Decoded(chosen, exposure, missing)
+    return Decoded(chosen, missing)
 
 
 def between(low: Array, high: Array, share: Array) -> Array:
@@ -219,8 +216,8 @@ class SceneRange:
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.where(rows.kind == PULSED, np.fmin(most, self.power_share / rows.rate_hz), most)
 
-    def settle(self, f_number: Array) -> tuple[Chosen, Array, Array]:
-        """Time, shutter and level at these f-numbers, the exposure, and what is missing."""
+    def settle(self, f_number: Array) -> tuple[Chosen, Array]:
+        """Time, shutter and level at these f-numbers, and what is missing."""
         rows, shares = self.rows, self.shares
         square = np.square(f_number * rows.working_factor)
         t_low, t_high, missing = self._times(f_number, square)
@@ -245,7 +242,7 @@ class SceneRange:
         peak = closed_form.peak_power_w(rows, level)
         gain = closed_form.best_gain(dark_rows, light_x, sun)
         missing = np.where(np.isfinite(light_x) & np.isfinite(gain), missing, np.maximum(missing, FARTHEST))
-        return Chosen(f_number, level, time_s, gain, light_x, power, peak, exposure_s), exposure_s, missing
+        return Chosen(f_number, level, time_s, gain, light_x, power, peak, exposure_s), missing
 
     def _times(self, f_number: Array, square: Array) -> tuple[Array, Array, Array]:
         """Shortest and longest light-collecting time at these f-numbers, and what is missing."""

@@ -32,6 +32,7 @@ from uwopt.solvers.exact.search import Search
 from uwopt.solvers.population.coding import CodedHardware, Coding, cost_of, mass_kg_of
 from uwopt.solvers.population.decoding import Decoded, shortfall
 from uwopt.solvers.population.light_store import LightStore, SeenLight
+from uwopt.solvers.settings.closed_form import Chosen
 from uwopt.units import S_PER_H, ratio_to_db
 
 LEAST_MISS, MOST_MISS = 1e-4, 10.0  # what one requirement that is missed adds to a violation
@@ -88,14 +89,10 @@ class Evaluator:
         value = self.search.objective.cost_to_minimise(terms)
         decoded, result = solved.decoded, []
         for i, (row, imager) in enumerate(zip(good.tolist(), built.imager.tolist(), strict=True)):
-            settings = [
-                {**chosen.of_row(row), "exposure_s": float(exposure[row])}
-                for chosen, exposure in zip(decoded.chosen, decoded.exposure_s, strict=True)
-            ]
             result.append(Found.of(
-                imagers, imager, settings, light=int(built.light[i]), count=int(built.count[i]),
-                lighting=self.search.tables.lightings[int(built.lighting[i])], minimised=float(value[i]),
-                power_w=float(figures["power_w"][i]), cost=float(figures["cost"][i]),
+                imagers, imager, [chosen.of_row(row) for chosen in decoded.chosen], light=int(built.light[i]),
+                count=int(built.count[i]), lighting=self.search.tables.lightings[int(built.lighting[i])],
+                minimised=float(value[i]), power_w=float(figures["power_w"][i]), cost=float(figures["cost"][i]),
                 mass_kg=float(figures["mass_kg"][i]), snr_db=float(figures["snr_db"][i]),
             ))  # fmt: skip
         return solved.place[good], result
@@ -115,7 +112,7 @@ class Evaluator:
             place, built = place[open_], built.take(open_)
         none = np.empty(0, int)
         if len(place) == 0:
-            return Solved(place, built, Decoded([], [], violation[place]), none, {}, violation)
+            return Solved(place, built, Decoded([], violation[place]), none, {}, violation)
         scenes = range(len(self.problem.scenes))
         seen = [self.store.seen(s, built.imager, built.lighting, built.count) for s in scenes]
         rows = [scene_rows(self.search, s, built, seen[s]) for s in scenes]
@@ -127,7 +124,7 @@ class Evaluator:
         if len(fits) == 0:
             return Solved(place, built, decoded, none, {}, violation)
         some = built.take(fits)
-        made = [self._figures(s, some, seen[s].take(fits), decoded, fits) for s in scenes]
+        made = [self._figures(s, some, seen[s].take(fits), decoded.chosen[s].take(fits)) for s in scenes]
         missed = np.sum([missed_of(self._margins(s, some, *made[s]), len(fits)) for s in scenes], axis=0)
         missed += missed_of(self._over_scenes([figures for _, _, figures in made]), len(fits))
         violation[place[fits]] = missed
@@ -151,18 +148,16 @@ class Evaluator:
         )  # fmt: skip
 
     def _figures(
-        self, s: int, built: CodedHardware, seen: SeenLight, decoded: Decoded, index: Array
+        self, s: int, built: CodedHardware, seen: SeenLight, chosen: Chosen
     ) -> tuple[DesignRows, SettingRows, Figures]:
         """What the forward model says of designs at their decoded settings in one scene."""
-        rows, chosen = self._design_rows(s, built, seen), decoded.chosen[s]
-        kind, focused = rows.lights.kind, self.search.imagers.scenes[s].focused
-        pulse = chosen.time_s[
-            index
-        ]  # of lamps that burn nobody looks at it; inf would be no number among pulses
+        rows, focused = self._design_rows(s, built, seen), self.search.imagers.scenes[s].focused
+        pulse = chosen.time_s  # of lamps that burn nobody looks at it; inf would be no number among pulses
+        assert chosen.exposure_s is not None
         settings = SettingRows(
-            f_number=chosen.f_number[index], exposure_s=decoded.exposure_s[s][index],
-            pulse_s=np.where(kind == FLASH, rows.lights.flash_duration_s, pulse), gain=chosen.gain[index],
-            level=chosen.level[index], rate_hz=focused.rate_hz[built.imager],
+            f_number=chosen.f_number, exposure_s=chosen.exposure_s,
+            pulse_s=np.where(rows.lights.kind == FLASH, rows.lights.flash_duration_s, pulse), gain=chosen.gain,
+            level=chosen.level, rate_hz=focused.rate_hz[built.imager],
             dioptre_per_m=focused.dioptre_per_m[built.imager],
         )  # fmt: skip
         scene = self.problem.scenes[s]

@@ -42,11 +42,17 @@ def needs_cells(rows: list[SceneRows], objective: Objective) -> bool:
 
 
 def best_settings(question: Question, *, closed_alone: bool = False) -> Best:
-    """Settings that are best for an objective.
+    """Settings that are best for an objective, with their exposures.
 
     `closed_alone`: for a bound, no cells where the closed form is one. Raises OutOfTimeError past the deadline, if
     cells are halved.
     """
+    best = _best_of_kind(question, closed_alone=closed_alone)
+    return replace(best, chosen=[c.exposed(r) for r, c in zip(question.rows, best.chosen, strict=True)])
+
+
+def _best_of_kind(question: Question, *, closed_alone: bool) -> Best:
+    """The same by whichever way holds for such rows and such an objective."""
     rows, objective = question.rows, question.objective
     weighs = bool(objective.weight("snr_db") and objective.weight("power"))
     if rows[0].optimistic:  # the least that cameras draw is counted apart
@@ -139,9 +145,7 @@ def searched_where(which: Array, easy: Best, question: Question) -> Best:
         return easy
     from uwopt.solvers.settings.cells import best_by_cells
 
-    chosen = [
-        replace(old, exposure_s=r.exposure_s(old.time_s)) for r, old in zip(question.rows, easy.chosen, strict=True)
-    ]
+    chosen = [c.exposed(r) for r, c in zip(question.rows, easy.chosen, strict=True)]
     return replace(easy, chosen=chosen).put(open_, best_by_cells(question.take(open_)))
 
 

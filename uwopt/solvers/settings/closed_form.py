@@ -35,7 +35,11 @@ class Chosen(Columns):
     light_x: Array  # X, lm s
     light_power_w: Array
     peak_power_w: Array
-    exposure_s: Array | None = None  # None: what the lamps need, `SceneRows.exposure_s`
+    exposure_s: Array | None = None  # None: what the lamps need, which `exposed` fills in
+
+    def exposed(self, rows: SceneRows) -> Chosen:
+        """With the exposure, where it follows from the time that collects light."""
+        return self if self.exposure_s is not None else replace(self, exposure_s=rows.exposure_s(self.time_s))
 
     def of_row(self, row: int) -> dict[str, float]:
         """One design's settings by name."""
