@@ -6,7 +6,7 @@ anything of `solvers`; the ends of every range come from bisection.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -24,6 +24,39 @@ Array = NDArray[Any]
 HALVINGS, HALVINGS_AT_ONCE = 42, 3  # of e^-40 to e^40, in which the ends of the light's range are looked for
 #: Widest opening and stops below it -> the number engraved for it, where that is less than the true one (ISO 517).
 MARKED = {(1.8, 1.0): 2.5, (2.0, 1.0): 2.8, (1.8, 2.0): 3.5, (4.0, 1.0): 5.6}
+
+
+@dataclass(frozen=True)
+class Noise:
+    """What SNR depends on beside light; of images (..., 1), whose altitudes or pixels follow."""
+
+    read_noise_e: float
+    gain_dn_per_e: Array
+    dark_e: Array
+    prnu_frac: float
+
+    def snr(self, signal_e: Array, veil_e: Array | float) -> Array:
+        """By the forward model."""
+        return np.asarray(sensor.snr(
+            signal_e, veil_e=veil_e, read_noise_e=self.read_noise_e, gain_dn_per_e=self.gain_dn_per_e,
+            dark_e=self.dark_e, prnu_frac=self.prnu_frac,
+        ))  # fmt: skip
+
+    def of_pixels(self, images: Array) -> Noise:
+        """The same of some images, by altitude and pixel."""
+        return replace(self, gain_dn_per_e=self.gain_dn_per_e[images][..., None], dark_e=self.dark_e[images][..., None])
+
+
+@dataclass(frozen=True)
+class Exposed:
+    """Images (...) at some light: electrons by altitude (..., n), and what the gain makes of them."""
+
+    signal_e: Array
+    veil_e: Array
+    brightest_e: Array  # (...), dark current included
+    level: Array  # of it, of full scale
+    gain: Array  # that is wanted, times the least
+    noise: Noise
 
 
 class SceneSearch:
@@ -245,9 +278,9 @@ class SceneSearch:
         whole = time_s >= self.given_s(flash) * (1 - 1e-9)
         return np.where(whole, around, self.opened_s(np.where(whole, 0.0, time_s)) - cam.exposure_offset_s[0])
 
-    def image(self, light_x: Array, time_s: Array) -> tuple[Array, Array, Array]:
-        """SNR at the nominal altitude, and whether the image is too dark or too bright, gain at its best."""
-        cam, nominal, needs = self.cam, self.scene.nominal, self.needs
+    def exposed(self, light_x: Array, time_s: Array) -> Exposed:
+        """Images of this light, gain at its best."""
+        cam, needs = self.cam, self.needs
         dark = float(cam.dark_current_e_s[0]) * self.exposure_s(time_s)[..., None]
         seen = self.rows.light
         signal = seen.signal_e[0] * light_x[..., None]
@@ -261,36 +294,45 @@ class SceneSearch:
             float(cam.black_level_dn[0]),
             float(cam.gain_dn_per_e[0]),
         )
-        shown = brightest if needs.mean_level is None else every[..., nominal]
+        shown = brightest if needs.mean_level is None else every[..., self.scene.nominal]
         goal_dn = full / needs.highlight_ratio if needs.mean_level is None else needs.mean_level * full
         wanted = (goal_dn - black) / (gain * np.maximum(shown + dark[..., 0], 1e-300))
         system = gain * np.clip(wanted, 1.0, self.most_gain)[..., None]
-        noise = dict(
-            read_noise_e=cam.read_noise_e[0], gain_dn_per_e=system, dark_e=dark, prnu_frac=cam.prnu_frac[0]
-        )
-        bright = wanted < 1.0
         level = (system[..., 0] * (brightest + dark[..., 0]) + black) / full
-        bright = bright | (needs.highlight_ratio * level > 1.0 + 1e-11)
-        bright |= needs.highlight_ratio * (brightest + dark[..., 0]) > cam.saturation_e[0]
-        dim = np.zeros(light_x.shape, bool)
-        if needs.mean_level is not None:
-            dim = wanted > self.most_gain
-        if needs.min_snr is not None:
-            snr = np.asarray(sensor.snr(signal, veil_e=veil, **noise))
-            dim = dim | (snr.min(axis=-1) < needs.min_snr) & (needs.snr_at_less_db > 0.0)
-            least = needs.min_snr
-            if needs.snr_at != "mean" and seen.worst_e is not None:
-                pixel = seen.worst_e[0] * light_x[..., None, None]
-                over = 0.0 if seen.worst_veil_e is None else seen.worst_veil_e[0] * light_x[..., None, None]
-                there = {name: np.asarray(value)[..., None] for name, value in noise.items()}
-                each = np.sort(np.asarray(sensor.snr(pixel, veil_e=over, **there)), axis=-1)
-                snr, least = each[..., seen.may_miss], needs.min_snr / 10.0 ** (needs.snr_at_less_db / 20.0)
-            dim = dim | (snr.min(axis=-1) < least)
+        noise = Noise(cam.read_noise_e[0], system, dark, cam.prnu_frac[0])
+        return Exposed(signal, veil, brightest + dark[..., 0], level, wanted, noise)
+
+    def nominal_snr(self, light_x: Array, time_s: Array) -> Array:
+        """SNR at the nominal altitude."""
+        image = self.exposed(light_x, time_s)
+        return image.noise.snr(image.signal_e, image.veil_e)[..., self.scene.nominal]
+
+    def too_bright(self, light_x: Array, time_s: Array) -> Array:
+        """Whether an image has more light than may be, however low the gain."""
+        image, ratio = self.exposed(light_x, time_s), self.needs.highlight_ratio
+        bright = (image.gain < 1.0) | (ratio * image.level > 1.0 + 1e-11)
+        return bright | (ratio * image.brightest_e > self.cam.saturation_e[0])
+
+    def too_dark(self, light_x: Array, time_s: Array) -> Array:
+        """Whether an image has less light than is asked for, however high the gain."""
+        image, needs, seen = self.exposed(light_x, time_s), self.needs, self.rows.light
+        dim = np.zeros(light_x.shape, bool) if needs.mean_level is None else image.gain > self.most_gain
         if needs.min_snr_red is not None:
             assert seen.colour_e is not None and seen.red_veil_e is not None
             red, over = (c * light_x[..., None] for c in (seen.colour_e[0, :, 0], seen.red_veil_e[0]))
-            dim = dim | (np.min(sensor.snr(red, veil_e=over, **noise), axis=-1) < needs.min_snr_red)
-        return np.asarray(sensor.snr(signal, veil_e=veil, **noise))[..., nominal], dim, bright
+            dim = dim | (image.noise.snr(red, over).min(axis=-1) < needs.min_snr_red)
+        if needs.min_snr is None:
+            return dim
+        least = image.noise.snr(image.signal_e, image.veil_e).min(axis=-1)
+        if needs.snr_at == "mean" or seen.worst_e is None:
+            return dim | (least < needs.min_snr)
+        dim = dim | (least < needs.min_snr) & (needs.snr_at_less_db > 0.0)
+        left = ~dim  # its pixels are many: those of images that are too dark by their means need not be asked
+        light, there = light_x[left][:, None, None], image.noise.of_pixels(left)
+        each = there.snr(seen.worst_e[0] * light, 0.0 if seen.worst_veil_e is None else seen.worst_veil_e[0] * light)
+        each.partition(seen.may_miss, axis=-1)
+        dim[left] = each[..., seen.may_miss].min(axis=-1) < needs.min_snr / 10.0 ** (needs.snr_at_less_db / 20.0)
+        return dim
 
     def light_of(self, numbers: dict[str, float]) -> float:
         """Light X of a setting."""
@@ -320,15 +362,16 @@ class SceneSearch:
         Both at once, and HALVINGS_AT_ONCE of its steps: every middle that they may come to is asked in one image.
         """
         parts = 2**HALVINGS_AT_ONCE
-        low, width = np.full((2, *time_s.shape), -40.0), 80.0
+        low, width, each = np.full((2, len(time_s)), -40.0), 80.0, np.arange(len(time_s))
         for _ in range(HALVINGS // HALVINGS_AT_ONCE):
             width /= parts
             inner = low + width * np.arange(1, parts).reshape(-1, *[1] * low.ndim)
-            _, dim, bright = self.image(np.exp(inner), np.broadcast_to(time_s, inner.shape))
-            goes_on = np.stack([dim[:, 0], ~bright[:, 1]], axis=1)  # up, from this middle
+            light_x, time = np.exp(inner), np.broadcast_to(time_s, inner[:, 0].shape)
+            dim, bright = self.too_dark(light_x[:, 0], time), self.too_bright(light_x[:, 1], time)
+            goes_on = np.stack([dim, ~bright], axis=1)  # up, from this middle
             step = np.zeros(low.shape, int)
             for half in (parts >> n for n in range(1, HALVINGS_AT_ONCE + 1)):
-                step = np.where(np.take_along_axis(goes_on, step[None] + half - 1, axis=0)[0], step + half, step)
+                step = step + half * goes_on[step + half - 1, [[0], [1]], each]
             low = low + width * step
         return np.exp(low[0] + width), np.exp(low[1])
 
@@ -413,11 +456,12 @@ class SceneSearch:
             )
             ok &= (level >= levels.min() * (1 - 1e-11)) & (level <= levels.max() * (1 + 1e-11))
         time_s, level, light_x, f_number = time_s[ok], level[ok], light_x[ok], f_number[ok]
-        snr = self.image(light_x, time_s)[0]
-        dim, bright = self.image(light_x * (1 + 1e-9), time_s)[1], self.image(light_x * (1 - 1e-9), time_s)[2]
         power = self.power_w(level, time_s)
-        good = ~dim & ~bright & (power - self.standby_w <= self.power_limit_w * (1 + 1e-9))
-        return [column[good] for column in (power, snr, time_s, level, f_number)]
+        good = ~self.too_bright(light_x * (1 - 1e-9), time_s)
+        good &= power - self.standby_w <= self.power_limit_w * (1 + 1e-9)
+        good[good] = ~self.too_dark(light_x[good] * (1 + 1e-9), time_s[good])
+        snr = self.nominal_snr(light_x[good], time_s[good])
+        return [power[good], snr, *(column[good] for column in (time_s, level, f_number))]
 
     def _at_its_own_time(self, end: Array, time_per_light: Array) -> Array:
         """An end of the light's range, which dark current shifts with the time that this light takes."""
