@@ -23,7 +23,7 @@ from uwopt.api.practice_known import PracticeKnown
 from uwopt.api.risks import risks_of
 from uwopt.api.searching import Searches
 from uwopt.api.whatif import Work, full_practice_notes
-from uwopt.api.yielding import YieldTrials, gives_way_alone, patience_of
+from uwopt.api.yielding import YieldTrials, gives_way_alone, patience_of, yield_notes
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.assembly import build_problem, load_catalog, selected
 from uwopt.mission.mission import load_mission
@@ -278,6 +278,16 @@ def brightest_mean_db() -> float:
     return reached_db(over_frame(0.0, snr_at="mean"))
 
 
+def test_what_the_frame_reaches_is_told_where_it_is_held() -> None:
+    """Over a band of distances the frame is held to its SNR at the worst of them; the figure is of the middle one."""
+    margin = SimpleNamespace(requirement="min_snr_db", value=21.2)
+    scene = SimpleNamespace(margins=[margin], figures={"snr_db_p05": 25.0})
+    winner: Any = SimpleNamespace(as_set=SimpleNamespace(scenes=[scene]))
+    for key, told in (("snr_at_less_db", "21.2 dB at the worst"), ("snr_at", "25.0 dB at the middle")):
+        (note,) = yield_notes([next(one for one in YIELDS if one.key == key)], winner)
+        assert note.message.endswith(f"(95 % of which reach {told} distance)")
+
+
 @pytest.mark.usefixtures("undoubted")
 @pytest.mark.parametrize(("short_of_mean_db", "expected"), [(2.0, 3.0), (0.5, 6.0)])
 def test_the_frame_has_as_little_less_than_its_mean_as_will_do(short_of_mean_db: float, expected: float) -> None:
@@ -293,7 +303,10 @@ def test_the_frame_has_as_little_less_than_its_mean_as_will_do(short_of_mean_db:
     assert result.recommendation is not None
     reached = result.recommendation.as_set.scenes[0].figures
     assert reached["snr_db"] >= asked_db - 1e-6 and reached["snr_db_p05"] >= asked_db - step - 1e-6
-    assert f"with {step:g} dB less over the frame (95 % of which reach" in risks_of(result)[0].what
+    every = result.recommendation.as_set.scenes[0].margins
+    (margin,) = [one for one in every if one.requirement == "min_snr_db"]
+    told = f"(95 % of which reach {margin.value:.1f} dB at the worst distance)"
+    assert f"with {step:g} dB less over the frame {told}" in risks_of(result)[0].what
 
 
 @pytest.mark.usefixtures("undoubted")

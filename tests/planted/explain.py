@@ -239,6 +239,14 @@ DEFECTS = (
         "::test_where_one_that_fits_is_enough_the_lighting_of_the_first_comes_first[True-groups1]",
     ),
     Defect(
+        name="a budget is said to be met by no parts by themselves where depth is in the way",
+        file="uwopt/solvers/infeasible/why_nothing.py",
+        old="    if found.names and any(one.name == DEEP for one in relaxations):",
+        new="    if False:",
+        test="tests/solvers/test_moves.py"
+        "::test_a_depth_that_stands_in_the_way_too_is_named_beside_what_contradicts_it",
+    ),
+    Defect(
         name="no smaller battery is tried where money lacks",
         file="uwopt/solvers/infeasible/move_keys.py",
         old="if for_want_of_energy or not is_dear else SMALLER",

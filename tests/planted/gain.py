@@ -325,6 +325,13 @@ DEFECTS = (
         "[mean that needs more than the darkest pixel-casadi]",
     ),
     Defect(
+        name="what the frame reaches is told of the middle distance, though held at the worst",
+        file="uwopt/api/yielding.py",
+        old='SNR_LESS: reached_text(worst, "at the worst distance")',
+        new='SNR_LESS: reached_text(usual, "at the worst distance")',
+        test=f"{YIELDING}::test_what_the_frame_reaches_is_told_where_it_is_held",
+    ),
+    Defect(
         name="good practice that gave way is not told of a front",
         file="uwopt/api/trading.py",
         old="warnings=[*yield_notes(given_way), *result",

@@ -23,7 +23,7 @@ from uwopt.solvers.infeasible.least_change import CLOSER, in_rounds
 from uwopt.solvers.infeasible.move_keys import tries_of
 from uwopt.solvers.infeasible.moves import Mover, NearestType
 from uwopt.solvers.infeasible.trials import Trials
-from uwopt.solvers.infeasible.why_nothing import Contradiction, contradiction
+from uwopt.solvers.infeasible.why_nothing import Contradiction, clash_of, contradiction
 from uwopt.solvers.recommend import seek
 
 POWER = Objective.of("power")
@@ -177,6 +177,17 @@ def test_what_does_not_help_is_not_told(parts):
 # ---------------------------------------------------------------- what contradicts what
 
 NAMES = "abcdef"
+
+
+def test_a_depth_that_stands_in_the_way_too_is_named_beside_what_contradicts_it():
+    """A shallower place would do, and so would more money: it is not the budget that no parts meet by themselves."""
+    trials: Any = SimpleNamespace(
+        over=False, interrupted=False, say=lambda *said: None, by_effort=lambda: {"cost": 1.0},
+        fits_without=lambda names: True, deadline=SimpleNamespace(left_out=[]),
+    )  # fmt: skip
+    helpful: list[Any] = [SimpleNamespace(name=name) for name in ("depth_rating_m", "cost")]
+    assert clash_of(trials, helpful).names == ("depth_rating_m", "cost")
+    assert clash_of(trials, helpful[1:]).names == ("cost",)
 
 
 @settings(max_examples=60, deadline=None)

@@ -80,7 +80,7 @@ def with_confidence(
     if counts is None or certain is None:
         why = "no time was left to count other hardware; --seconds gives more"
         if not patient.deadline.left_out:
-            why = "no stop that was counted fits by them"
+            why = "nothing that was counted meets every requirement at central estimates as well"
         return as_central(sought, winner, watch, counts, why)
     sought, proven = counts.sought, counts.sought.outcome
     with watch.stage("certainty"):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -381,6 +381,12 @@ def in_vain_note() -> Note:
     return Note(PRACTICE_IN_VAIN, "practice", "nothing fits even with good practice relaxed as far as uwopt may")
 
 
+def reached_text(values_db: Iterable[float | None], where: str) -> str:
+    """` (95 % of which reach 21 dB at the worst distance)`: the least of what is known of 95 % of the frame; or ""."""
+    known = [float(value) for value in values_db if value is not None]
+    return f" (95 % of which reach {min(known):.1f} dB {where})" if known else ""
+
+
 def yield_notes(
     given_way: Collection[Yield], winner: Design | None = None, *, to_hold: bool = False
 ) -> list[Note]:
@@ -390,10 +396,13 @@ def yield_notes(
     """
     if not given_way:
         return []
-    reached = [scene.figures.get("snr_db_p05") for scene in winner.as_set.scenes] if winner is not None else []
-    known = [float(value) for value in reached if value is not None]
-    of_frame = f" (95 % of which reach {min(known):.0f} dB)" if known else ""
-    words = (one.words + (of_frame if one.key in (SNR_AT, SNR_LESS) else "") for one in given_way)
+    scenes = [] if winner is None else winner.as_set.scenes
+    worst = [one.value for scene in scenes for one in scene.margins if one.requirement == "min_snr_db"]
+    usual = [scene.figures.get("snr_db_p05") for scene in scenes]
+    of_frame = {
+        SNR_LESS: reached_text(worst, "at the worst distance"), SNR_AT: reached_text(usual, "at the middle distance"),
+    }  # fmt: skip
+    words = (one.words + of_frame.get(one.key, "") for one in given_way)
     often = " as often as is asked" if to_hold else ""
     text = f"nothing meets all of good practice{often}; what was relaxed: " + "; ".join(words)
     return [Note(PRACTICE_YIELDS, ", ".join(one.path for one in given_way), text)]

@@ -65,7 +65,7 @@ REQUIREMENTS: Mapping[str, str] = {
     "max_depth_error_mm": "error of a distance by stereo",
     "min_snr_db": "signal to noise",
     "min_snr": "signal to noise",
-    "min_snr_mean_db": "signal to noise of the mean", "snr_at_less_db": "signal to noise that the frame may lack",
+    "min_snr_mean_db": "signal to noise of the mean", "snr_at_less_db": "drop of signal to noise over the frame",
     "min_snr_red_db": "signal to noise of red",
     "max_white_balance": "white balance, strongest over weakest channel",
     "min_contrast": "contrast",

@@ -156,12 +156,15 @@ def sibling_sentence(result: Result, most: int = 3) -> str:
 
 
 def dearer_by(design: Design, best: Design) -> str:
-    """How much more or less a design most likely costs than the best one: `, 400 USD less`; empty: about the same."""
+    """How much more or less a design costs by central estimates than the best: `, 400 USD less`; empty: the same.
+
+    With two digits: of prices that are ranges no more is known.
+    """
     cost, ours = design.totals.cost, best.totals.cost
     more = cost.value - ours.value
     if cost.currency != ours.currency or abs(more) < WORTH_TELLING * ours.value:
         return ""
-    return f", {money(abs(more), cost.currency)} {'more' if more > 0 else 'less'}"
+    return f", {money(float(f'{abs(more):.2g}'), cost.currency)} {'more' if more > 0 else 'less'}"
 
 
 def camera_stand(hardware: UsedHardware) -> str:

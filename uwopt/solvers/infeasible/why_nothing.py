@@ -38,6 +38,7 @@ QUICK_SHARE = 0.2  # of the time left, likewise, where single changes are soon k
 KEPT_SHARE = 0.35  # of the time left, for changes together where none is known to help alone
 ONLY_SHARE = 0.75  # of what is left then, for these
 SOON_SHARE = 0.5  # of the time left, for a design that fits with changes together, where none is known to help alone
+DEEP = "depth_rating_m"
 GIVE_SHARE = 0.6  # of the time left, for requirements that give together, where none is known to help alone
 TOGETHER_SHARE = 0.6  # of the time left, for changes together; the rest is for what contradicts each other
 
@@ -224,6 +225,8 @@ def clash_of(trials: Trials, relaxations: list[Relaxation], unmet: Sequence[str]
     found = contradiction(names, {r.name for r in relaxations}, trials.fits_without, of_light)
     if found.is_least and not found.names and "min_snr" in names and fits_without_light(trials, names):
         found = Contradiction(("min_snr",), is_least=True)
+    if found.names and any(one.name == DEEP for one in relaxations):  # which no search leaves out
+        found = Contradiction((DEEP, *found.names), found.is_least)
     if not found.is_least and not trials.interrupted:
         trials.deadline.left_out.append("whether fewer requirements contradict each other")
     return found
