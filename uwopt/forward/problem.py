@@ -154,19 +154,21 @@ class Problem:
             for index, scene in enumerate(scenes)
         ]
 
+    def having(self, **changes: Any) -> Problem:
+        """The same but for these attributes; models of its hardware are made anew unless they are said to stay."""
+        changed = copy(self)
+        changed.__dict__.update({"known_models": {}, **changes})
+        return changed
+
     def with_effects(self, effects: Effects) -> Problem:
         """The same tables in a model that keeps these effects."""
-        changed = copy(self)
-        changed.effects, changed.known_models = PAPER if self.paper else effects, {}
-        changed.known_light = {}
-        changed.contractions = [one.counting(changed.effects.multiple_scattering) for one in self.contractions]
-        return changed
+        own = PAPER if self.paper else effects
+        counted = [one.counting(own.multiple_scattering) for one in self.contractions]
+        return self.having(effects=own, known_light={}, contractions=counted)
 
     def with_mission(self, mission: Mission) -> Problem:
         """The same tables for a mission that differs in its limits of power and cost alone."""
-        changed = copy(self)
-        changed.mission, changed.known_models = mission, {}
-        return changed
+        return self.having(mission=mission)
 
     def scenes_for(self, mission: Mission) -> list[SceneOptics] | None:
         """These scenes with what a mission asks for in them; None where it is about other scenes."""
@@ -180,36 +182,26 @@ class Problem:
         """The same tables for a mission that asks for other things in the same scenes, but of no column of parts."""
         scenes = self.scenes_for(mission)
         assert scenes is not None, "what is asked changes no scene"
-        changed = copy(self)
-        changed.mission, changed.scenes, changed.known_models = mission, scenes, {}
+        changed = self.having(mission=mission, scenes=scenes, contractions=self.contracted(scenes))
         changed.__dict__.pop("duration", None)  # depends on limits of energy
-        changed.contractions = changed.contracted(scenes)
         return changed
 
     def at_limit_prices(self) -> Problem:
         """The same tables with every price as it counts against the limit of cost."""
-        changed = copy(self)
-        for kind in ("cameras", "lenses", "ports", "lights"):
-            rows = getattr(self, kind)
-            setattr(changed, kind, replace(rows, price=rows.limit_price))
-        changed.disk_prices = self.disk_prices | {"price": self.disk_prices["limit_price"]}
-        changed.spacers = self.spacers | {"price": self.spacers["limit_price"]}
-        changed.control = self.control | {"price": self.control["limit_price"]}
-        changed.known_models = {}
-        return changed
+        tables = {kind: getattr(self, kind) for kind in ("cameras", "lenses", "ports", "lights")}
+        beside = {name: getattr(self, name) for name in ("disk_prices", "spacers", "control")}
+        return self.having(
+            **{kind: replace(rows, price=rows.limit_price) for kind, rows in tables.items()},
+            **{name: prices | {"price": prices["limit_price"]} for name, prices in beside.items()},
+        )
 
     def in_scenes(self, scenes: list[SceneOptics]) -> Problem:
         """The same parts in other water or over another floor; heights and indices of refraction must be the same."""
-        changed = copy(self)
-        changed.scenes, changed.known_models, changed.known_light = scenes, {}, {}
-        changed.contractions = self.contracted(scenes)
-        return changed
+        return self.having(scenes=scenes, known_light={}, contractions=self.contracted(scenes))
 
     def over_bands(self, scenes: list[SceneOptics]) -> Problem:
         """The same parts and light, seen over other bands of altitudes, one for all or one of each camera."""
-        changed = copy(self)
-        changed.scenes, changed.known_models, changed.known_light = scenes, {}, {}
-        return changed
+        return self.having(scenes=scenes, known_light={})
 
     def scenes_of(self, camera: Array) -> list[SceneOptics]:
         """The scenes as these cameras fly over them, by row, where each has a band of its own."""
@@ -223,24 +215,18 @@ class Problem:
 
         Of shares (k, n) the first is where they stand; what must be sharp is so at each of the k.
         """
-        changed = copy(self)
-        changed.focus_shares, changed.known_models = np.atleast_2d(shares), {}
-        return changed
+        return self.having(focus_shares=np.atleast_2d(shares))
 
     def focused_on(self, distance_m: MeantFocus | float | None) -> Problem:
         """The same problem with lenses meant to be focused at a distance in the first scene's water; None: at best.
 
         One for all, or from places of cameras and lenses, pair by pair.
         """
-        changed = copy(self)
-        changed.meant_m, changed.known_models = distance_m, {}
-        return changed
+        return self.having(meant_m=distance_m)
 
     def at_f_number(self, f_number: float) -> Problem:
         """The same tables with the iris of every lens at one stop, which must lie on its ring."""
-        changed = copy(self)
-        changed.f_number, changed.known_models = f_number, {}
-        return changed
+        return self.having(f_number=f_number)
 
     def over(
         self, parts: Parts, *, mission: Mission | None = None, scenes: list[SceneOptics] | None = None,
@@ -532,27 +518,21 @@ class Problem:
 
     def with_mount(self, mount: Mount) -> Problem:
         """The same tables with lamps that may stand there too."""
-        changed = copy(self)
-        changed.mounts = self.mounts if mount in self.mounts else (*self.mounts, mount)
-        return changed
+        mounts = self.mounts if mount in self.mounts else (*self.mounts, mount)
+        return self.having(mounts=mounts, known_models=self.known_models)
 
     def standing_at(self, mount: Mount) -> Problem:
         """The same tables with lamps that stand there alone."""
-        changed = copy(self)
-        changed.mounts, changed.known_models = (mount,), {}
-        return changed
+        return self.having(mounts=(mount,))
 
     def with_count(self, count: int) -> Problem:
         """The same tables with so many lamps."""
-        changed = copy(self)
-        changed.count_range, changed.known_models = (count, count), {}
-        return changed
+        return self.having(count_range=(count, count))
 
     def reaching(self, widest_m: Sequence[float]) -> Problem:
         """The same tables for images that reach no farther from the axis than this, by scene."""
-        changed = copy(self)
-        changed.contractions = [self._reaching(index, float(m)) for index, m in enumerate(widest_m)]
-        return changed
+        contractions = [self._reaching(index, float(m)) for index, m in enumerate(widest_m)]
+        return self.having(contractions=contractions, known_models=self.known_models)
 
     def _reaching(self, scene_index: int, widest_m: float) -> Contraction:
         scene = self.scenes[scene_index]

@@ -10,7 +10,6 @@ behind ports of the same optics, whose imagers are searched together.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -299,8 +298,7 @@ class OutlineTables(FieldTables):
         super().__init__(level.problem, imagers, like=like)
         self.level, self.outline = level, rows
         if level.pairs is not None:
-            self.problem = copy(like.problem)
-            self.problem.cameras, self.problem.lenses = level.problem.cameras, level.problem.lenses
+            self.problem = like.problem.having(cameras=level.problem.cameras, lenses=level.problem.lenses)
 
     def most_sun(self, scene_index: int, rows: Array) -> Array:
         """No bound: ports of a group differ."""

@@ -6,7 +6,6 @@ their pixels and curve; lenses of a group have two ends, the longest and the sho
 
 from __future__ import annotations
 
-from copy import copy
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
@@ -74,10 +73,11 @@ class PairGroups:
         cameras, lenses, own = problem.cameras, problem.lenses, problem.ties
         (camera_order, lens_order), (camera_start, lens_start) = orders, starts
         count = np.add.reduceat(fits[camera_order].astype(np.int32), camera_start, axis=0)[:, lens_order]
-        stands_for = copy(problem)
-        stands_for.cameras = at_best(cameras, camera_order, camera_start, LEAST_OF_CAMERAS, MOST_OF_CAMERAS)
-        stands_for.lenses = at_best(lenses, lens_order, lens_start, LEAST_OF_LENSES, MOST_OF_LENSES)
-        stands_for.__dict__["ties"] = (own[0][camera_order[camera_start]], own[1][lens_order[lens_start]], own[2])
+        stands_for = problem.having(
+            cameras=at_best(cameras, camera_order, camera_start, LEAST_OF_CAMERAS, MOST_OF_CAMERAS),
+            lenses=at_best(lenses, lens_order, lens_start, LEAST_OF_LENSES, MOST_OF_LENSES),
+            ties=(own[0][camera_order[camera_start]], own[1][lens_order[lens_start]], own[2]),
+        )
         shortest_m = np.minimum.reduceat(lenses.focal_length_m[lens_order], lens_start)
         return PairGroups(
             camera_order, camera_start, lens_order, lens_start, np.add.reduceat(count, lens_start, axis=1), fits,
