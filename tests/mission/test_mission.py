@@ -108,7 +108,10 @@ BAD = [
     (changed("vehicle.altitude_m", "2,5"), "write a decimal point: 2.5"),
     (changed("limits.cost", "10,000"), "write 10000, or 10.000 if the comma is a decimal one"),
     (changed("limits.cost", "1,000,000"), "= '1,000,000' is not a number; write 1000000."),
-    (changed("limits.000", None), "limits.000 is no key; numbers are written without commas, such as 10000"),
+    (changed("vehicle.5", None), "vehicle.5 is no key; numbers are written without commas"),  # {speed_m_s: 0,5}
+    (changed("requirements.bogus", None), "requirements.bogus is unknown"),
+    (changed("reserve.bogus", None), "reserve.bogus is unknown"),
+    (changed("limits.000", None), "limits.000 is no key; numbers are written without commas, such as 10000 or 0.5"),
     (
         changed("requirements.overlap", "60%"),
         "overlap = '60%' is not a number; a share is written without sign: 0.6.",

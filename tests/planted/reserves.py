@@ -217,6 +217,14 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/solvers/test_robustness.py::test_lamps_may_lean_until_the_reserve_is_used_up",
     ),
     Defect(
+        name="an unknown key without a value is passed over, as a decimal comma makes one",
+        file="uwopt/mission/practice.py",
+        old="if value is not None or key not in keys}",
+        new="if value is not None}",
+        test="tests/mission/test_mission.py"
+        "::test_a_bad_mission_is_told_in_words[vehicle.5 is no key; numbers are written without commas]",
+    ),
+    Defect(
         name="one reserve that is given takes the others away",
         file="uwopt/mission/practice.py",
         old="{**RECOMMENDED_RESERVE, **given}",

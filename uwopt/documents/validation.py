@@ -165,7 +165,7 @@ def _models_in(annotation: Any) -> Iterator[type[BaseModel]]:
 def unknown_key(key: str, value: Any, here: str, places: Mapping[str, tuple[str, ...]]) -> str:
     """Why a key is unknown and where it belongs: another section, another unit, another spelling."""
     if key.isdigit():
-        return "is no key; numbers are written without commas, such as 10000"
+        return "is no key; numbers are written without commas, such as 10000 or 0.5"
     if key in places:
         return "is a section of its own here; move it to the left margin" if here else "is unknown here"
     plain = key.casefold().replace("-", "_").replace(" ", "_")

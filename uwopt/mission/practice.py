@@ -58,12 +58,14 @@ def with_practice(data: Mapping[str, Any]) -> dict[str, Any]:
     for section, keys in filled.items():
         given = made.get(section)
         if given is None or isinstance(given, Mapping):
-            made[section] = {**keys, **{key: value for key, value in (given or {}).items() if value is not None}}
+            said = {key: value for key, value in (given or {}).items() if value is not None or key not in keys}
+            made[section] = {**keys, **said}
     reserve = made.get("reserve")
     if reserve is None:
         made["reserve"] = RECOMMENDED
     elif isinstance(reserve, Mapping):  # one key changes one key; a highest gain that is left empty stays lifted
-        given = {key: value for key, value in reserve.items() if value is not None or key == "max_gain_db"}
+        left_empty = {key for key, value in reserve.items() if value is None and key in RECOMMENDED_RESERVE}
+        given = {key: value for key, value in reserve.items() if key not in left_empty - {"max_gain_db"}}
         made["reserve"] = {**RECOMMENDED_RESERVE, **given}
     if made.get("confidence") is None:
         made["confidence"] = RECOMMENDED_CONFIDENCE

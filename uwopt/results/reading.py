@@ -73,6 +73,8 @@ def read_json(path: str | Path) -> dict[str, Any]:
         rest = text[fault.pos :].strip()
         half_a_word = any(word.startswith(rest) for word in ("true", "false", "null", "-"))
         cut = half_a_word or fault.msg.startswith("Unterminated string")
+        if not cut and fault.pos == 0:  # another file, such as a mission
+            raise ResultError(f"{path}: is not JSON, so it is no result; name a result.json or front.json.") from None
         what = "ends too early, it was cut off" if cut else f"is not JSON ({fault.msg})"
         raise ResultError(f"{path}: line {fault.lineno}: {what}; {AGAIN}.") from None
     except (ValueError, RecursionError) as fault:
