@@ -14,6 +14,7 @@ from uwopt.errors import MissionError
 from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import load_mission
 from uwopt.objectives.goal import goal_of
+from uwopt.solvers.beside import cores
 from uwopt.solvers.recommend import seek
 from uwopt.solvers.warm import searches
 
@@ -94,6 +95,31 @@ def test_more_kinds_are_made_where_they_gain_enough(
     assert result.best is not None
     assert {kind for kind, part in result.best.hardware.parts.items() if part.generic} == expected
     assert searches.Warm().best(load_mission(survey())).lower_bound == pytest.approx(result.best.objective_value)
+
+
+@pytest.mark.parametrize("gain", [0.0, 0.03, 0.1])
+def test_few_kinds_are_the_same_and_searched_once_whoever_asks_of_them(
+    gain: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On one core no search is made twice; of two, one takes what the other asks of no kinds again."""
+    monkeypatch.setattr(searching, "GENERIC_GAIN", gain)
+    mission, asked, made = load_mission(survey()), list[Any](), list[Any]()
+    goal, catalog = goal_of(mission), load_catalog(mission)
+
+    def counted(*args: Any, **named: Any) -> Any:
+        asked.append((named["generic"], named.get("enough", False)))
+        return seek(*args, **named)
+
+    monkeypatch.setattr(searching, "seek", counted)
+    for count in (1, 2):
+        asked.clear()
+        with cores(count):
+            found = searching.Searches(catalog, goal).of(mission).sought
+        assert len(set(asked)) == len(asked)
+        made.append((found.selection.generic, found.outcome.best[0].minimised, [*asked]))
+    (kinds, value, alone), (of_two, same, here) = made
+    assert kinds == of_two and value == same
+    assert len(here) <= len(alone) and set(here) <= set(alone) and (gain or len(here) < len(alone))
 
 
 @pytest.mark.parametrize("objective", ["cost", "power"])

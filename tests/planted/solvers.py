@@ -124,6 +124,13 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/api/test_made.py::test_what_was_searched_with_parts_of_all_kinds_is_not_searched_again",
     ),
     Defect(
+        name="what another core has asked of few kinds is asked again",
+        file="uwopt/api/searching.py",
+        old="                known.update(further() if known[asked[0]] is None else {})\n",
+        new="",
+        test="tests/api/test_made.py::test_few_kinds_are_the_same_and_searched_once_whoever_asks_of_them[0.0]",
+    ),
+    Defect(
         name="a search of few kinds is taken for one of all",
         file="uwopt/api/searching.py",
         old="return replace(found, of_all_kinds=every) if",

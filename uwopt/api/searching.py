@@ -10,12 +10,13 @@ from typing import Any
 from uwopt.api.watch import Watch
 from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.records import Kind, Part
-from uwopt.deadline import Deadline
+from uwopt.deadline import Deadline, unheard
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import Yield
 from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.objective import Objective
+from uwopt.solvers.beside import ahead
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.explain.robustness import SLOW_S
 from uwopt.solvers.recommend import GENERIC_GAIN, TO_BE_MADE, Sought, fewest_made, seek
@@ -70,6 +71,11 @@ class Searches:
             progress=self.watch.progress, fineness=self.fineness, **how,
         )  # fmt: skip
 
+    @property
+    def quietly(self) -> Searches:
+        """The same, of which nobody is told how far they are."""
+        return replace(self, watch=replace(self.watch, progress=unheard))
+
     def of(
         self, mission: Mission, like: Sought | None = None, scenes_of: Problem | None = None, *, fits: bool = False
     ) -> Searched:
@@ -102,7 +108,7 @@ class Searches:
                         return Searched(mission, sought, any_of_all)
                 alternative = self.seek(mission, generic="allow", like=sought.problem)
                 if alternative.outcome.best:
-                    sought, alternative = of_fewest_kinds(alternative, self.seek), None
+                    sought, alternative = of_fewest_kinds(alternative, self), None
         if not sought.outcome.best and sought.outcome.complete and capless is not mission:  # light is out of reach
             return replace(self.of(capless, sought), mission=mission)
         return Searched(mission, sought, alternative)
@@ -115,8 +121,10 @@ def known_from(like: Sought | None) -> dict[str, Any]:
     return {"like": like.problem, "imagers": like.search.every_imager}
 
 
-def of_fewest_kinds(every: Sought, look: Callable[..., Sought]) -> Sought:
+def of_fewest_kinds(every: Sought, searches: Searches) -> Sought:
     """The search with parts to be made of as few kinds as come within 10 % of the best of all kinds; that if it is cut.
+
+    Mostly none of fewer do: while it is asked whether any of the first do, another core asks it of the others.
 
     every : the search with parts to be made of all kinds
     """
@@ -124,21 +132,45 @@ def of_fewest_kinds(every: Sought, look: Callable[..., Sought]) -> Sought:
     if not every.outcome.complete or every.outcome.interrupted:
         return every
     ceiling = best + every.goal.step(GENERIC_GAIN, best)
-    serve = [kinds_made(every)]
+    serve, known = [kinds_made(every)], dict[tuple[Kind, ...], set[Kind] | None]()
 
-    def serves(kinds: tuple[Kind, ...]) -> bool:
-        if not any(made <= set(kinds) for made in serve):
-            found = look(mission, generic=kinds, like=like, ceiling=ceiling, enough=True, whole=True)
-            serve.extend([kinds_made(found)] if found.outcome.best else [])
+    def made_of(kinds: tuple[Kind, ...], seek: Callable[..., Sought]) -> set[Kind] | None:
+        """The kinds of which the best has parts to be made, if none others are; None where that is not near enough."""
+        found = seek(mission, generic=kinds, like=like, ceiling=ceiling, enough=True, whole=True)
+        return kinds_made(found) if found.outcome.best else None
+
+    def is_served(kinds: tuple[Kind, ...]) -> bool:
         return any(made <= set(kinds) for made in serve)
 
+    def serves(kinds: tuple[Kind, ...]) -> bool:
+        if not is_served(kinds):
+            made = known[kinds] if kinds in known else made_of(kinds, searches.seek)
+            serve.extend([] if made is None else [made])
+        return is_served(kinds)
+
+    asked = list[tuple[Kind, ...]]()  # in turn, as long as none of them serve
+    fewest_made(lambda kinds: is_served(kinds) or asked.append(kinds) is not None)
+
+    def others() -> dict[tuple[Kind, ...], set[Kind] | None]:
+        """What is known of these after the first, up to those that serve."""
+        made, quiet = dict[tuple[Kind, ...], set[Kind] | None](), searches.quietly.seek
+        for kinds in asked[1:]:
+            made[kinds] = made_of(kinds, quiet)
+            if made[kinds] is not None:
+                break
+        return made
+
     try:
+        if len(asked) > 1:
+            with ahead(others, lists=[searches.watch.deadline.left_out]) as further:
+                known[asked[0]] = made_of(asked[0], searches.seek)
+                known.update(further() if known[asked[0]] is None else {})
         kinds = fewest_made(serves)
     except KeyboardInterrupt:
         return replace(every, outcome=replace(every.outcome, interrupted=True))
     if set(kinds) == set(TO_BE_MADE):
         return every
-    found = look(mission, generic=kinds, like=like)
+    found = searches.seek(mission, generic=kinds, like=like)
     return replace(found, of_all_kinds=every) if found.outcome.best else every
 
 
