@@ -749,9 +749,16 @@ DEFECTS = (
     Defect(
         name="the last rows of a large product are left out of it",
         file="uwopt/model/path_table.py",
-        old="for start in range(0, len(left), rows)])",
-        new="for start in range(0, len(left) - rows, rows)])",
+        old="for start in range(0, len(left), rows):",
+        new="for start in range(0, len(left) - rows, rows):",
         test="tests/model/test_water.py::test_a_product_in_parts_is_the_whole",
+    ),
+    Defect(
+        name="Chebyshev's polynomials doubled from the wrong end",
+        file="uwopt/model/widened.py",
+        old="new -= rows[last - more : last][::-1]",
+        new="new -= rows[last - more : last]",
+        test="tests/model/test_widened.py::test_chebyshevs_polynomials_are_those_of_numpy[64]",
     ),
     Defect(
         name="sensors that are alike but for their pixels see the same",

@@ -52,6 +52,12 @@ class Widening:
         """Share and halo [1/sr] at these angles after these ways, or of the beams of these numbers, (...) each."""
         table = self.halo_per_sr
         n, rows = table.shape[1] - 1, len(table)
+        if rows > 1 and not self.numbered:
+            step = np.sqrt(np.minimum(way_m / self.reach_m, 1.0)) * (rows - 1)
+            row = np.minimum(step.astype(np.int32), rows - 2)
+            step -= row
+            if self.part == "own":
+                return self._share_between(row, step), 0.0
         place = np.sqrt(np.clip(1.0 - cos_angle, 0.0, 1.0)) * n
         cell = np.minimum(place.astype(np.int32), n - 1)
         place -= cell
@@ -59,15 +65,14 @@ class Widening:
             return self.share[0], _along(table[0], cell, place)
         if self.numbered:
             return self.share[way_m], _along(table.ravel(), way_m * (n + 1) + cell, place)
-        step = np.sqrt(np.minimum(way_m / self.reach_m, 1.0)) * (rows - 1)
-        row = np.minimum(step.astype(np.int32), rows - 2)
-        step -= row
-        share = self.share[row] + step * (self.share[row + 1] - self.share[row])
-        if self.part == "own":
-            return share, 0.0
+        share = 0.0 if self.part == "halo" else self._share_between(row, step)
         flat, first = table.ravel(), row * (n + 1) + cell
         nearer, farther = _along(flat, first, place), _along(flat, first + (n + 1), place)
         return share, nearer + step * (farther - nearer)
+
+    def _share_between(self, row: Any, step: Any) -> Any:
+        """Between a way and the next."""
+        return self.share[row] + step * (self.share[row + 1] - self.share[row])
 
     @property
     def most_share(self) -> float:

@@ -149,7 +149,10 @@ def product(left: Any, right: Any) -> Any:
     rows = max(MOST_PRODUCTS // right.size, 1)
     if len(left) <= rows:
         return left @ right
-    return np.concatenate([left[start : start + rows] @ right for start in range(0, len(left), rows)])
+    whole = np.empty((len(left), right.shape[1]), np.result_type(left, right))
+    for start in range(0, len(left), rows):  # in place: putting parts together takes as long as all products
+        np.matmul(left[start : start + rows], right, out=whole[start : start + rows])
+    return whole
 
 
 def log_mean_transmission(table: PathTable, lamp_range_m: ArrayLike, camera_range_m: ArrayLike) -> Any:
