@@ -108,9 +108,6 @@ BAD = [
     (changed("vehicle.altitude_m", "2,5"), "write a decimal point: 2.5"),
     (changed("limits.cost", "10,000"), "write 10000, or 10.000 if the comma is a decimal one"),
     (changed("limits.cost", "1,000,000"), "= '1,000,000' is not a number; write 1000000."),
-    (changed("vehicle.5", None), "vehicle.5 is no key; numbers are written without commas"),  # {speed_m_s: 0,5}
-    (changed("requirements.bogus", None), "requirements.bogus is unknown"),
-    (changed("reserve.bogus", None), "reserve.bogus is unknown"),
     (changed("limits.000", None), "limits.000 is no key; numbers are written without commas, such as 10000 or 0.5"),
     (
         changed("requirements.overlap", "60%"),
@@ -233,6 +230,16 @@ BAD = [
 @pytest.mark.parametrize(("source", "piece"), BAD, ids=[piece for _, piece in BAD])
 def test_a_bad_mission_is_told_in_words(source, piece):
     assert piece in message_of(source)
+
+
+@pytest.mark.parametrize("path", ["vehicle.5", "requirements.bogus", "reserve.bogus", "catalog.bogus"])
+@pytest.mark.parametrize("practice", ["recommended", "bare"])
+def test_an_unknown_key_without_a_value_is_told_whatever_practice_fills_in(path, practice):
+    """Such as `{speed_m_s: 0,5}` makes of 5, with a speed of 0; a known one is left out."""
+    assert f"{path} is " in message_of(changed(path, None) | {"practice": practice})
+    known = changed("vehicle.lamp_supply", None) | {"practice": practice}
+    left_out = load_mission(changed("vehicle.duration_h", None) | {"practice": practice})
+    assert load_mission(known).vehicle.lamp_supply == left_out.vehicle.lamp_supply
 
 
 def test_what_pixels_leave_by_themselves_is_the_transfer_of_a_pixel():

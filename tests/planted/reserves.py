@@ -222,7 +222,7 @@ DEFECTS: tuple[Defect, ...] = (
         old="if value is not None or key not in keys}",
         new="if value is not None}",
         test="tests/mission/test_mission.py"
-        "::test_a_bad_mission_is_told_in_words[vehicle.5 is no key; numbers are written without commas]",
+        "::test_an_unknown_key_without_a_value_is_told_whatever_practice_fills_in[recommended-vehicle.5]",
     ),
     Defect(
         name="one reserve that is given takes the others away",
