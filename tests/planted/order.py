@@ -14,6 +14,20 @@ BOOK = "tests/report/order/test_bom_book.py"
 
 DEFECTS = (
     Defect(
+        name="a better system that cannot be set is offered as equal",
+        file="uwopt/report/text/words.py",
+        old="        if not was_passed_over(result, design.objective_value)",
+        new="        if True",
+        test="tests/report/test_short.py::test_what_cannot_be_set_is_offered_in_no_place[better_unsettable]",
+    ),
+    Defect(
+        name="a better system that cannot be set is offered as a second source",
+        file="uwopt/report/order/other_parts.py",
+        old="             if not words.was_passed_over(result, one.objective_value)]",
+        new="             if True]",
+        test="tests/report/test_short.py::test_what_cannot_be_set_is_offered_in_no_place[better_unsettable]",
+    ),
+    Defect(
         name="who decides again is not told that it is not certain enough",
         file="uwopt/report/order/answers.py",
         old="'It' if now.enough else",

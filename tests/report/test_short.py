@@ -12,6 +12,7 @@ import pytest
 
 from uwopt.api.risks import with_risks
 from uwopt.mission.weakened import is_far
+from uwopt.report.order.other_parts import other_systems
 from uwopt.report.page.page import opening, report_html, status_words
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.helps import notes_beside
@@ -290,6 +291,19 @@ def test_what_the_estimates_cannot_tell_apart_is_called_equal(make_result: Make,
     text = text_of(make_result(runners_up=others, robustness={"equal": [{"runner_up": 1}]}))
     said = "Equal within the estimates: this system, and the same with lens r-lens. Choose by quote and delivery."
     assert said in text and "q-lens" not in text
+
+
+@pytest.mark.parametrize("code", ["better_unsettable", "other"])
+def test_what_cannot_be_set_is_offered_in_no_place(make_result: Make, make_design: Make, code: str) -> None:
+    """39 W by exact numbers was passed over for 40 W that can be set; 41 W can still be bought instead."""
+    others = [make_design(39.0, lens="q-lens"), make_design(41.0, lens="r-lens")]
+    note = Note(code, "hardware", "better parts have no settings")
+    equal = {"equal": [{"runner_up": 0}, {"runner_up": 1}]}
+    result = make_result(runners_up=others, robustness=equal, warnings=[note], alternatives=[])
+    offered = code != "better_unsettable"
+    assert ("q-lens" in text_of(result)) == offered and "r-lens" in text_of(result)
+    told = [one.hardware["lens"] for one in other_systems(result)]
+    assert ("q-lens" in told) == offered and "r-lens" in told
 
 
 def test_cameras_with_the_same_sensor_are_told_in_one_line(make_result: Make) -> None:

@@ -35,7 +35,7 @@ from uwopt.solvers.confidence.summary import told
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.recommend import Sought, best_settable, design_of, within_reach
+from uwopt.solvers.recommend import BETTER_UNSETTABLE, Sought, best_settable, design_of, within_reach
 
 MADE_IS_SURER = "made_is_surer"  # code of the warning that more parts to be made were taken, for they hold more often
 NOT_CERTAIN = "not_certain"  # code of the warning that nothing holds as often as asked
@@ -127,7 +127,9 @@ def as_central(
         lambda: confidence_of(problem, found.hardware, goal, asked, given, design, deadline), None,
     )  # fmt: skip
     held = "which alone are held" if counted is None else f"and holds in {100.0 * counted.held:.0f} % of the scenarios"
-    text, counts = f"this is the best by central numbers, {held}: {why}", None if counted is None else counts
+    passed_over = any(note.code == BETTER_UNSETTABLE for note in winner.warnings)
+    best = "the best that can be set, by central numbers" if passed_over else "the best by central numbers"
+    text, counts = f"this is {best}, {held}: {why}", None if counted is None else counts
     return Recommended(sought, proven, with_note(winner, Note(AS_CENTRAL, "confidence", text)), counted, False, counts)
 
 

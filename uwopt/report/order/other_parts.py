@@ -28,18 +28,21 @@ class OtherSystem:
 
 
 def other_systems(result: Result) -> list[OtherSystem]:
-    """Runners-up, parts to be made and other makers' best, the nearest to the best first."""
+    """Runners-up, parts to be made and other makers' best, the nearest to the best first; none that cannot be set."""
     best = result.best
     if best is None:
         return []
-    found = [of_design(result, best, one, f"runner-up {n}") for n, one in enumerate(result.runners_up, 2)]
+    found = [of_design(result, best, one, f"runner-up {n}") for n, one in enumerate(result.runners_up, 2)
+             if not words.was_passed_over(result, one.objective_value)]  # fmt: skip
     if result.generic_alternative is not None:
         found.append(of_design(result, best, result.generic_alternative, "parts to be made"))
     known = {tuple(sorted(one.hardware.items())) for one in found}
     for other in result.alternatives:
         value = other.values.get(result.objective.name)
         ids = dict(other.hardware or {})
-        if value is None or not ids or tuple(sorted(ids.items())) in known:
+        if value is None or words.was_passed_over(result, value):
+            continue
+        if not ids or tuple(sorted(ids.items())) in known:
             continue
         own = {kind: part.id for kind, part in best.hardware.parts.items()}
         differs = ", ".join(f"{kind} {part_id}" for kind, part_id in ids.items() if own.get(kind) != part_id)

@@ -21,6 +21,7 @@ from uwopt.report.text.vocabulary import (
 )
 from uwopt.results.design import BillRow, Cost, Design, LampPlace, Note, Totals, UsedHardware, UsedPart
 from uwopt.results.result import Certificate, Result
+from uwopt.tolerances import SATISFIED_REL
 from uwopt.units import (
     format_number,
     format_price,
@@ -120,6 +121,17 @@ def by_central_numbers(result: Result) -> bool:
     return result.best is not None and central_best(result) != result.best.objective_value
 
 
+def was_passed_over(result: Result, value: float | None) -> bool:
+    """Whether a system with this objective is better than what is recommended by exact numbers alone: it has no
+    settings to type in, or loses much by them, so nobody should buy it instead.
+    """
+    ours = None if result.best is None else result.best.objective_value
+    if ours is None or value is None or by_central_numbers(result):
+        return False
+    better = ours - value if result.objective.direction == "minimise" else value - ours
+    return better > SATISFIED_REL * abs(ours) and any(note.code == "better_unsettable" for note in result.warnings)
+
+
 def equal_sentence(result: Result, most: int = 2) -> str:
     """Which systems the estimates cannot tell from the recommendation, the cheapest `most`; empty: there is none."""
     places = [item.get("runner_up") for item in (result.robustness or {}).get("equal") or []]
@@ -129,7 +141,8 @@ def equal_sentence(result: Result, most: int = 2) -> str:
     told = [
         what + dearer_by(design, result.best)
         for design in sorted(others, key=lambda one: one.totals.cost.value)
-        if (what := differing_parts(design, result.best)) != SAME_HARDWARE
+        if not was_passed_over(result, design.objective_value)
+        and (what := differing_parts(design, result.best)) != SAME_HARDWARE
     ]
     if not told:  # the same parts set otherwise leave nothing to choose
         return ""
