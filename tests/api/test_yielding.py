@@ -793,10 +793,7 @@ def test_what_gave_way_so_that_anything_fits_comes_back_where_the_rest_is_enough
 def test_hardware_is_counted_once_for_each_mission_that_it_is_asked_of(monkeypatch: pytest.MonkeyPatch) -> None:
     counted: list[float] = []
 
-    def held_with(
-        problem: Any, goal: Any, found: Any, scenarios: Any, mission: Any, *, least: float, likely: float
-    ) -> float:
-        assert likely == 2.8
+    def held_with(problem: Any, goal: Any, found: Any, scenarios: Any, mission: Any, *, least: float) -> float:
         counted.append(mission.reserve.snr_db)
         held = 0.5 if mission.reserve.snr_db else 0.8
         return held if held >= least else 0.0
@@ -807,7 +804,7 @@ def test_hardware_is_counted_once_for_each_mission_that_it_is_asked_of(monkeypat
     known = yielding.KnownToHold()
     shares = []
     for mission in missions:  # what is counted in each round is another object
-        tried = [SimpleNamespace(held=0.8, found=name, f_number=2.8) for name in "ab"]
+        tried = [SimpleNamespace(held=0.8, found=name) for name in "ab"]
         seen = SimpleNamespace(share=0.9, scenarios=SimpleNamespace(count=256), tried=tried)
         counts = cast(Any, SimpleNamespace(sought=SimpleNamespace(problem=None, goal=None), seen=seen))
         shares.append(yielding.most_held(counts, mission, known))

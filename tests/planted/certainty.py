@@ -59,9 +59,9 @@ DEFECTS = (
     ),
     Defect(
         name="hardware that holds too seldom is set all the same",
-        file="uwopt/solvers/confidence/enough.py",
-        old="max(least, 1.0 / made.value.shape[1])",
-        new="1.0 / made.value.shape[1]",
+        file="uwopt/solvers/confidence/deciding.py",
+        old=" or one.outcomes.held[stop] < least:",
+        new=":",
         test="tests/solvers/test_confidence_deciding.py::"
         "test_what_cannot_be_set_by_central_numbers_holds_in_no_scenario_of_a_weaker_mission",
     ),
@@ -147,8 +147,8 @@ DEFECTS = (
     Defect(
         name="practice gives way for what cannot be set",
         file="uwopt/solvers/confidence/deciding.py",
-        old=" for one in holding if at_its_stop(alone, objective, one) is not None), 0.0)",
-        new=" for one in holding), 0.0)",
+        old="        if at_its_stop(alone, objective, replace(one, stop=int(stop))) is not None:\n",
+        new="        if True:\n",
         test="tests/solvers/test_confidence_deciding.py::"
         "test_what_cannot_be_set_by_central_numbers_holds_in_no_scenario_of_a_weaker_mission",
     ),
@@ -344,20 +344,6 @@ DEFECTS = (
         old="                if worse not in shown.fits and",
         new="                if",
         test=f"{PROOF}::test_what_goes_on_from_what_has_room_finds_and_counts_what_one_look_does[28.0-0.75-True]",
-    ),
-    Defect(
-        name="what the likeliest stop misses no other stop keeps",
-        file=f"{ROOM}/enough.py",
-        old="    judge(others, every[is_hard])\n",
-        new="",
-        test=f"{PROOF}::test_stops_that_hold_are_those_of_all_that_are_counted[-1]",
-    ),
-    Defect(
-        name="all stops are asked of all scenarios",
-        file=f"{ROOM}/enough.py",
-        old="most[stop] / scenarios.count >= least",
-        new="True",
-        test=f"{PROOF}::test_stops_that_hold_are_those_of_all_that_are_counted[0]",
     ),
     Defect(
         name="what is searched meanwhile is searched again",

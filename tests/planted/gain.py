@@ -249,8 +249,8 @@ DEFECTS = (
     Defect(
         name="hardware is counted again for a mission that it was counted for",
         file="uwopt/api/yielding.py",
-        old="        if key not in known and of_least not in known:\n",
-        new="        if True:\n",
+        old="        if key not in known:\n",
+        new="        if key:\n",
         test=f"{YIELDING}::test_hardware_is_counted_once_for_each_mission_that_it_is_asked_of",
     ),
     Defect(

@@ -26,9 +26,8 @@ from uwopt.solvers.confidence import proof as proof_module
 from uwopt.solvers.confidence import roomy as roomy_module
 from uwopt.solvers.confidence import search as search_module
 from uwopt.solvers.confidence.counted import Counted, Looked, best_of, names, rank
-from uwopt.solvers.confidence.enough import stops_that_hold
 from uwopt.solvers.confidence.local_search import Glance, polish
-from uwopt.solvers.confidence.outcomes import Judge, Outcomes, groups_of, outcomes_of_each
+from uwopt.solvers.confidence.outcomes import Outcomes, groups_of, outcomes_of_each
 from uwopt.solvers.confidence.panels import anchors_of, best_scene, least_covered, panel_of
 from uwopt.solvers.confidence.proof import Prover, bounds_of
 from uwopt.solvers.confidence.scenarios import Scenarios, SomeScenarios, loss
@@ -371,37 +370,6 @@ def test_what_is_searched_while_others_are_counted_is_what_is_searched_after_the
             made.append((seen.fits, [names(sought.problem, one.found) for one in seen.tried], effort_s() - before_s))
         assert made[0][:2] == made[1][:2] and made[1][2] == pytest.approx(made[0][2], rel=0.2)
         assert (len(made[0][0]) > 1) == (asked > 1.0)
-
-
-@pytest.mark.parametrize("likely", [0, -1, None])
-def test_stops_that_hold_are_those_of_all_that_are_counted(monkeypatch: pytest.MonkeyPatch, likely: int | None) -> None:
-    """Of every hardware, by the shares in which its stops hold; the likeliest alone is asked where it does."""
-    sought, certain = known()
-    problem, objective, scenarios = sought.problem, sought.search.objective, certain.scenarios
-    asked, told = 0, 0
-    judged = Judge.adapted
-
-    def counting(self: Judge) -> Any:
-        nonlocal asked
-        asked += len(self.designs.light)
-        return judged(self)
-
-    every = every_hardware(problem, sought.outcome.best[0])[::4]
-    whole_of_each = outcomes_of_each(problem, every, objective, scenarios)
-    monkeypatch.setattr(Judge, "adapted", counting)
-    for found, whole in zip(every, whole_of_each, strict=True):
-        marks = whole.f_numbers
-        for least in {0.9, *whole.held[whole.held > 0.0].tolist()}:
-            at = None if likely is None else float(marks[likely])
-            made = [*stops_that_hold(problem, found, objective, scenarios, least, at)]
-            stops = [float(marks[stop]) for stop in np.flatnonzero(whole.held >= least)]
-            assert sorted(one.f_number or np.nan for one in made) == stops
-            assert all(one.held == whole.held[marks == one.f_number] for one in made)
-            told += scenarios.count * len(marks)
-    assert asked < told or (likely != 0 and asked == told)
-    before = asked
-    first = next(stops_that_hold(problem, every[0], objective, scenarios, 0.01, float(whole_of_each[0].f_numbers[0])))
-    assert first.stop == 0 and asked - before <= scenarios.count
 
 
 def test_what_fresh_scenarios_refute_is_not_certain_enough() -> None:

@@ -44,7 +44,7 @@ SUREST = 2  # hardware of those counted, for which it is asked what would make i
 LUCK = 1.64  # standard errors: of a share that was chosen, one in twenty is as far above the truth
 MORE_SHARE = 0.25  # of what is open that is asked about first: that something fits takes a fifth of that nothing does
 TRIED_SET = 5  # of the best, of which one at least has to have settings
-KnownToHold = dict[tuple[Any, ...], float]  # in how many scenarios hardware holds in a mission, or that in so many
+KnownToHold = dict[tuple[Any, ...], float]  # in how many scenarios hardware holds in a mission, 0: in less than so many
 ROOM_DB = 1.0  # of signal to noise that is left where it can be: settings come in steps, and estimates may be wrong
 
 
@@ -323,12 +323,12 @@ def most_held(counts: Counts, mission: Mission, known: KnownToHold, least: float
     asks = Asking.of(mission)
     for one in sorted(seen.tried, key=lambda one: one.held, reverse=True)[:SUREST]:
         key = names(problem, one.found), asks
-        of_least = (*key, least) if least else key
-        if key not in known and of_least not in known:
-            known[of_least] = set_and_held_with(
-                problem, goal, one.found, seen.scenarios, mission, least=least, likely=one.f_number
-            )
-        most = max(most, known.get(key, known.get(of_least, 0.0)))
+        if key not in known and (*key, least) in known:
+            continue
+        if key not in known:
+            held = set_and_held_with(problem, goal, one.found, seen.scenarios, mission, least=least)
+            known[key if held >= least else (*key, least)] = held
+        most = max(most, known.get(key, 0.0))
         if most >= enough:
             break
     return most

@@ -43,7 +43,6 @@ from uwopt.results.basis import Moved
 from uwopt.results.certainty import Decides
 from uwopt.solvers.confidence.counted import Counted
 from uwopt.solvers.confidence.draws import probabilities
-from uwopt.solvers.confidence.enough import stops_that_hold, those_that_hold
 from uwopt.solvers.confidence.outcomes import outcomes
 from uwopt.solvers.confidence.scenarios import BEAM_FACTS, PORTS, Scenarios
 from uwopt.solvers.confidence.search import Certain, at_its_stop
@@ -255,20 +254,19 @@ def held_with(
 
 def set_and_held_with(
     problem: Problem, objective: Objective, found: Found, scenarios: Scenarios, mission: Mission,
-    light: dict[Any, Any] | None = None, deadline: Deadline = NEVER, least: float = 0.0, likely: float | None = None,
+    light: dict[Any, Any] | None = None, deadline: Deadline = NEVER, least: float = 0.0,
 ) -> float:  # fmt: skip
     """The same at a stop at which it fits by central numbers too, as what is recommended has to; 0 where none does.
 
-    least : at any stop at which it holds in as many; 0 where there is none
-    likely : f-number of the stop that is likeliest to, where as many are asked
+    least : a smaller share is told as 0
     """
-    alone, there, here = alone_in(problem, found, scenarios, mission, light)
-    if least > 0.0:
-        holding = stops_that_hold(alone, there, objective, here, least, likely, deadline)
-    else:
-        made = outcomes(alone, there, objective, here, deadline)
-        holding = those_that_hold(there, made, range(len(made.f_numbers)), least)
-    return next((one.held for one in holding if at_its_stop(alone, objective, one) is not None), 0.0)
+    alone, one = outcomes_with(problem, objective, found, scenarios, mission, light, deadline)
+    for stop in np.argsort(-one.outcomes.held, kind="stable"):
+        if one.outcomes.held[stop] == 0.0 or one.outcomes.held[stop] < least:
+            break
+        if at_its_stop(alone, objective, replace(one, stop=int(stop))) is not None:
+            return float(one.outcomes.held[stop])
+    return 0.0
 
 
 def outcomes_with(
@@ -280,18 +278,11 @@ def outcomes_with(
     light : how it changes with the water, by image, at the heights of that mission; None: they are the same
     deadline : raises OutOfTimeError past it
     """
-    alone, there, here = alone_in(problem, found, scenarios, mission, light)
-    return alone, Counted(there, outcomes(alone, there, objective, here, deadline), 0)
-
-
-def alone_in(
-    problem: Problem, found: Found, scenarios: Scenarios, mission: Mission, light: dict[Any, Any] | None
-) -> tuple[Problem, Found, Scenarios]:
-    """One hardware alone in another mission, its place there, and the same scenarios; `light` as above."""
     alone = problem_of(problem, found, mission=mission, scenes=problem.scenes_for(mission))
     here = scenarios.seen_by(mission, alone.scenes)
     here = replace(here, known=scenarios.known, responses=scenarios.responses if light is None else light)
-    return alone, replace(found, camera=0, lens=0, port=0, light=0), here
+    there = replace(found, camera=0, lens=0, port=0, light=0)
+    return alone, Counted(there, outcomes(alone, there, objective, here, deadline), 0)
 
 
 # ---------------------------------------------------------------- what a number is worth
