@@ -205,6 +205,7 @@ BAD = [
     (changed("limits.cost_basis", "low"), "is not one of central, high"),
     (changed("objective", "powr"), "did you mean 'power'?"),
     (changed("objective", 3), "is not one of power, cost"),
+    (changed("objective", "sharpest"), "contrast, information, best_image"),
     (changed("objective", {"power": -1}), "has a negative weight for power"),
     (changed("objective", {"power": 0}), "has no weight above 0"),
     (changed("objective", {}), "has no weight above 0"),

@@ -7,12 +7,12 @@ from pydantic import BaseModel, Field, ValidationError
 
 from uwopt.documents.faults import nearest
 from uwopt.documents.key_types import CHOICE, NUMBER, Section, keys_of, refusal
-from uwopt.mission.keys import to_objective
+from uwopt.mission.keys import BEST_IMAGE, to_objective
 
 if TYPE_CHECKING:
     from uwopt.mission.mission import Mission
 
-NAME = "best_image"
+NAME = BEST_IMAGE
 Gain = Annotated[float, Field(ge=0, le=10), NUMBER]
 
 

@@ -15,6 +15,7 @@ JERLOV_TYPES = ("I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C")
 CLARITY_KEYS = ("c_per_m", "visibility_m", "secchi_m", "turbidity_ntu")  # the best known first
 SEAFLOORS = ("sand", "hard", "coral", "organic", "benthic-average")
 OBJECTIVES = tuple(TERMS)
+BEST_IMAGE = "best_image"  # and the one that is no figure: of the most information for its price
 Refusal = Literal["airy", "skew", "swath", "depth", "lamp", "white_balance"]
 REFUSALS: tuple[str, ...] = get_args(Refusal)
 INTERFACES = ("USB3", "GigE", "2.5GigE", "5GigE", "10GigE", "CSI-2", "Camera Link", "coax", "Ethernet RTSP")
@@ -116,10 +117,10 @@ def _measured_seafloors() -> set[str]:
 def to_objective(value: Any) -> str | dict[str, float]:
     """The name of a figure, or weights by name."""
     if isinstance(value, str):
-        return _objective_name(value)
+        return _objective_name(value, (*OBJECTIVES, BEST_IMAGE))
     if not isinstance(value, Mapping):
         raise refusal(
-            f"is not one of {', '.join(OBJECTIVES)}", "or give weights such as {power: 1, cost: 0.01}"
+            f"is not one of {', '.join((*OBJECTIVES, BEST_IMAGE))}", "or give weights such as {power: 1, cost: 0.01}"
         )
     weights: dict[str, float] = {}
     for key, given in value.items():
@@ -136,11 +137,11 @@ def to_objective(value: Any) -> str | dict[str, float]:
     return weights
 
 
-def _objective_name(value: Any) -> str:
+def _objective_name(value: Any, known: tuple[str, ...] = OBJECTIVES) -> str:
     plain = str(value).strip().casefold().replace("-", "_")
     plain = {"power_w": "power", "mass_kg": "mass", "snr": "snr_db", "gsd": "gsd_mm"}.get(plain, plain)
     if plain not in OBJECTIVES:
-        raise one_of(plain, OBJECTIVES)
+        raise one_of(plain, known)
     return plain
 
 
