@@ -6,10 +6,10 @@ and in how many altitudes stand for the tolerance.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 
@@ -29,6 +29,7 @@ from uwopt.model.spectrum import resample, wavelength_grid_nm
 from uwopt.model.sunlight import turned_per_sr
 from uwopt.model.widened import arriving_share, ways_m, widened
 
+Made = TypeVar("Made")
 LampLeg = Literal["diffuse", "least", "most"]
 Pixels = Literal["darkest", "frame"]  # which an SNR may be asked of: the darkest one, or all but a share of the image
 LOST: dict[LampLeg, float] = {"diffuse": 1.0, "least": multiple.LOST_FACTORS[0], "most": multiple.LOST_FACTORS[1]}
@@ -86,6 +87,13 @@ class SceneOptics:
     pitch_rad: float = 0.0  # of the optical axis from the normal of the target's plane
     # Weights and loss tables by light spectrum and efficiency curve, shared by all problems in this scene.
     cache: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)
+
+    def once(self, key: Hashable, make: Callable[[], Made]) -> Made:
+        """What a key stands for in this scene, worked out once."""
+        if key not in self.cache:
+            self.cache[key] = make()
+        found: Made = self.cache[key]
+        return found
 
     @property
     def name(self) -> str:

@@ -408,14 +408,16 @@ def motion_px_per_s(scene: SceneOptics, view: Views, outer_radius_m: Array) -> A
 def arriving(scene: SceneOptics, contraction: Contraction, spectrum: int, efficiency: int) -> Array:
     """Electrons by wavelength of the light that comes straight down and up at the nominal altitude, any scale."""
     key = ("arriving", *contraction.key(spectrum, efficiency, None))
-    if key not in scene.cache:
+
+    def made() -> Array:
         weight = contraction.weight(spectrum, efficiency)
         both = scene.attenuation_per_m + contraction.lamp_leg_per_m(spectrum)
         loss = both * float(scene.range_m[scene.nominal])
         seen = weight > 0
         least = float(loss[seen].min()) if seen.any() else 0.0
-        scene.cache[key] = weight * np.exp(-np.maximum(loss - least, 0.0))
-    return np.asarray(scene.cache[key])
+        return np.asarray(weight * np.exp(-np.maximum(loss - least, 0.0)))
+
+    return scene.once(key, made)
 
 
 def mean_wavelength_nm(scene: SceneOptics, arriving_e: Array) -> float:
@@ -452,15 +454,12 @@ def airy_f_number(problem: Problem, scene_index: int, limit_px: float, camera: A
 def spread_of(scene: SceneOptics, contraction: Contraction, spectrum: int, efficiency: int) -> SpreadTable:
     """Table of the spread of colours, for lateral colour."""
     key = ("spread", *contraction.key(spectrum, efficiency, None))
-    if key not in scene.cache:
-        density = arriving(scene, contraction, spectrum, efficiency) / trapezoid_weights_nm(
-            scene.wavelength_nm
-        )
-        scene.cache[key] = lateral.spread_table(
-            scene.wavelength_nm, electrons_per_nm=density, n_water=scene.n_water_spectrum
-        )
-    table: SpreadTable = scene.cache[key]
-    return table
+
+    def made() -> SpreadTable:
+        per_nm = arriving(scene, contraction, spectrum, efficiency) / trapezoid_weights_nm(scene.wavelength_nm)
+        return lateral.spread_table(scene.wavelength_nm, electrons_per_nm=per_nm, n_water=scene.n_water_spectrum)
+
+    return scene.once(key, made)
 
 
 def unfocused_of(

@@ -162,44 +162,36 @@ class Contraction:
             return own
         name = self.spectrum_names[self.spectrum_of[optics]]
         key = ("lobe", own, name, way_m, back)
-        if key not in scene.cache:
-            spectrum = relative_spectrum(name, scene.wavelength_nm)
-            scene.cache[key] = scene.widened_lobe(own, spectrum, way_m=way_m, back=back)
-        lobe: Beam = scene.cache[key]
-        return lobe
+        return scene.once(key, lambda: scene.widened_lobe(
+            own, relative_spectrum(name, scene.wavelength_nm), way_m=way_m, back=back
+        ))  # fmt: skip
 
     def lamp_leg_per_m(self, spectrum: int) -> Array:
         """K on the way from these lamps to the floor, by wavelength."""
         lobe = self._lobes_rad[spectrum]
         if lobe is None:
             return self.scene.lamp_attenuation_per_m
-        return self._kept(("lamp leg", lobe), lambda: self.scene.lamp_leg_per_m(lobe))
+        return self.scene.once(("lamp leg", lobe), lambda: self.scene.lamp_leg_per_m(lobe))
 
     def near_leg_per_m(self) -> Array:
         """Attenuation of light that comes from the floor to the camera near its straight way, image or veil."""
         if not self.multiple:
             return self.scene.lamp_attenuation_per_m
-        return self._kept("near leg", self.scene.near_leg_per_m)
+        return self.scene.once("near leg", self.scene.near_leg_per_m)
 
     def veil_leg_per_m(self, way_m: float) -> Array:
         """Attenuation of all light that comes from a floor so far off to the camera, by whatever way."""
         if not self.multiple:
             return self.scene.lamp_attenuation_per_m
-        return self._kept(("veil leg", way_m), lambda: self.scene.veil_leg_per_m(way_m))
+        return self.scene.once(("veil leg", way_m), lambda: self.scene.veil_leg_per_m(way_m))
 
     def back_legs_per_m(self, spectrum: int) -> tuple[Array, Array]:
         """Attenuation of light that the water sends back: from these lamps, and to the camera."""
         lobe = self._lobes_rad[spectrum]
         if lobe is None:
             return self.scene.lamp_attenuation_per_m, self.scene.attenuation_per_m
-        both = self._kept(("back leg", lobe), lambda: self.scene.back_leg_per_m(lobe))
+        both = self.scene.once(("back leg", lobe), lambda: self.scene.back_leg_per_m(lobe))
         return both, both
-
-    def _kept(self, key: Any, make: Callable[[], Array]) -> Array:
-        """From the scene's cache, or made."""
-        if key not in self.scene.cache:
-            self.scene.cache[key] = make()
-        return np.asarray(self.scene.cache[key])
 
     def key(self, spectrum: int, efficiency: int, channel: str | None) -> tuple[Any, ...]:
         """What light depends on, in the scene's cache."""
@@ -212,18 +204,11 @@ class Contraction:
         """Signal weight by wavelength; see `signal_weight`."""
         key = ("weight", *self._weight_key(spectrum, efficiency, channel))
         scene = self.scene
-        if key not in scene.cache:
-            scene.cache[key] = signal_weight(
-                relative_spectrum(self.spectrum_names[spectrum], scene.wavelength_nm),
-                wavelength_nm=scene.wavelength_nm,
-                photopic=scene.photopic,
-                reflectance=scene.reflectance,
-                quantum_efficiency=efficiency_curve(
-                    self.efficiencies[efficiency], scene.wavelength_nm, channel=channel
-                ),
-                n_water=scene.radiance_index,
-            )
-        return np.asarray(scene.cache[key])
+        return scene.once(key, lambda: signal_weight(
+            relative_spectrum(self.spectrum_names[spectrum], scene.wavelength_nm), wavelength_nm=scene.wavelength_nm,
+            photopic=scene.photopic, reflectance=scene.reflectance, n_water=scene.radiance_index,
+            quantum_efficiency=efficiency_curve(self.efficiencies[efficiency], scene.wavelength_nm, channel=channel),
+        ))  # fmt: skip
 
     def response(self, spectrum: int, efficiency: int, channel: str | None = None) -> float:
         """Sum of the weight over wavelengths."""
@@ -262,13 +247,14 @@ class Contraction:
         """
         scene = self.scene
         key = ("least veil", *self.key(spectrum, efficiency, None), altitude, self.reach_m, nearest_m, lowest_m)
-        if key not in scene.cache:
+
+        def made() -> tuple[float, Array]:
             range_m = float(scene.range_m[altitude])
             near, wide = self._least_excess(spectrum, efficiency, (lowest_m, nearest_m), range_m)
             shares = self.wide_shares(spectrum, efficiency, range_m=range_m)
-            scene.cache[key] = NEAR_MARGIN * near, WIDE_MARGIN * wide * shares
-        found: tuple[float, Array] = scene.cache[key]
-        return found
+            return NEAR_MARGIN * near, WIDE_MARGIN * wide * shares
+
+        return scene.once(key, made)
 
     def _least_excess(
         self, spectrum: int, efficiency: int, from_m: tuple[float, float], range_m: float
@@ -336,9 +322,10 @@ class Contraction:
         if part == "wide":
             reach_m = max(WIDE_REACH * float(scene.range_m[-1]), reach_m[0]), WIDE_REACH * float(scene.range_m[-1])
         key = ("table", *self.key(spectrum, efficiency, channel), reach_m, lowest, nearest_m, part, range_m)
-        if key not in scene.cache:
+
+        def made() -> PathTable:
             spend("loss tables")
-            scene.cache[key] = loss_table(
+            return loss_table(
                 self.weight(spectrum, efficiency, channel),
                 k_lamp_per_m=self.lamp_leg_per_m(spectrum),
                 c_camera_per_m=self.near_leg_per_m() if part == "wide" else scene.attenuation_per_m,
@@ -347,8 +334,8 @@ class Contraction:
                 camera_range_m=(nearest_m * 0.999, reach_m[1]),
                 **self.table_settings(),
             )
-        table: PathTable = scene.cache[key]
-        return table
+
+        return scene.once(key, made)
 
     def wide_shares(
         self, spectrum: int, efficiency: int, channel: str | None = None, *, range_m: float
@@ -358,15 +345,17 @@ class Contraction:
         One set for all colours: by what each of them sends straight down and up.
         """
         key = ("wide shares", *self.key(spectrum, efficiency, channel), range_m)
-        if key not in self.scene.cache:
+
+        def made() -> Array:
             near, every = self.near_leg_per_m(), self.veil_leg_per_m(range_m)
             turns, optical = (near - every) * range_m, (self.lamp_leg_per_m(spectrum) + every) * range_m
             sent = self.weight(spectrum, efficiency, channel) * -np.expm1(-turns)
             seen = sent > 0.0
             least = float(optical[seen].min()) if seen.any() else 0.0
             sent = np.where(seen, sent, 0.0) * np.exp(-np.maximum(optical - least, 0.0))
-            self.scene.cache[key] = sent @ kernel_shares(turns) / max(float(sent.sum()), TINY)
-        return np.asarray(self.scene.cache[key])
+            return np.asarray(sent @ kernel_shares(turns) / max(float(sent.sum()), TINY))
+
+        return self.scene.once(key, made)
 
     def _lesser_leg_per_m(self, part: LightPart, range_m: float) -> Array:
         """The lesser attenuation of a part of the forward veil."""
@@ -397,24 +386,23 @@ class Contraction:
             return tuple(phase_function(one.table) for one in self.scene.scattering)
         scene, name = self.scene, self.spectrum_names[spectrum]
         key = ("sent back", name, range_m)
-        if key not in scene.cache:
-            met = scene.sent_back(relative_spectrum(name, scene.wavelength_nm), range_m)
-            scene.cache[key] = tuple(map(phase_function, met))
-        found: tuple[Callable[[Array], Array], ...] = scene.cache[key]
-        return found
+        return scene.once(key, lambda: tuple(
+            map(phase_function, scene.sent_back(relative_spectrum(name, scene.wavelength_nm), range_m))
+        ))  # fmt: skip
 
     def scatter_tables(self, spectrum: int, efficiency: int, channel: str | None = None) -> tuple[PathTable, ...]:
         """Loss of what particles and molecules send back, each over both legs."""
         scene = self.scene
         key = ("scatter", *self.key(spectrum, efficiency, channel), self.reach_m)
-        if key not in scene.cache:
+
+        def made() -> tuple[PathTable, ...]:
             spend("loss tables", len(scene.scattering))
             legs = self.back_legs_per_m(spectrum)
             lamp_end, camera_end = (
                 min(reach, LAMP_FRONT_M + OPTICAL_REACH / max(float(least.min()), TINY))
                 for reach, least in zip(self.reach_m, legs, strict=True)
             )
-            scene.cache[key] = tuple(
+            return tuple(
                 loss_table(
                     self.scatter_weight(part.scattering_per_m, spectrum, efficiency, channel),
                     k_lamp_per_m=legs[0],
@@ -425,8 +413,8 @@ class Contraction:
                 )
                 for part in scene.scattering
             )
-        found: tuple[PathTable, ...] = scene.cache[key]
-        return found
+
+        return scene.once(key, made)
 
     def endless_scatterers(
         self, spectrum: int, efficiency: int, channel: str | None = None

@@ -112,13 +112,15 @@ class SunField:
         """Polynomials of these logarithms up to a distance, made once a scene: (degree + 1, n_altitudes, 3)."""
         water = tuple(sorted(self.curves.items())), self.channel, self.fineness
         key = ("sun fit", self.multiple, self.shape, *water, tuple(self.scene.range_m), widest)
-        if key not in self.scene.cache:
+
+        def made() -> Array:
             knots = chebyshev.chebpts1(scaled(RADIAL_DEGREE, self.fineness) + 1)
             tangent, range_m = 0.5 * (knots + 1.0) * widest, self.scene.range_m[:, None]
             path_m = floor_point(tangent, np.zeros_like(tangent), shape=self.shape, range_m=range_m)[2]
             in_water = tangent if self.shape.is_dome else port.water_tangent(tangent, n=self.shape.n_water)
-            self.scene.cache[key] = self.fitted(knots, path_m, 1.0 / np.sqrt(1.0 + np.square(in_water)))
-        return np.asarray(self.scene.cache[key])
+            return np.asarray(self.fitted(knots, path_m, 1.0 / np.sqrt(1.0 + np.square(in_water))))
+
+        return self.scene.once(key, made)
 
     def oblique_logs(self, along: Array, across: Array) -> list[Array]:
         """The same of an oblique view, by the ray's angle from the floor's normal.

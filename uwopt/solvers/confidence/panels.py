@@ -18,7 +18,7 @@ light, and of several scenes with a motorised lens another may serve.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import product
 from typing import Any
@@ -31,7 +31,7 @@ from uwopt.catalog.records import Camera, Lens, Light, exact
 from uwopt.forward.part_columns import FAVOURED
 from uwopt.forward.parts import Parts
 from uwopt.forward.problem import Problem
-from uwopt.forward.scene import SceneOptics
+from uwopt.forward.scene import Made, SceneOptics
 from uwopt.forward.waters_beside import WatersBeside
 from uwopt.model.beam import Beam, half_power_angle_rad
 from uwopt.model.scattering import PhaseTable
@@ -167,30 +167,23 @@ class EasiestScene(SceneOptics):
 
     states: tuple[SceneOptics, ...] = ()
 
-    def kept(self, what: Any, make: Callable[[], Any]) -> Any:
+    def of_all(self, what: Hashable, make: Callable[[], Made]) -> Made:
         """What is of all states, worked out when first asked for."""
-        key = ("of all states", what)
-        if key not in self.cache:
-            self.cache[key] = make()
-        return self.cache[key]
-
-    def once(self, what: Any, make: Callable[[], Array]) -> Array:
-        """Spectra likewise."""
-        return np.asarray(self.kept(what, make))
+        return self.once(("of all states", what), make)
 
     @property
     def beside(self) -> WatersBeside:
         """All states side by side."""
-        made: WatersBeside = self.kept("waters beside", lambda: WatersBeside.of(self.states))
-        return made
+        return self.of_all("waters beside", lambda: WatersBeside.of(self.states))
 
     def lamp_leg_per_m(self, half_power_angle_rad: float) -> Array:
         """The least of all states."""
-        return self.once(("lamp leg", half_power_angle_rad), lambda: least(self.lamp_legs_per_m(half_power_angle_rad)))
+        what = "lamp leg", half_power_angle_rad
+        return self.of_all(what, lambda: least(self.lamp_legs_per_m(half_power_angle_rad)))
 
     def lamp_legs_per_m(self, half_power_angle_rad: float) -> Array:
         """Of each state, (n_states, n_wavelengths)."""
-        return self.once(
+        return self.of_all(
             ("lamp legs", half_power_angle_rad),
             lambda: np.stack([one.lamp_leg_per_m(half_power_angle_rad) for one in self.states]),
         )
@@ -215,7 +208,7 @@ class EasiestScene(SceneOptics):
 
     def near_leg_per_m(self) -> Array:
         """What leaves the least veil beside the image."""
-        return self.once("near leg", lambda: self.attenuation_per_m - least(
+        return self.of_all("near leg", lambda: self.attenuation_per_m - least(
             [one.attenuation_per_m - one.near_leg_per_m() for one in self.states]
         ))  # fmt: skip
 
@@ -254,7 +247,7 @@ class EasiestScene(SceneOptics):
             lamp = least(self.lamp_legs_per_m(half_power_angle_rad) - np.stack(back))
             return np.maximum(self.attenuation_per_m - camera, self.lamp_leg_per_m(half_power_angle_rad) - lamp)
 
-        return self.once(("back leg", half_power_angle_rad), made)
+        return self.of_all(("back leg", half_power_angle_rad), made)
 
 
 def least(columns: Sequence[Array] | Array) -> Array:

@@ -135,11 +135,10 @@ class FieldTables:
             contraction = self.problem.contractions[scene_index]
             spectrum = int(contraction.spectrum_of[lighting.optics])
             lamp_m, camera_m = self._shortest_m(scene_index, lighting, altitude)
-            known = self.problem.scenes[scene_index].cache
             place = ("least loss", *contraction.key(spectrum, efficiency, channel), lamp_m, camera_m)
-            if place not in known:
-                known[place] = contraction.mean_loss(spectrum, efficiency, channel, lamp_m=lamp_m, camera_m=camera_m)
-            self._losses[key] = known[place]
+            self._losses[key] = self.problem.scenes[scene_index].once(place, lambda: contraction.mean_loss(
+                spectrum, efficiency, channel, lamp_m=lamp_m, camera_m=camera_m
+            ))  # fmt: skip
         return self._losses[key]
 
     def _shortest_m(self, scene_index: int, lighting: Lighting, altitude: int) -> tuple[float, float]:
@@ -158,11 +157,9 @@ class FieldTables:
             lamp_m = camera_m = float(scene.range_m[far])
             reach = (lamp_m, camera_m)
         key = ("least balance", *contraction.key(spectrum, efficiency, None), lamp_m, camera_m, reach)
-        if key not in scene.cache:
-            scene.cache[key] = least_white_balance(
-                contraction, spectrum, efficiency, lamp_m=(lamp_m, reach[0]), camera_m=(camera_m, reach[1])
-            )
-        return float(scene.cache[key])
+        return scene.once(key, lambda: least_white_balance(
+            contraction, spectrum, efficiency, lamp_m=(lamp_m, reach[0]), camera_m=(camera_m, reach[1])
+        ))  # fmt: skip
 
     def light_table(self, scene_index: int, lighting: Lighting, altitude: int) -> FloorLightBound:
         """Upper bounds of the light on rectangles, built once for the widest image of all."""
