@@ -18,6 +18,27 @@ BESIDE = "tests/solvers/test_beside.py"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="curves are begun under the sun of designs that do not fit",
+        file="uwopt/solvers/front/trade_curves.py",
+        old="        return np.isfinite(bound_if_any(",
+        new="        return np.ones(len(some), bool) | np.isfinite(bound_if_any(",
+        test="tests/solvers/test_front_in_vain.py::test_no_curve_is_begun_under_the_sun_where_nothing_fits[38.0-False]",
+    ),
+    Defect(
+        name="designs of a front that do not fit are counted nowhere",
+        file="uwopt/solvers/front/search.py",
+        old='        self.account.charge("light", int((~fits).sum()))\n',
+        new="",
+        test="tests/solvers/test_front_in_vain.py::test_no_curve_is_begun_under_the_sun_where_nothing_fits[38.0-False]",
+    ),
+    Defect(
+        name="cells of a front look at no clock",
+        file="uwopt/solvers/front/search.py",
+        old="Trade(self.quality, deadline)",
+        new="Trade(self.quality)",
+        test="tests/solvers/test_front_in_vain.py::test_a_front_that_time_cuts_short_keeps_its_points_and_counts",
+    ),
+    Defect(
         name="the whole catalogue is searched as if it were large",
         file="uwopt/solvers/exact/search.py",
         old="MOST_IMAGERS = 700_000",

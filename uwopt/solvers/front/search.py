@@ -87,7 +87,7 @@ class FrontSearch:
         self.problem, self.axes = problem, axes
         self.quality = quality_of(problem, axes)
         self.points = PointsFound(axes, self.quality)
-        self.trade = Trade(self.quality)
+        self.trade = Trade(self.quality, deadline)
         self.start = time.perf_counter()
         self.deadline = deadline
         self.progress = progress or (lambda share, what: None)
@@ -256,6 +256,9 @@ class FrontSearch:
             left, least_w[possible], self.trade.bound_within(left, left.full_power_w), np.arange(len(left))
         )
         open_ = possible[self.points.may_be_new(best)]
+        fits = self.trade.may_fit(some.take(open_))
+        self.account.charge("light", int((~fits).sum()))
+        possible, open_ = np.setdiff1d(possible, open_[~fits]), open_[fits]
         bounds = self.trade.first_bounds(some.take(open_), least_w[open_])
         if bounds is not None:
             curves = Curves(self.trade, some.take(open_), bounds)
@@ -366,7 +369,10 @@ class FrontSearch:
             if self._late():
                 return False
             pieces = np.clip(np.ceil(np.sqrt(spans / largest)), 2, MOST_PIECES).astype(int)
-            answers = curves.ask(which, self.points.wanted(curves, which), pieces)
+            try:
+                answers = curves.ask(which, self.points.wanted(curves, which), pieces)
+            except OutOfTimeError:
+                return False
             self.points.add(curves, answers)
             if answers.found.mean() < RARELY:  # points found decide little: more at a time
                 most = min(2 * most, MOST_ASKED)

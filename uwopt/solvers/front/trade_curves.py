@@ -17,6 +17,7 @@ from typing import Any, Self
 import numpy as np
 
 from uwopt.arrays import Array
+from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.columns import Columns
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.beside import shares, side_by_side
@@ -24,7 +25,7 @@ from uwopt.solvers.exact.node_bounds import bit_per_px_bound
 from uwopt.solvers.front.ceilings import most_information
 from uwopt.solvers.front.hopeful import Hopeful, unhindered
 from uwopt.solvers.settings import closed_form, windows
-from uwopt.solvers.settings.best import best_settings
+from uwopt.solvers.settings.best import best_settings, bound_if_any
 from uwopt.solvers.settings.closed_form import Chosen
 from uwopt.solvers.settings.information import information_of
 from uwopt.solvers.settings.question import Best, Question
@@ -82,10 +83,13 @@ class Answers(Columns):
 
 
 class Trade:
-    """Least power and best quality of designs, quality being one term of an objective, or None."""
+    """Least power and best quality of designs, quality being one term of an objective, or None.
 
-    def __init__(self, quality: str | None):
-        self.quality = quality
+    What is asked of cells of settings raises OutOfTimeError past the deadline.
+    """
+
+    def __init__(self, quality: str | None, deadline: Deadline = NEVER):
+        self.quality, self.deadline = quality, deadline
 
     # ------------------------------------------------------------ settings
 
@@ -124,7 +128,7 @@ class Trade:
     def _asked(self, some: Hopeful, goal: Objective, limit_w: Array | float, **more: Any) -> Question:
         """For which settings of designs one goal asks."""
         return Question.of(
-            some.rows, some.motorised, goal, some.camera_power_w, limit_w, gap_rel=CURVE_GAP,
+            some.rows, some.motorised, goal, some.camera_power_w, limit_w, gap_rel=CURVE_GAP, deadline=self.deadline,
             constant=some.camera_power_w if goal.weight("power") else 0.0, mean_limit=some.mean_limit, **more,
         )  # fmt: skip
 
@@ -260,6 +264,16 @@ class Trade:
             light_w = np.max([c.light_power_w for c in chosen], axis=0)
             least_w = np.where(feasible, some.camera_power_w + light_w, np.inf)
         return np.where(least_w <= some.power_limit_w * ABOVE, least_w, np.inf)
+
+    def may_fit(self, some: Hopeful) -> Array:
+        """Whether any settings of designs may meet all requirements, (n,).
+
+        Under the sun cells are halved until a point fits or all have died: that a curve begins nowhere takes several
+        times as long to learn of the whole image as of the few pixels and the one altitude that bounds look at.
+        """
+        if not some.sunlit or not len(some):
+            return np.ones(len(some), bool)
+        return np.isfinite(bound_if_any(self._asked(some, POWER, some.power_limit_w)))
 
     def bound_within(self, some: Hopeful, limit_w: Array) -> Array:
         """The quality that no settings within a power exceed; -inf: there are none.

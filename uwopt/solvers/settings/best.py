@@ -88,11 +88,17 @@ def best_joint(question: Question) -> Best:
 
 def best_of_what_fits(question: Question) -> Best:
     """Best settings over cells of the designs that have any, which is asked first, without what they show: any do."""
+    lower = bound_if_any(question)
+    return searched_where(np.isfinite(lower), unsettled(question, lower), question)
+
+
+def bound_if_any(question: Question) -> Array:
+    """What no settings can beat in power, (n,) [W], roughly, cell by cell until a point fits; inf: nothing does."""
     from uwopt.solvers.settings.cells import best_by_cells
 
     lower = best_by_cells(replace(question, objective=LEAST_POWER, gap_rel=np.inf)).lower_bound
     assert lower is not None
-    return searched_where(np.isfinite(lower), unsettled(question, lower), question)
+    return lower
 
 
 def unsettled(question: Question, bound: Array) -> Best:
