@@ -23,7 +23,7 @@ from uwopt.api.practice_known import PracticeKnown
 from uwopt.api.risks import risks_of
 from uwopt.api.searching import Searches
 from uwopt.api.whatif import Work, full_practice_notes
-from uwopt.api.yielding import YieldTrials, gives_way_alone, patience_of, yield_notes
+from uwopt.api.yielding import YieldTrials, gives_way_alone, patience_of, with_room, yield_notes
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.assembly import build_problem, load_catalog, selected
 from uwopt.mission.mission import load_mission
@@ -372,6 +372,9 @@ def test_what_a_mission_says_itself_never_gives_way(key: str) -> None:
 def test_no_more_room_is_kept_than_can_be_asked() -> None:
     result = uwopt.solve(survey(199.5), top=1, quick=True)
     assert result.status == "infeasible" and given_way(result) == []
+    assert with_room(load_mission(survey(199.5))) is None  # 200 dB are the most that can be
+    roomy = with_room(load_mission(survey(20.0)))
+    assert roomy is not None and roomy.requirements.min_snr == pytest.approx(10.0 ** (21.0 / 20.0))
 
 
 @cache
