@@ -124,12 +124,9 @@ def gives_way_if_any(mission: Mission, catalog: Catalog, deadline: Deadline, kno
 
     Nothing where that is not answered in the time that it may take.
     """
-    if not yields_of(mission):
-        return ()
-    like = known.scenes_like(mission, catalog)
-    if YieldTrials(mission.without_gain_cap, catalog, like, patience_of(deadline, ASKED_S), known).fits((), part=1.0):
-        return ()
-    return gives_way(mission, catalog, like, deadline, known).yields if known.missed else ()
+    lifted, like = mission.without_gain_cap, known.scenes_like(mission, catalog)
+    YieldTrials(lifted, catalog, like, patience_of(deadline, ASKED_S), known).fits((), part=1.0)
+    return gives_way(mission, catalog, like, deadline, known).yields if known.fits(lifted) is False else ()
 
 
 def with_room(mission: Mission) -> Mission | None:
