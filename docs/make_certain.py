@@ -2,7 +2,7 @@
 
     python docs/make_certain.py [--write] [--only NAME ...] [--confidence C] [--tries N] [--seconds S] [--jobs N]
 
-Every mission in problems/ and problems/jobs/ is solved by central numbers and at a confidence. What is recommended is
+Every mission in problems/ and problems/jobs/ is solved at likeliest values and at a confidence. What is recommended is
 counted again by `evaluate` in 10 000 scenarios that the choice has not seen. Then it is attacked: other hardware is
 drawn at random, half of it from all that there is and half with one or two parts unlike the recommended, and looked at
 in scenarios of its own, at first with light that changes with the water as the recommended's does; what seems to hold
@@ -177,7 +177,7 @@ def counted(problem: Problem, found: list[Found], goal: Objective, scenarios: An
 
 
 def drawn(problem: Problem, imagers: Imagers, own: Found, count: int, rng: np.random.Generator) -> list[Found]:
-    """Hardware at random whose views do what is asked by central numbers: from all, and with some parts like ours."""
+    """Hardware at random whose views do what is asked at likeliest values: from all, and with some parts like ours."""
     made, (low, high) = [], problem.count_range
     same = np.stack([imagers.camera == own.camera, imagers.lens == own.lens, imagers.port == own.port])
     near = np.flatnonzero(same.sum(axis=0) >= 2)
@@ -229,7 +229,7 @@ HEAD = """\
 
 Every mission in `problems/` and `problems/jobs/` at a confidence of {asked:g}: `python docs/make_certain.py --write
 --seconds {seconds:g} --jobs {jobs}`, of which an attack may last {seconds:g} s of the processor.
-Times are seconds of the processor for a whole `solve`, doubts included, by central numbers and at that confidence.
+Times are seconds of the processor for a whole `solve`, doubts included, at likeliest values and at that confidence.
 *Claimed* is the share of fresh scenarios in which the recommended system holds, as its result tells it, with the
 interval of 95 %; *counted* is that share by `evaluate` in 10 000 others. The attack draws {tries} other pieces of
 hardware; *hold* are those that do at a first look in {screen} scenarios, *better* those that hold as often as asked,

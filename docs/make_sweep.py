@@ -167,7 +167,7 @@ def cold_s() -> float:
 
 def page(missions: int, rounds: int) -> str:
     """The page."""
-    assert load_mission(MISSION).practice == "bare"  # central numbers: no scenarios
+    assert load_mission(MISSION).practice == "bare"  # likeliest values: no scenarios
     found = efficiency(missions, rounds)
     spent = found["spent_s"]
     assign_s, send_s, batch_s = of_scheduler()
@@ -202,7 +202,7 @@ Others use the machine as well: what is compared is time of the processor; the c
 
 ## One worker and two
 
-{missions} missions of `mbari-lass-2013` (speeds, at 5 heights; central numbers, no portfolio), one worker and two by
+{missions} missions of `mbari-lass-2013` (speeds, at 5 heights; likeliest values, no portfolio), one worker and two by
 turns (medians of turns: {rounds}):
 
 | what | time of the processor |

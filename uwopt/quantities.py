@@ -58,4 +58,6 @@ QUANTITIES = (
     Compared("data_rate_mb_s", "data rate", "MB/s"),
 )
 BY_NAME = {one.name: one for one in QUANTITIES}
+#: By what figures are told that no scenarios count: of an estimated number no end of its range.
+AT_LIKELIEST = "with every estimate at its likeliest value"
 TERMS = {one.term: one for one in QUANTITIES if one.term}

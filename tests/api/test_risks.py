@@ -338,7 +338,7 @@ def test_parts_that_may_be_sold_no_longer_are_told(calm: Result) -> None:
 
 
 def test_scenarios_that_were_not_counted_are_the_first_risk(calm: Result) -> None:
-    left_out = Note(AS_CENTRAL, "confidence", "this is the best by central numbers, which alone are held")
+    left_out = Note(AS_CENTRAL, "confidence", "this is the best with every estimate at its likeliest value: no time")
     late = with_figures(replace(calm, warnings=[left_out]), uniformity=0.05)
     assert [risk.what for risk in risks_of(late)] == [left_out.message, "part of the image is dark"]
 

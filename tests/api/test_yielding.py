@@ -36,6 +36,7 @@ from uwopt.mission.yielding import (
     yields_named,
     yields_of,
 )
+from uwopt.quantities import AT_LIKELIEST
 from uwopt.report.compare.rows import sentences
 from uwopt.report.page.page import opening, status_words
 from uwopt.report.text.explanation import explanation_blocks
@@ -403,8 +404,8 @@ def test_practice_gives_way_so_that_what_is_recommended_holds_as_often_as_asked(
 
     monkeypatch.setattr(Searches, "of", of)
     result = uwopt.solve(mission, top=1, quick=True, so_far=lines.append)
-    by_central_numbers, with_all, proven = lines  # who waits reads what is known as soon as it is
-    assert by_central_numbers.startswith("best by central numbers: ") and proven.startswith("proven best: ")
+    at_likeliest, with_all, proven = lines  # who waits reads what is known as soon as it is
+    assert at_likeliest.startswith(f"best {AT_LIKELIEST}: ") and proven.startswith("proven best: ")
     share = re.search(r"it holds in (\d+) % of the scenarios, 90 % are asked", with_all)
     assert share is not None and float(share[1]) < 90
     assert given_way(result) == ["requirements.snr_at_less_db"] and result.confidence is not None

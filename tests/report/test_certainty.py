@@ -71,9 +71,9 @@ def test_the_median_of_the_scenarios_stands_beside_what_central_estimates_give(
 ) -> None:
     """Else 40 W as set and 62 W in most scenarios contradict each other; what is set before it is seen, is not anew."""
     text = printed(make_result(confidence=COUNTED))
-    both = "Goal: least power, 40.50 W at these settings (40.00 W before rounding) and at central estimates; median of"
-    assert f"{both} the scenarios 62.00 W." in text
-    assert "most of them need more light than central estimates, which take 40.0 W" in text
+    both = "Goal: least power, 40.50 W at these settings (40.00 W before rounding) and with every estimate at its"
+    assert f"{both} likeliest value; median of the scenarios 62.00 W." in text
+    assert "most of them need more light than the 40.0 W with every estimate at its likeliest value" in text
     near = printed(make_result(confidence=COUNTED | {"objective_p50": 41.0}))
     assert "set for each scenario else" not in near and "need more light" not in near
     seldom = printed(make_result(confidence=COUNTED | {"objective_p50": None}))
@@ -92,7 +92,7 @@ def test_a_price_is_stated_once(make_result: Callable[..., Result]) -> None:
     for other in ("4 421", "4 419", "4 210", "4 200", "4 900"):
         assert other not in text
     unknown = printed(make_result(confidence=COUNTED))
-    assert "central estimate about 4 200" in unknown
+    assert "sum of the likeliest prices about 4 200" in unknown
 
 
 @pytest.mark.parametrize("blocks", [short_text_blocks, full_text_blocks])

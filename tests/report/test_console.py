@@ -64,8 +64,8 @@ def test_a_log_tells_the_stage_where_nobody_knows_its_share(capsys: Log) -> None
 
 def test_a_line_stays_in_the_log(capsys: Log) -> None:
     with ProgressBar(timer=Timer) as bar:  # type: ignore[arg-type]
-        bar.line("best by central numbers: a + b")
-    assert re.fullmatch(r"uwopt: best by central numbers: a \+ b \(\d+ s\)\n", capsys.readouterr().err)
+        bar.line("proven best: a + b")
+    assert re.fullmatch(r"uwopt: proven best: a \+ b \(\d+ s\)\n", capsys.readouterr().err)
 
 
 def test_what_is_soon_done_writes_nothing_into_a_log(capsys: Log) -> None:

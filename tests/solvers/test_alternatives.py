@@ -54,7 +54,7 @@ def test_makers_are_held_against_the_best_by_the_same_numbers(sought: Sought) ->
     listed = beside_best(sought.selection, sought.search, goal, chosen, central=best.objective_value)
     told = [one.text for one in listed if one.outcome == "worse" and "more" in one.text]
     assert told == [
-        f"{one.text} than the best by central numbers"
+        f"{one.text} than the best with every estimate at its likeliest value"
         for one in plain if one.outcome == "worse" and "more" in one.text
     ]  # fmt: skip
     assert told

@@ -102,7 +102,7 @@ def system_of(design: Design) -> WinningSystem:
 
 
 def figures_of(counted: Confidence, design: Design) -> dict[str, float]:
-    """In how many fresh scenarios it holds, and what it costs and draws by central numbers."""
+    """In how many fresh scenarios it holds, and what it costs and draws at likeliest values."""
     made = {
         "held": counted.held, "power_w": design.totals.power_w, "cost": design.totals.cost.value,
         "mass_kg": design.totals.mass_kg,

@@ -18,6 +18,7 @@ from uwopt.forward.part_columns import CONTINUOUS, FLASH
 from uwopt.forward.problem import Problem
 from uwopt.mission.doubt import ENDS
 from uwopt.objectives.objective import Objective
+from uwopt.quantities import AT_LIKELIEST
 from uwopt.results.certainty import Confidence
 from uwopt.results.design import AS_CENTRAL, FARTHEST_M, Design, Note
 from uwopt.solvers.confidence.counted import Counted, names
@@ -48,7 +49,7 @@ class Recommended:
     """What is recommended at a mission's confidence."""
 
     sought: Sought  # with it at its head
-    proven: Outcome  # of the search by central numbers
+    proven: Outcome  # of the search at likeliest values
     design: Design
     counted: Confidence | None
     is_best: bool  # whether it is proven best
@@ -57,7 +58,7 @@ class Recommended:
 
     @property
     def of_all_parts(self) -> bool:
-        """Whether parts to be made were taken though what is sold fits by central numbers."""
+        """Whether parts to be made were taken though what is sold fits at likeliest values."""
         return self.counts is not None and self.counts.of_all_parts
 
 
@@ -68,7 +69,7 @@ def with_confidence(
 
     There must be a design, and a mission that does not take every number as central.
 
-    winner : the best by central numbers, as it can be set; None: made only where nothing was counted
+    winner : the best at likeliest values, as it can be set; None: made only where nothing was counted
     before : what was counted for a mission that differs in a few keys: its waters and its hardware are known
     """
     asked, goal, deadline = sought.problem.mission.confidence, sought.goal, watch.deadline
@@ -80,7 +81,7 @@ def with_confidence(
     if counts is None or certain is None:
         why = "no time was left to count other hardware; --seconds gives more"
         if not patient.deadline.left_out:
-            why = "nothing that was counted meets every requirement at central estimates as well"
+            why = f"nothing that was counted meets every requirement {AT_LIKELIEST} as well"
         return as_central(sought, winner, watch, counts, why)
     sought, proven = counts.sought, counts.sought.outcome
     with watch.stage("certainty"):
@@ -115,7 +116,7 @@ def with_note(design: Design, note: Note) -> Design:
 def as_central(
     sought: Sought, winner: Design | None, watch: Watch, counts: Counts | None, why: str
 ) -> Recommended:
-    """The best by central numbers, where none was counted that fits by them, and in how many scenarios it holds."""
+    """The best at likeliest values, where none was counted that fits by them, and in how many scenarios it holds."""
     goal, deadline, proven = sought.goal, watch.deadline, sought.outcome
     if winner is None:
         sought, winner = best_settable(sought, deadline)
@@ -128,13 +129,13 @@ def as_central(
     )  # fmt: skip
     held = "which alone are held" if counted is None else f"and holds in {100.0 * counted.held:.0f} % of the scenarios"
     passed_over = any(note.code == BETTER_UNSETTABLE for note in winner.warnings)
-    best = "the best that can be set, by central numbers" if passed_over else "the best by central numbers"
+    best = f"the best that can be set {AT_LIKELIEST}" if passed_over else f"the best {AT_LIKELIEST}"
     text, counts = f"this is {best}, {held}: {why}", None if counted is None else counts
     return Recommended(sought, proven, with_note(winner, Note(AS_CENTRAL, "confidence", text)), counted, False, counts)
 
 
 def as_settable(sought: Sought, certain: Certain, deadline: Deadline) -> tuple[Certain, Design]:
-    """The choice at the stop of its ring that can be set by central numbers too, and its design.
+    """The choice at the stop of its ring that can be set at likeliest values too, and its design.
 
     At the best stop depth of field may be met to the last digit, so that no focus mark keeps it; the others that hold
     as often are tried in the order of their medians, then other hardware. Where none can be set, the best, with a
@@ -158,7 +159,7 @@ def as_settable(sought: Sought, certain: Certain, deadline: Deadline) -> tuple[C
 
 
 def of_known(sought: Sought, certain: Certain, design: Design, deadline: Deadline) -> tuple[Certain, Design]:
-    """Where nothing that was counted can be set: what the search by central numbers finds that can, counted as well.
+    """Where nothing that was counted can be set: what the search at likeliest values finds that can, counted as well.
 
     Taken where it holds as often as the choice does, or as often as is asked for; else the choice, with its warning.
     """

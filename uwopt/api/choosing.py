@@ -1,4 +1,4 @@
-"""What is recommended of what a search found: the best by central numbers, or what holds as often as asked."""
+"""What is recommended of what a search found: the best at likeliest values, or what holds as often as asked."""
 
 from __future__ import annotations
 
@@ -37,10 +37,10 @@ class Recommendation:
 
     mission: Mission  # with what of good practice has given way
     sought: Sought  # with what is recommended at its head
-    proven: Outcome  # of the search by central numbers
+    proven: Outcome  # of the search at likeliest values
     design: Design
     listed: Sought | None = None  # the search whose next best are listed beside it; None: none are
-    made_sure: Recommended | None = None  # None: by central numbers
+    made_sure: Recommended | None = None  # None: at likeliest values
     given_way: tuple[Yield, ...] = ()
     to_hold: bool = False  # whether any of it did so that something holds as often as is asked
     cut: bool = False  # whether a person wants no more

@@ -20,6 +20,7 @@ from uwopt.forward.scene_checks import check_physical
 from uwopt.mission.doubt import CENTRAL, ENDS
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.objectives.objective import Objective
+from uwopt.quantities import AT_LIKELIEST
 from uwopt.results.basis import ObjectiveValue, UsedPhysics, UsedWater
 from uwopt.results.design import Note
 from uwopt.results.result import Result
@@ -121,12 +122,12 @@ def installed_versions() -> dict[str, str]:
 
 
 def central_notes(mission: Mission, instead: str) -> list[Note]:
-    """That a mission's confidence is not held, where only central numbers are taken; and what holds it instead."""
+    """That a mission's confidence is not held, where only the likeliest values are taken; and what holds it instead."""
     asked = mission.confidence
     if asked == CENTRAL:
         return []
     share = "the worst end of all that is in doubt" if asked == ENDS else f"a confidence of {asked:g}"
-    text = f"all numbers are central ones; {share}, which the mission asks for, is not held here; {instead}"
+    text = f"all is told {AT_LIKELIEST}; {share}, which the mission asks for, is not held here; {instead}"
     return [Note("central_numbers", "confidence", text)]
 
 

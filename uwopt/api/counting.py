@@ -34,7 +34,7 @@ class Counts:
 
     sought: Sought  # the search that its places are of
     seen: Looked
-    of_all_parts: bool = False  # whether parts to be made were taken though what is sold fits by central numbers
+    of_all_parts: bool = False  # whether parts to be made were taken though what is sold fits at likeliest values
 
 
 def counts_of(sought: Sought, watch: Watch, before: Counts | None = None) -> Counts | None:

@@ -36,7 +36,7 @@ def left_s(watch: Watch) -> float:
 
 
 def priced(made: Result, sought: Sought, watch: Watch) -> Result:
-    """A result with what every requirement costs, in time; `sought`: the search by central numbers."""
+    """A result with what every requirement costs, in time; `sought`: the search at likeliest values."""
     from uwopt.api.pricing import every_price
 
     seconds = left_s(watch)

@@ -34,9 +34,9 @@ def range_prices(
 ) -> list[Price]:  # fmt: skip
     """What a step more of each binding requirement and of the speed costs with the best system for it.
 
-    Each value is solved by central numbers, with its certificate; `until` is where the recommended system is no longer
-    the best. What the result tells of the system as it is stays; where that is not the best by central numbers, nothing
-    is added. `sought`: the search that the result tells of, so that what it has worked out is not worked out again.
+    Each value is solved at likeliest values, with its certificate; `until` is where the recommended system is no longer
+    the best. What the result tells of the system as it is stays; where that is not the best so, nothing is added.
+    `sought`: the search that the result tells of, so that what it has worked out is not worked out again.
     `every`: also of requirements that do not bind.
     """
     if result.recommendation is None:

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from uwopt.objectives.objective import Objective
+from uwopt.quantities import AT_LIKELIEST
 from uwopt.solvers.one_hardware import parts_of
 from uwopt.solvers.recommend import Sought
 from uwopt.units import format_quantity
@@ -17,11 +18,11 @@ PRACTICE_LINE = "nothing meets all of good practice: what of it has to be relaxe
 
 
 def central_line(sought: Sought) -> str:
-    """The best by central numbers, where it is counted next how often hardware holds."""
+    """The best at likeliest values, where it is counted next how often hardware holds."""
     best, goal, mission = sought.outcome.best[0], sought.goal, sought.problem.mission
     value = goal.reported(best.minimised)
     parts = (part.id for _, part in parts_of(sought.problem, best))
-    return f"best by central numbers: {of_parts(parts, goal, value, mission.limits.currency)}"
+    return f"best {AT_LIKELIEST}: {of_parts(parts, goal, value, mission.limits.currency)}"
 
 
 def held_line(made: Recommendation) -> str:

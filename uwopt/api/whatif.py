@@ -21,6 +21,7 @@ from uwopt.mission.varying import Asked, Value, Varied, VariedMission
 from uwopt.mission.yielding import Yield, with_given_way, yields_of
 from uwopt.objectives.goal import goal_of
 from uwopt.objectives.objective import Objective
+from uwopt.quantities import AT_LIKELIEST
 from uwopt.results.basis import ObjectiveValue
 from uwopt.results.design import Note
 from uwopt.results.version import __version__
@@ -54,7 +55,7 @@ def whatif(
     mission : file name, mapping or Mission
     vary : values by key, as a sequence or as text: {"speed_m_s": "0.2:2:40", "water": ["I", "II", "1C"]}
     spider : also vary each number that the mission states alone, by 20 % either way
-    confidence : share of the scenarios in which hardware must hold at every point, or `ends`; central numbers without
+    confidence : share of the scenarios in which hardware must hold at every point, or `ends`; without, likeliest values
     seconds : for all of it; what is solved by then is kept
     hold_practice : as of `solve`; else what gives way for the mission as it stands does at every point
 
@@ -72,7 +73,7 @@ def whatif(
     systems = Systems(goal)
     certain = confidence is not None and base.base.confidence != CENTRAL
     if certain and spider:
-        raise MissionError("whatif: --spider takes central numbers; leave out --confidence")
+        raise MissionError(f"whatif: --spider is told {AT_LIKELIEST}; leave out --confidence")
     given_way = () if hold_practice else None
     work = Work(base, goal, systems, watch.deadline, watch.progress, certain, given_way=given_way)
     grid = work.grid_of(keys)

@@ -307,7 +307,7 @@ def share_to_hold(counts: Counts) -> float:
 def most_held(counts: Counts, mission: Mission, known: KnownToHold, least: float = 0.0) -> float:
     """In how many of the same scenarios any of the hardware that held most often holds in a mission like that.
 
-    As it can be recommended: at a stop at which it fits by central numbers as well.
+    As it can be recommended: at a stop at which it fits at likeliest values as well.
 
     known : what is counted so of hardware that is counted again, for the same mission
     least : whether it does in as many is all that is asked; 0: in how many

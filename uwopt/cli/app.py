@@ -122,7 +122,9 @@ def solve_command(
     physics: PhysicsOption = None,
     confidence: Annotated[
         str | None,
-        typer.Option(metavar="P", help="Share of scenarios in which hardware must hold, such as 0.9; central or ends."),
+        typer.Option(
+            metavar="P", help="Share of scenarios in which hardware must hold, such as 0.9; central (none) or ends."
+        ),
     ] = None,
     top: Annotated[int, typer.Option(metavar="K", min=1, max=1000, help="How many systems to list.")] = 5,
     audit: Annotated[

@@ -38,7 +38,7 @@ SHOWN: Mapping[str, str] = {
     "virtual_image_distance_m": "Virtual image behind the dome's vertex", "gsd_mm": "Pixel on the floor",
     "contrast": "Contrast", "mtf_half_nyquist": "MTF at half Nyquist",
     "electrons_signal": "Electrons that form the image",
-    "floor_illuminance_mean_lx": "Light on the floor, mean", "power_w": "Mean power", "cost": "Cost, central",
+    "floor_illuminance_mean_lx": "Light on the floor, mean", "power_w": "Mean power", "cost": "Cost, likeliest",
     "mass_kg": "Mass",
 }  # fmt: skip
 OF_THE_PAGE = ("fov_x_deg", "fov_y_deg")  # that it makes of the others

@@ -77,7 +77,7 @@ class Mission(WholeFile):
     confidence: Confidence = Field(
         default="central",
         description="share of the scenarios of what is uncertain in which the hardware must hold, 0.5 to 0.99; "
-        "central (every number at its central value) or ends (at the worst of its ends)",
+        "central (every estimate at its likeliest value) or ends (at the worst of its ends)",
     )
     seed: Annotated[int, Field(ge=0, le=2**32 - 1), WHOLE] = Field(
         default=0, description="seed of all random numbers, 0 or above"

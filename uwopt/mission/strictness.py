@@ -29,7 +29,7 @@ STRICTER_RESERVE = frozenset({"snr_db", "blur", "swath"})
 #: Where cameras go into housings, the cheapest that fits stands for all: another may be left when these ask for more.
 OF_HOUSINGS = frozenset({"size_mm", "depth_rating_m"})
 SECTIONS = ("vehicle", "requirements", "limits", "reserve")
-UNHEARD = ("name", "seed", "confidence", "doubt")  # keys of a mission that no search at central numbers asks
+UNHEARD = ("name", "seed", "confidence", "doubt")  # keys of a mission that no search at likeliest values asks
 #: Keys of a scene that change the light alone, not what is seen: nothing of an index of refraction, or of heights.
 OF_LIGHT = (
     "water", "c_per_m", "visibility_m", "secchi_m", "turbidity_ntu", "water_table", "seafloor", "backscatter_ratio",

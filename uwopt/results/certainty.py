@@ -64,12 +64,12 @@ class InVain(Record):
 
 @dataclass(frozen=True, config=RECORD)
 class Surest(Record):
-    """Hardware that holds more often than what is recommended, but misses something by central numbers."""
+    """Hardware that holds more often than what is recommended, but misses something at likeliest values."""
 
     hardware: list[str] = Field(description="its parts")
     held: Number = Field(description="share of the scenarios that the choice was made on in which it holds")
     misses: list[str] = Field(
-        default_factory=list, description="requirement that it misses first with every number at its central value"
+        default_factory=list, description="requirement that it misses first with every estimate at its likeliest value"
     )
 
 
@@ -127,7 +127,7 @@ class Confidence(Record):
         "where the worst of all ends is asked for"
     )
     central_objective: Number | None = Field(
-        default=None, description="best objective with every number at its central value"
+        default=None, description="best objective with every estimate at its likeliest value"
     )
     central_hardware: list[str] = Field(default_factory=list, description="the hardware that reaches it")
     central_held: Number | None = Field(default=None, description="share of the choice's scenarios in which that holds")
@@ -170,6 +170,7 @@ class Confidence(Record):
     surest: Surest | None = Field(
         default=None,
         description="of what was counted, what holds more often where nothing holds as often as asked, though it "
-        "misses a requirement by central numbers, so that there are no settings to tell; null: none does",
+        "misses a requirement with every estimate at its likeliest value, so that there are no settings to tell; null: "
+        "none does",
     )
     drawn: list[str] = Field(default_factory=list, description="what the scenarios draw, in words")

@@ -103,7 +103,7 @@ class UsedHardware(Record):
 class Cost(Record):
     """What is to pay, with the range that estimated prices leave."""
 
-    value: Number = Field(description="with all estimates at their central values")
+    value: Number = Field(description="with every estimate at its likeliest value")
     low: Number = Field(description="with all estimates at their low ends")
     high: Number = Field(description="with all estimates at their high ends")
     currency: str = Field(description="of all of these")

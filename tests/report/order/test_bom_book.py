@@ -13,6 +13,7 @@ import pytest
 openpyxl = pytest.importorskip("openpyxl")
 
 from uwopt.documents.files import FORMULA_SIGNS  # noqa: E402
+from uwopt.quantities import AT_LIKELIEST  # noqa: E402
 from uwopt.report import write  # noqa: E402
 from uwopt.report.order.bom_book import bom_book  # noqa: E402
 from uwopt.report.order.other_parts import other_systems  # noqa: E402
@@ -95,7 +96,7 @@ def test_every_line_says_why_and_what_else_would_do(make_result: Make) -> None:
 
 
 def test_other_systems_are_held_against_the_best_by_the_same_numbers(make_result: Make) -> None:
-    # 44 W by central numbers, whose best is 40 W: a tenth worse, though what is recommended has 50 W where it is set
+    # 44 W at likeliest values, whose best is 40 W: a tenth worse, though what is recommended has 50 W where it is set
     known = {
         "asked": 0.9, "enough": True, "held": 0.95, "held_low": 0.94, "held_high": 0.96, "scenarios": 1024,
         "held_in_choice": 0.97, "scenarios_in_choice": 256, "p50_in_choice": 61.0, "objective_p50": 62.0,
@@ -105,8 +106,8 @@ def test_other_systems_are_held_against_the_best_by_the_same_numbers(make_result
     made = make_result(confidence=known)
     chosen = replace(made, recommendation=replace(made.best, objective_value=50.0))
     assert [round(one.worse_frac, 6) for one in other_systems(chosen) if one.place == "runner-up 2"] == [0.1]
-    assert "by central numbers" in str(opened(chosen)["Second sources"]["A3"].value).lower()
-    assert "by central numbers" not in str(opened(make_result())["Second sources"]["A3"].value).lower()
+    told, plain = (str(opened(one)["Second sources"]["A3"].value).lower() for one in (chosen, make_result()))
+    assert AT_LIKELIEST in told and AT_LIKELIEST not in plain
 
 
 def test_a_camera_is_fed_over_its_cable_where_its_interface_feeds(make_result: Make) -> None:
@@ -135,7 +136,7 @@ def test_a_computer_in_the_camera_s_housing_has_its_place(make_result: Make) -> 
 
 
 def test_an_order_that_is_not_certain_enough_says_so_above_its_lines(make_result: Make) -> None:
-    # where it was counted how often it holds, that every requirement is met by central numbers is no verdict
+    # where it was counted how often it holds, that every requirement is met at likeliest values is no verdict
     counted = {
         "asked": 0.9, "enough": False, "held": 0.49, "held_low": 0.46, "held_high": 0.52, "scenarios": 1024,
         "held_in_choice": 0.5, "scenarios_in_choice": 256, "p50_in_choice": 61.0, "objective_p50": 62.0,

@@ -29,8 +29,8 @@ class Limits(Section):
     )
     cost_basis: Annotated[Literal["central", "high"], CHOICE] = Field(
         default="high",
-        description="end of estimated prices that must be within the cost limit: high, or central; the objective cost "
-        "is at central prices either way",
+        description="end of estimated prices that must be within the cost limit: high, or central (the likeliest); the "
+        "objective cost is at the likeliest prices either way",
     )
     power_w: Positive | None = Field(default=None, description="highest mean electrical power in watts")
     peak_power_w: Positive | None = Field(

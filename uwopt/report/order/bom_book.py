@@ -10,7 +10,7 @@ from uwopt.report.order.other_parts import OtherSystem, instead_of, other_system
 from uwopt.report.text import formats, words
 from uwopt.report.text.not_counted import NotCounted, not_counted
 from uwopt.report.text.short import how_far
-from uwopt.report.text.tables import CENTRAL_LEGEND
+from uwopt.report.text.tables import LIKELIEST_LEGEND
 from uwopt.results.design import BillRow, Design
 from uwopt.results.result import Result
 
@@ -164,8 +164,8 @@ def second_page(book: Any, result: Result, others: list[OtherSystem]) -> None:
     page.text(1, "close enough: at most this much worse")
     page.check(page.entry(2, 0.1, PERCENT), "decimal", 0, 10, "a share of 0 or above")
     page.row += 1
-    if words.by_central_numbers(result):
-        page.text(1, CENTRAL_LEGEND)
+    if words.by_likeliest_values(result):
+        page.text(1, LIKELIEST_LEGEND)
         page.row += 1
     page.row += 1
     kinds = [*(result.best.hardware.parts if result.best is not None else ())]

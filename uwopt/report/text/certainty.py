@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from uwopt.mission.best_image import NAME as BEST_IMAGE
+from uwopt.quantities import AT_LIKELIEST
 from uwopt.report.text import formats, words
 from uwopt.report.text.doubts import drawn_text, number_name
 from uwopt.report.text.helps import move_text
@@ -99,11 +100,11 @@ def facts(result: Result, known: Confidence) -> Iterator[tuple[str, str]]:
         parts = words.listed([formats.one_line(part, 60) for part in known.surest.hardware])
         missed = words.listed([lost_text(name) for name in known.surest.misses])
         yield "surest", (
-            f"{parts}, which holds in {percent(known.surest.held)}, but misses what is asked by central numbers"
+            f"{parts}, which holds in {percent(known.surest.held)}, but misses what is asked {AT_LIKELIEST}"
             f"{f' ({missed})' if missed else ''}, so that there are no settings to tell"
         )
     if known.central_objective is not None and known.central_held is not None:
-        yield "at central estimates", central_text(result, known)
+        yield "at likeliest values", central_text(result, known)
     if known.proof is not None:
         yield "proven", proof_text(result, known.proof)
     short = [] if known.complete else ["not all hardware with room was looked for"]
@@ -129,7 +130,7 @@ def median_text(result: Result, known: Confidence) -> str:
     best, median = result.best, known.objective_p50
     central_w = None if best is None else best.power_as_set_w
     if result.objective.name == "power" and central_w and median is not None and median > MORE_LIGHT * central_w:
-        text += f": most of them need more light than central estimates, which take {formats.quantity(central_w, 'W')}"
+        text += f": most of them need more light than the {formats.quantity(central_w, 'W')} {AT_LIKELIEST}"
     return text
 
 
@@ -142,7 +143,7 @@ def told_value(result: Result, value: float | None) -> str:
 
 
 def central_text(result: Result, known: Confidence) -> str:
-    """What is best by central numbers, and what it does where the choice was made, beside what is recommended."""
+    """What is best at likeliest values, and what it does where the choice was made, beside what is recommended."""
     value, parts = told_value(result, known.central_objective), with_parts(result, known.central_hardware)
     if parts == SAME_PARTS:
         return "best with the same parts" if result.objective.name == "cost" else f"best is {value} with {parts}"

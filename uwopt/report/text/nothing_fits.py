@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 
 MOST_RULES = 3  # told on the first page where no change alone helps
 AT_CENTRAL_PRICES = (
-    "At the central price it would fit: the limit of cost is broken only where estimated prices turn out high "
-    "(limits.cost_basis: high, the default). Ask for quotes, or hold their middle against it (cost_basis: central)."
+    "At the likeliest prices it would fit: the limit of cost is broken only where estimated prices turn out high "
+    "(limits.cost_basis: high, the default). Ask for quotes, or hold the likeliest against it (cost_basis: central)."
 )
 HELPFUL = "Each of these changes alone would let a system through:"
 SMALLER = "Or these together, each a smaller share of what is asked than any of those:"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from uwopt.quantities import AT_LIKELIEST
 from uwopt.report.text import formats, words
 from uwopt.report.text.layout import Block, Line, block, sentence
 from uwopt.results.basis import Price
@@ -28,7 +29,7 @@ def short_price_sentence(result: Result) -> str:
     if not told:
         return ""
     said = "; ".join(short_price(result, price) for price in told[:MOST_TOLD])
-    by = "By central numbers, " if result.confidence is not None else ""
+    by = f"{AT_LIKELIEST.capitalize()}: " if result.confidence is not None else ""
     return f"{by}{said}."
 
 

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 
 from uwopt.mission.weakened import LEAST_SNR_DB
 from uwopt.mission.yielding import SEEN_SNR_DB
-from uwopt.quantities import BY_NAME, TERMS
+from uwopt.quantities import AT_LIKELIEST, BY_NAME, TERMS
 from uwopt.report.text import formats, words
 from uwopt.report.text.certainty import ask_first, certainty_block, status_text, surer_block
 from uwopt.report.text.doubts import quoted_number
@@ -201,7 +201,7 @@ def verdict_lines(result: Result) -> list[Line]:
     """What the answer is best in, what images it takes, and what fails first."""
     if result.best is None:
         return []
-    said = [*practice_sentences(result), goal_sentence(result, result.best), image_sentence(result.best.as_set)]
+    said = [*practice_sentences(result), goal_sentence(result, result.best), image_sentence(result, result.best.as_set)]
     if first := fails_first(result.best.as_set):
         said.append(words.as_sentence(first))
     said += [*subject_sentences(result, result.best)]
@@ -248,18 +248,26 @@ def goal_sentence(result: Result, design: Design) -> str:
     if known is None or known.objective_p50 is None:
         return f"Goal: {most} {name}, {told}."
     median = words.objective_text(result, known.objective_p50)
-    return f"Goal: {most} {name}, {told} and at central estimates; median of the scenarios {median}."
+    return f"Goal: {most} {name}, {told} and {AT_LIKELIEST}; median of the scenarios {median}."
 
 
-def image_sentence(design: Design) -> str:
-    """What the images are, from the least to the most where there are several scenes."""
+def image_sentence(result: Result, design: Design) -> str:
+    """What the images are at the nominal distance, from the least to the most where there are several scenes."""
     shown = []
     for name in FIGURES:
         values = (scene.figures.get(name, scene.settings.get(name)) for scene in design.scenes)
         if text := formats.span((float(v) for v in values if isinstance(v, (int, float))), BY_NAME[name].unit):
             told = f"{'mean ' if name == 'snr_db' else ''}{BY_NAME[name].words}"  # others are of the whole image
             shown.append(f"{told} {text}")
-    return f"Images: {', '.join(shown)}." if shown else ""
+    return f"Images{nominal_place(result)}: {', '.join(shown)}." if shown else ""
+
+
+def nominal_place(result: Result) -> str:
+    """` at the nominal altitude, 2 m`; empty where the mission names none."""
+    nominal_m = (result.mission.get("vehicle") or {}).get("altitude_m")
+    if not isinstance(nominal_m, (int, float)):
+        return ""
+    return f" at the nominal altitude, {nominal_m:g} m"
 
 
 # ---------------------------------------------------------------- buy and set
@@ -343,14 +351,14 @@ def cost_block(result: Result, design: Design) -> Block:
 
 
 def middle_price(result: Result, cost: Cost) -> str:
-    """The middle of a price that is a range: where scenarios drew it their median, else the sum of central estimates.
+    """The middle of a price that is a range: where scenarios drew it their median, else the sum of what is likeliest.
 
     Prices lean to the high side, so that the median of a sum is more than the sum of what is likeliest of each.
     """
     known = result.confidence
     if known is not None and known.price_p50 is not None and cost.low <= known.price_p50 <= cost.high:
         return f"median about {format_within(known.price_p50, cost.low, cost.high)}"
-    return f"central estimate about {format_within(cost.value, cost.low, cost.high)}"
+    return f"sum of the likeliest prices about {format_within(cost.value, cost.low, cost.high)}"
 
 
 def dear_battery(design: Design) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from uwopt.quantities import AT_LIKELIEST
 from uwopt.report.text import formats, words
 from uwopt.report.text.layout import Block, Text, block, columns, note_blocks, sentence
 from uwopt.results.sweep import SweepKit, SweepSummary
@@ -112,7 +113,7 @@ def portfolio_block(made: SweepSummary) -> Block:
     told = [
         f"Of the {words.counted(made.tried, 'kit')} tried in every mission: the most missions that so many kits serve, "
         "and of such choices the cheapest; both exact. A kit serves a mission where some settings of it meet every "
-        "requirement, by central numbers."
+        f"requirement, {AT_LIKELIEST}."
     ]
     if made.one_each_price is not None:
         told.append(

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from uwopt.quantities import AT_LIKELIEST
 from uwopt.report.text import formats, vocabulary, words
 from uwopt.report.text.doubts import (
     assumption_blocks,
@@ -356,8 +357,8 @@ def runner_up_blocks(result: Result) -> Iterator[Block]:
         return
     if result.runners_up:
         lines: list[Line] = [runner_up_table(result, best, result.runners_up)]
-        if words.by_central_numbers(result):
-            lines.append(sentence(CENTRAL_LEGEND, "dim"))
+        if words.by_likeliest_values(result):
+            lines.append(sentence(LIKELIEST_LEGEND, "dim"))
         yield block("Runners-up, by what differs from the recommendation", lines)
     if result.generic_alternative is not None:
         table = runner_up_table(result, best, [result.generic_alternative])
@@ -368,9 +369,9 @@ def runner_up_blocks(result: Result) -> Iterator[Block]:
         yield block("With parts to be made", [table, note])
 
 
-CENTRAL_LEGEND = (
-    "By central numbers, as differences from the best by these; what is recommended was chosen by what holds in the "
-    "scenarios, with its iris where they want it."
+LIKELIEST_LEGEND = (
+    f"{AT_LIKELIEST.capitalize()}, as differences from the best so; what is recommended was chosen by what holds in "
+    "the scenarios, with its iris where they want it."
 )
 
 

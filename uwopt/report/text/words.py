@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
+from uwopt.quantities import AT_LIKELIEST
 from uwopt.report.text.formats import cost_text, count_text, money, one_line, quantity
 from uwopt.report.text.vocabulary import (
     AS_WRITTEN,
@@ -106,9 +107,9 @@ def differing_parts(design: Design, best: Design) -> str:
 
 
 def central_best(result: Result) -> float | None:
-    """The best objective by central numbers, which those of all other systems are by.
+    """The best objective at likeliest values, which those of all other systems are by.
 
-    What was chosen over scenarios has its iris where those want it, and may be worse by central numbers than another.
+    What was chosen over scenarios has its iris where those want it, and may be worse at these than another.
     """
     known = result.confidence
     if known is not None and known.central_objective is not None:
@@ -116,7 +117,7 @@ def central_best(result: Result) -> float | None:
     return None if result.best is None else result.best.objective_value
 
 
-def by_central_numbers(result: Result) -> bool:
+def by_likeliest_values(result: Result) -> bool:
     """Whether other systems are held against another number than that of what is recommended."""
     return result.best is not None and central_best(result) != result.best.objective_value
 
@@ -126,7 +127,7 @@ def was_passed_over(result: Result, value: float | None) -> bool:
     settings to type in, or loses much by them, so nobody should buy it instead.
     """
     ours = None if result.best is None else result.best.objective_value
-    if ours is None or value is None or by_central_numbers(result):
+    if ours is None or value is None or by_likeliest_values(result):
         return False
     better = ours - value if result.objective.direction == "minimise" else value - ours
     return better > SATISFIED_REL * abs(ours) and any(note.code == "better_unsettable" for note in result.warnings)
@@ -162,14 +163,14 @@ def sibling_sentence(result: Result, most: int = 3) -> str:
         return f"{one_line(item['name'], 60)} ({', '.join(filter(None, [item.get('interface'), value]))})"
 
     more = f" and in {len(found) - most} more" if len(found) > most else ""
-    counted_by = "" if result.confidence is None else " by central numbers"
+    counted_by = "" if result.confidence is None else f" {AT_LIKELIEST}"
     meets = "meets" if len(found) == 1 else "each meets"
     names = listed([told(item) for item in found[:most]])
     return f"The camera's sensor is also in {names}{more}: {meets} the mission in its place{counted_by}"
 
 
 def dearer_by(design: Design, best: Design) -> str:
-    """How much more or less a design costs by central estimates than the best: `, 400 USD less`; empty: the same.
+    """How much more or less a design costs at likeliest prices than the best: `, 400 USD less`; empty: the same.
 
     With two digits: of prices that are ranges no more is known.
     """

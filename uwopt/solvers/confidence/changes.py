@@ -1,7 +1,7 @@
 """What would make hardware certain enough where no key moved alone does: other hardware, or several keys together.
 
 It is looked for in the scenarios that the choice was made on; what is told was counted in fresh ones, with settings by
-central numbers as well.
+likeliest values as well.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class MovedKeys:
     deadline: Deadline
 
     def held(self, found: Found, moves: Sequence[Move], *, as_set: bool = False) -> float:
-        """Share of the scenarios in which hardware holds; `as_set`: with settings by central numbers as well.
+        """Share of the scenarios in which hardware holds; `as_set`: with settings by likeliest values as well.
 
         0 in a mission that contradicts itself. Raises OutOfTimeError.
         """

@@ -256,7 +256,7 @@ def set_and_held_with(
     problem: Problem, objective: Objective, found: Found, scenarios: Scenarios, mission: Mission,
     light: dict[Any, Any] | None = None, deadline: Deadline = NEVER, least: float = 0.0,
 ) -> float:  # fmt: skip
-    """The same at a stop at which it fits by central numbers too, as what is recommended has to; 0 where none does.
+    """The same at a stop at which it fits by likeliest values too, as what is recommended has to; 0 where none does.
 
     least : a smaller share is told as 0
     """

@@ -163,7 +163,7 @@ class SomeScenarios(Scenarios):
     """Some of the scenarios, to look at much hardware.
 
     What is dear is rough: light changes with the water as in an image that is known, optics of ports and beams stand at
-    their central numbers.
+    their likeliest values.
 
     `whole` : all of them
     `places` : which these are

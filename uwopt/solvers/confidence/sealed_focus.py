@@ -43,7 +43,7 @@ def meant_foci_m(base: Problem, found: Sequence[Found], scenarios: Scenarios) ->
 
 
 def in_most(base: Problem, scenarios: Scenarios) -> Problem:
-    """The parts at their central numbers, over the band that most scenarios keep, lenses at the ends of most foci."""
+    """The parts at their likeliest values, over the band that most scenarios keep, lenses at the ends of most foci."""
     share = MOST if scenarios.is_drawn else 1.0
     beyond = np.quantile([state.beyond for state in scenarios.states], share)
     foci = np.unique(np.quantile(scenarios.focus, [0.5 * (1.0 - share), 0.5 * (1.0 + share)]))

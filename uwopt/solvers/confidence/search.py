@@ -324,7 +324,7 @@ def anew(problem: Problem, objective: Objective, certain: Certain) -> Counted:
 
 
 def at_its_stop(problem: Problem, objective: Objective, one: Counted, deadline: Deadline = NEVER) -> Found | None:
-    """The same hardware by central numbers, iris and focus where scenarios want them; None where nothing fits."""
+    """The same hardware by likeliest values, iris and focus where scenarios want them; None where nothing fits."""
     alone = problem_of(problem, one.found).focused_on(one.outcomes.meant_m)
     if one.f_number is not None:
         alone = alone.at_f_number(one.f_number)

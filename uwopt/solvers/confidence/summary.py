@@ -68,7 +68,7 @@ def told(problem: Problem, objective: Objective, certain: Certain, central: Foun
 
 
 def surest(problem: Problem, objective: Objective, certain: Certain) -> Surest | None:
-    """What holds more often than a choice that is not certain enough, though nothing fits by central numbers."""
+    """What holds more often than a choice that is not certain enough, though nothing fits by likeliest values."""
     first = min(certain.tried, key=lambda one: rank(one, certain.asked))
     if certain.enough or first.held <= certain.best.held:
         return None
@@ -137,7 +137,7 @@ def reported(objective: Objective, minimised: float) -> float | None:
 def curve(problem: Problem, objective: Objective, certain: Certain) -> Iterator[CertaintyPoint]:
     """The least median among the hardware counted, by confidence, as far as any holds so often.
 
-    What the choice has passed over is left out: no settings by central numbers can be told of it.
+    What the choice has passed over is left out: no settings by likeliest values can be told of it.
     """
     passed = {id(one.found) for one in takewhile(lambda one: one.found is not certain.best.found, certain.ranked)}
     tried = [one for one in certain.tried if id(one.found) not in passed]

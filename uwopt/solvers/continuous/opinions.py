@@ -79,7 +79,7 @@ def alone(
 ) -> Sought | None:
     """A search of one hardware whose iris and focus stand where scenarios want them; None where nothing fits so.
 
-    What is recommended for those has its place in no table of the search by central numbers: it was found beside them,
+    What is recommended for those has its place in no table of the search by likeliest values: it was found beside them,
     with an iris that does not give way.
 
     f_number : None: it is free

@@ -95,7 +95,7 @@ def scope(problem: Problem) -> str:
         + f"{len(parts.lights)} lights"
         + (f" ({generic} of these parts generic)" if generic else " (real parts only)")
         + f", {low if low == high else f'{low} to {high}'} of them at once, in {mounts} place{'s' * (mounts != 1)}, "
-        f"{' and '.join(problem.mission.vehicle.orientations)}; estimates at their central values; "
+        f"{' and '.join(problem.mission.vehicle.orientations)}; every estimate at its likeliest value; "
         "focus where both ends of the wanted depth are equally sharp; "
         f"physics {'paper' if problem.paper else 'full'}"
         + (

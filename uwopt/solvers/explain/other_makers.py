@@ -4,7 +4,7 @@ Each maker gets its own exact search over the same tables, its parts alone in th
 it finds is worse than the recommendation, or dominated by a point of the front; or nothing it sells fits.
 
 Why not the same sensor in another case or with another interface: a sensor is told by its chip, colour, shutter, pixel
-pitch and size. What each is put into is solved again by central numbers, with all else as it is: one that meets the
+pitch and size. What each is put into is solved again at likeliest values, with all else as it is: one that meets the
 mission may be bought instead, whatever it draws.
 """
 
@@ -25,7 +25,7 @@ from uwopt.deadline import NEVER, Deadline, OutOfTimeError, effort_s
 from uwopt.forward.problem import Problem
 from uwopt.objectives.axes import Axes
 from uwopt.objectives.objective import Objective
-from uwopt.quantities import TERMS
+from uwopt.quantities import AT_LIKELIEST, TERMS
 from uwopt.results.basis import OtherMaker
 from uwopt.results.design import Design
 from uwopt.results.front import FrontObjective, FrontPoint, FrontResult
@@ -47,7 +47,7 @@ def beside_best(
 ) -> list[OtherMaker]:
     """Other makers' best systems beside a recommendation.
 
-    central : the best objective by central numbers, where what is recommended was chosen over scenarios instead
+    central : the best objective at likeliest values, where what is recommended was chosen over scenarios instead
     """
 
     def judged(item: OtherMaker, design: Design) -> OtherMaker:
@@ -59,11 +59,11 @@ def beside_best(
             text = ""
         elif abs(value - least) <= TIE * abs(least):
             text = "as good; ties are broken by power, cost, mass and number of lamps"
-            text = "as good by central numbers, not over the scenarios" if apart else text
+            text = f"as good {AT_LIKELIEST}, not over the scenarios" if apart else text
         else:
             share = 100.0 * (value / least - 1.0) if least else 0.0
             text = f"its best system has {abs(share):.3g} % {'more' if share > 0 else 'less'} {spoken(goal.name)}"
-            text += " than the best by central numbers" if apart else ""
+            text += f" than the best {AT_LIKELIEST}" if apart else ""
         return replace(item, values=values, outcome="worse", text=text)
 
     shown = {kind: {best.hardware.parts[kind].id} for kind in OF_MAKERS}
