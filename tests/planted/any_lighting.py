@@ -69,8 +69,8 @@ DEFECTS = (
     Defect(
         name="a key is told though the hardware at hand does not fit",
         file="uwopt/solvers/infeasible/moves.py",
-        old="known, one.key, value)\n                if found is not None and found.outcome.best:\n",
-        new="known, one.key, value)\n                if found is not None:\n",
+        old="        if found is None or not found.outcome.best:\n            return False\n        self.helpful",
+        new="        if found is None:\n            return False\n        self.helpful",
         test=f"{AT_HAND}::test_a_key_that_the_nearest_hardware_needs_moved_is_told_without_a_search",
     ),
     Defect(

@@ -516,8 +516,8 @@ DEFECTS = (
     Defect(
         name="a move is as far as it was tried",
         file=MOVES,
-        old="rounded(drawn.change.limit), unit_of(name)",
-        new="rounded(float(self.far.value)), unit_of(name)",
+        old="rounded(drawn.change.limit), unit,",
+        new="rounded(float(self.value)), unit,",
         test=f"{TESTS}::test_speed_and_height_move_as_far_as_they_must",
     ),
     Defect(
@@ -530,8 +530,8 @@ DEFECTS = (
     Defect(
         name="a speed is told that lets nothing through",
         file=MOVES,
-        old="            if found is not None and found.outcome.best:\n                self.far.append",
-        new="            if found is not None:\n                self.far.append",
+        old="if found is None or not found.outcome.best:\n            return False\n",
+        new="if found is None or not found.outcome.complete:\n            return False\n",
         test=f"{TESTS}::test_what_does_not_help_is_not_told",
     ),
     Defect(

@@ -15,7 +15,7 @@ from uwopt.deadline import Deadline
 from uwopt.solvers.exact.certificate import certificate
 from uwopt.solvers.infeasible import least_change, relaxed_imagers, why_nothing
 from uwopt.solvers.infeasible.least_change import Change, Narrowing, with_its_hardware
-from uwopt.solvers.infeasible.least_limit import FIGURE_S, LeastLimit, Relaxation, Without
+from uwopt.solvers.infeasible.least_limit import FIGURE_S, LeastLimit, Relaxation
 from uwopt.solvers.infeasible.reached import judged_by, reached_value
 from uwopt.solvers.infeasible.relaxer import Relaxer
 from uwopt.solvers.infeasible.singles import Singles
@@ -43,7 +43,7 @@ def without_gsd(parts: Path, catalog: Catalog) -> LeastLimit:
     relaxed = mission(parts, lenses=("zz-wide",))
     trials = Trials(wanted, catalog, POWER, "never")
     coarse = seek(relaxed, catalog, POWER, generic="never", top=1)
-    return LeastLimit(trials, Without("max_gsd_mm", 0.5, mission(parts, lenses=("zz-lens", "zz-wide")), coarse))
+    return LeastLimit(trials, "max_gsd_mm", 0.5, mission(parts, lenses=("zz-lens", "zz-wide")), coarse)
 
 
 def test_the_best_of_a_few_imagers_takes_the_place_of_a_design_that_needs_more(parts, catalog, monkeypatch):
@@ -83,7 +83,7 @@ def test_what_is_found_late_is_drawn_in_before_others_are_asked_again(parts, cat
     proof = certificate(found.selection, found.problem, found.outcome, POWER)
 
     def ask_open(singles: Any, mover: Any) -> None:
-        at_first.extend(move.drawn.gap for move in mover.changes())
+        at_first.extend(move.drawn.gap for move in mover.helpful)
 
     monkeypatch.setattr(why_nothing, "ask_open", ask_open)
     over = Deadline(0.0, lambda: 1.0)
@@ -169,7 +169,7 @@ def test_a_signal_in_as_much_noise_is_drawn_in_by_the_best_of_a_few(parts, catal
 
     monkeypatch.setattr(Relaxer, "among_few", all_of_them)
     monkeypatch.setattr(least_change, "same_hardware", lambda found, limit: fitting(False))
-    one = LeastLimit(Trials(wanted, catalog, POWER, "never"), Without("min_snr", 90.0, relaxed, found))
+    one = LeastLimit(Trials(wanted, catalog, POWER, "never"), "min_snr", 90.0, relaxed, found)
     one.step(Deadline(0.5 * FIGURE_S, lambda: 0.0))
     assert one.told().needed > 30.0 and asked == [False]
 
@@ -179,7 +179,7 @@ def test_what_lets_only_noise_through_is_not_what_comes_nearest():
     noise = Relaxation("min_snr", 20.0, 0.97, 0.95, cast(Any, None))
     blur = Relaxation("max_blur_px", 1.0, 3.0, 2.0, cast(Any, None))
     changes = [SimpleNamespace(told=lambda one=one: one) for one in (noise, blur)]
-    singles = SimpleNamespace(trials=SimpleNamespace(interrupted=True), left=[], changes=lambda: changes)
-    mover = SimpleNamespace(left=[], changes=lambda: [])
-    told, _ = why_nothing.least_changes(cast(Any, None), cast(Any, singles), cast(Any, mover))
+    singles = SimpleNamespace(trials=SimpleNamespace(interrupted=True), left=[], helpful=changes)
+    mover = SimpleNamespace(left=[], helpful=[])
+    told, _ = why_nothing.least_changes(cast(Any, singles), cast(Any, mover))
     assert [one.name for one in told] == ["max_blur_px", "min_snr"]

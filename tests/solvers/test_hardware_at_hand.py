@@ -50,7 +50,7 @@ def no_search(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_key_that_the_nearest_hardware_needs_moved_is_told_without_a_search(no_search):
     mover = Mover(trials())
     mover.try_hardware(found_without("min_snr"), NEVER)
-    assert [(far.tried.key.name, far.value) for far in mover.far] == [("water", "I")]
+    assert [(far.tried.key.name, far.value) for far in mover.helpful] == [("water", "I")]
     assert {one.key.name for one in mover.left} == {"altitude_m", "speed_m_s"}
     assert not mover.useless, "that one hardware does not fit proves nothing"
 
@@ -92,8 +92,8 @@ def test_what_helps_is_drawn_in_by_its_hardware_before_all_else_is_asked() -> No
 
     far, near = (SimpleNamespace(gap=gap, step=step) for gap in (1.0, 0.4))
     trials = SimpleNamespace(deadline=Deadline(9.0, lambda: 0.0), over=False, until_interrupted=nullcontext)
-    singles = SimpleNamespace(trials=trials, changes=lambda: [far, near])
-    mover = SimpleNamespace(changes=lambda: [SimpleNamespace(drawn=far)])
+    singles = SimpleNamespace(trials=trials, helpful=[far, near])
+    mover = SimpleNamespace(helpful=[SimpleNamespace(drawn=far), SimpleNamespace(drawn=None)])
     draw_by_hardware(singles, mover)
     assert given_s == [1.0, 1.0]
     trials.over = True

@@ -409,7 +409,7 @@ def test_a_budget_is_given_up_among_a_few_imagers_before_central_prices_are_aske
     one = Singles(Trials(wanted, catalog, POWER, "never"))
     one._ask_suspect("cost", 0.5)
     assert asked == [{"cost"}] and not one.dear  # central prices are asked about only where none at all would do
-    assert one._may_keep_central("cost") and not one._is_known_at_central_prices("cost", 2300.0)
+    assert one._may_keep_central("cost") and not one._is_known_at_central_prices("cost")
     assert one.dear == {"cost"} and not one._may_keep_central("cost")  # asked once
 
 
@@ -541,7 +541,7 @@ def test_changes_found_together_among_a_few_imagers_are_enough_and_one_alone_hel
     fit = together_soon(trials, singles, mover)
     assert set(shares) == {0.75, 0.85}
     assert [helps.name for helps in singles.helpful] == ([] if len(given) > 1 else ["min_swath_m"])
-    assert (fit is None) == (len(given) == 1) and not mover.far
+    assert (fit is None) == (len(given) == 1) and not mover.helpful
     if fit is not None:
         possible = {one.name: one.needed for one in fit.changes}
         assert set(possible) == given and fits(trials.with_limits(wanted, possible), catalog)
@@ -571,7 +571,7 @@ def test_a_speed_that_is_found_to_do_is_drawn_back(parts, catalog):
     found = seek(slow, catalog, POWER, generic="never", top=1)
     mover = Mover(Trials(wanted, catalog, POWER, "never"))
     mover.take_for_far("speed_m_s", 0.01, found)
-    (move,) = mover.changes()
+    (move,) = mover.helpful
     in_rounds([move.drawn], NEVER)
     assert 0.01 < move.told().needed < 0.5
 

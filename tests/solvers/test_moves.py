@@ -46,9 +46,8 @@ def moves(wanted: Mission) -> dict[str, Moved]:
     mover = Mover(Trials(wanted, catalog, POWER, "never", like=sought))
     mover.try_few()
     mover.try_all()
-    changes = mover.changes()
-    in_rounds([move.drawn for move in changes], NEVER)
-    return {move.name: move for move in (change.told() for change in changes)}
+    in_rounds([move.drawn for move in mover.helpful if move.drawn is not None], NEVER)
+    return {move.name: move for move in (change.told() for change in mover.helpful)}
 
 
 def test_speed_and_height_move_as_far_as_they_must(parts):

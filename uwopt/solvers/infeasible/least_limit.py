@@ -7,7 +7,7 @@ other requirements, the limit is drawn in as any change is (`least_change`).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property, partial
 
 from uwopt.deadline import Deadline
@@ -53,36 +53,20 @@ class Relaxation:
         return 1.0 / MOST_TIMES <= self.needed / self.limit <= MOST_TIMES
 
 
-@dataclass(frozen=True)
-class Without:
-    """The mission without one requirement, and a design that meets the rest."""
-
-    name: str
-    limit: float  # as asked
-    mission: Mission
-    found: Sought
-    at_central_prices: bool = False  # the limit of cost is kept, but for estimated prices at their high ends
-
-
 @dataclass
 class LeastLimit:
     """A requirement that helps, and the limit nearest to what is asked with which something is known to fit."""
 
     trials: Trials
-    one: Without
+    name: str
+    limit: float  # as asked
+    mission: Mission  # without it
+    found: Sought  # meets the rest; later the nearest that is known
+    at_central_prices: bool = False  # the limit of cost is kept, but for estimated prices at their high ends
     narrowing: Narrowing | None = None  # once the figure of the design at hand is known
     is_least: bool = False
     figure_s: float = FIGURE_S  # in less the best figure is not asked for
     by_few: bool = False  # whether a few imagers were asked for theirs
-    found: Sought = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.found = self.one.found
-
-    @property
-    def name(self) -> str:
-        """Of the requirement."""
-        return self.one.name
 
     @property
     def is_done(self) -> bool:
@@ -102,7 +86,7 @@ class LeastLimit:
     @cached_property
     def _at_first(self) -> float:
         """How far the design that is found first misses what is asked."""
-        far = miss(self.one.limit, self._reached(self.found))
+        far = miss(self.limit, self._reached(self.found))
         return 0.0 if far > MOST_TIMES else far  # an image of no use, or a figure that is not known
 
     def step(self, turn: Deadline) -> None:
@@ -117,7 +101,7 @@ class LeastLimit:
         elif RELAXABLE[self.name][1] == "depth_rating_m":
             trials = self.trials
             self.found = deepest(
-                self.found, self.one.mission, trials.catalog, ANY, generic=trials.generic, deadline=turn
+                self.found, self.mission, trials.catalog, ANY, generic=trials.generic, deadline=turn
             )
             self.is_least = not turn.passed()
         elif not (turn.left_s >= self.figure_s and self._by_figure(turn)):
@@ -143,21 +127,21 @@ class LeastLimit:
     def _narrow(self, turn: Deadline) -> None:
         """Begin at what the design at hand reaches; where that has no figure, nothing less is known."""
         if self.name == SHARP:
-            few = self.trials.relaxer.among_few(self.one.mission, ANY, {SHARP}, turn)
+            few = self.trials.relaxer.among_few(self.mission, ANY, {SHARP}, turn)
             self.found = few if few is not None and few.outcome.best else self.found
         needed = self._reached(self.found)
         if needed is None:
             self.is_least = True
             return
         section, key, _ = RELAXABLE[self.name]
-        relaxed = partial(with_limit, self.trials.mission, section, key, self.one.limit)
-        beyond = self.trials.relaxer.beyond(self.name, self.one.limit)
+        relaxed = partial(with_limit, self.trials.mission, section, key, self.limit)
+        beyond = self.trials.relaxer.beyond(self.name, self.limit)
         self.narrowing = Narrowing(
-            self.one.limit, Change(needed, self.found), relaxed, self._search, beyond=beyond
+            self.limit, Change(needed, self.found), relaxed, self._search, beyond=beyond
         )
         self.narrowing.step(turn)
         best = RELAXABLE[self.name][2]
-        if best is not None and not self.by_few and is_far(self.name, self.one.limit, self.narrowing.change.limit):
+        if best is not None and not self.by_few and is_far(self.name, self.limit, self.narrowing.change.limit):
             self._draw_by_few(self.narrowing, Objective.of(best), turn, enough=False)
 
     def _draw_by_few(
@@ -170,7 +154,7 @@ class LeastLimit:
         """
         self.by_few = True
         soon = self.trials.deadline.at_most(max(turn.left_s, FEW_S))
-        few = self.trials.relaxer.among_few(self.one.mission, goal, {self.name}, soon, enough=enough)
+        few = self.trials.relaxer.among_few(self.mission, goal, {self.name}, soon, enough=enough)
         if few is not None and few.outcome.best:
             self._offer(narrowing, few, soon)
 
@@ -189,13 +173,13 @@ class LeastLimit:
 
     def told(self) -> Relaxation:
         """As far as it is drawn in."""
-        change, one = self.narrowing.change if self.narrowing else None, self.one
+        change = self.narrowing.change if self.narrowing else None
         is_least = self.is_least or (self.narrowing is not None and self.narrowing.is_least)
         if not is_least:
             self.trials.deadline.left_out.append(less_of(self.name))
         needed, found = (self._reached(self.found), self.found) if change is None else (change.limit, change.found)
         return Relaxation(
-            one.name, one.limit, needed, miss(one.limit, needed), found, one.at_central_prices,
+            self.name, self.limit, needed, miss(self.limit, needed), found, self.at_central_prices,
             is_least and needed is not None,
         )  # fmt: skip
 
@@ -204,7 +188,7 @@ class LeastLimit:
         if RELAXABLE[self.name][1] != "depth_rating_m":
             return self.trials.typed(self.name, self.trials.judged(found))
         rated = rated_depth(found)
-        return None if rated is None else rounded_away(rated / self.trials.mission.depth_factor, self.one.limit)
+        return None if rated is None else rounded_away(rated / self.trials.mission.depth_factor, self.limit)
 
     def _is_what_counts(self) -> bool:
         """Whether the best figure is the best of what is asked: the SNR to get best is that of the mean."""
@@ -213,17 +197,17 @@ class LeastLimit:
 
     def _best_without(self, goal: Objective, turn: Deadline) -> Sought:
         """A search for the design whose figure is best without its limit, better than the one at hand."""
-        one, relaxer = self.one, self.trials.relaxer
+        relaxer = self.trials.relaxer
         if goal == CHEAPEST:
             return self._cheapest(turn)
-        first = judged_by(one.mission, self.found, goal).objective_value
+        first = judged_by(self.mission, self.found, goal).objective_value
         ceiling = math.inf if first is None else goal.minimised(first)
         soon = turn.at_most(SOON * turn.left_s)
         self.by_few = True
-        few = relaxer.among_few(one.mission, goal, {self.name}, soon, enough=False, ceiling=ceiling)
+        few = relaxer.among_few(self.mission, goal, {self.name}, soon, enough=False, ceiling=ceiling)
         if few is not None and few.outcome.best:
             self.found, ceiling = few, few.outcome.best[0].minimised
-        return relaxer.seek(one.mission, goal, {self.name}, deadline=turn, ceiling=ceiling)
+        return relaxer.seek(self.mission, goal, {self.name}, deadline=turn, ceiling=ceiling)
 
     def _cheapest(self, turn: Deadline) -> Sought:
         """A search for the design with which the least limit of cost can be kept, by the prices that count there."""

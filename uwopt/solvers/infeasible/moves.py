@@ -30,15 +30,6 @@ LEAST_S = 0.5  # in less than that no search of all imagers finds anything, and 
 TURN = 0.7  # of the time left: what one key may take of it
 
 
-@dataclass(frozen=True)
-class Far:
-    """A key at a value at which something fits."""
-
-    tried: Try
-    value: Value
-    found: Sought
-
-
 @dataclass
 class NearestType:
     """The type of water nearest to the mission's at which something fits: between halves of what is open."""
@@ -97,41 +88,27 @@ class NearestType:
 
 
 @dataclass(frozen=True)
-class Switched:
-    """A key of two words, at the other one of which something fits: there is nothing between them."""
-
-    asked: str
-    needed: str
-    is_least: bool = True
-    is_done: bool = True
-
-    @property
-    def gap(self) -> float:
-        """There is none."""
-        return 0.0
-
-    @property
-    def size(self) -> float:
-        """As large as a change can be: all of what is asked."""
-        return 1.0
-
-    def step(self, turn: Deadline) -> None:
-        """None is left."""
-
-
-@dataclass(frozen=True)
 class Move:
-    """A key that helps, and how far it has to move."""
+    """A key at a value at which something fits, and what draws it back; None: of two words, which have none between."""
 
-    far: Far
-    drawn: Narrowing | NearestType | Switched
+    tried: Try
+    value: Value
+    found: Sought
+    drawn: Narrowing | NearestType | None
+
+    @property
+    def name(self) -> str:
+        """Of the key."""
+        return self.tried.key.name
 
     def told(self) -> Moved:
         """As far as it is drawn in."""
-        name, drawn = self.far.tried.key.name, self.drawn
-        if not isinstance(drawn, Narrowing):
-            return Moved(name, drawn.asked, drawn.needed, "", drawn.is_least)
-        return Moved(name, drawn.asked, rounded(drawn.change.limit), unit_of(name), drawn.is_least)
+        drawn = self.drawn
+        if isinstance(drawn, Narrowing):
+            unit = split_unit(self.name)[1]
+            return Moved(self.name, drawn.asked, rounded(drawn.change.limit), unit, drawn.is_least)
+        needed, is_least = (self.value, True) if drawn is None else (drawn.needed, drawn.is_least)
+        return Moved(self.name, str(self.tried.asked), str(needed), "", is_least)
 
 
 @dataclass
@@ -139,19 +116,13 @@ class Mover:
     """Searches of one mission with single keys moved."""
 
     trials: Trials
-    far: list[Far] = field(default_factory=list)
+    helpful: list[Move] = field(default_factory=list)
     useless: dict[str, tuple[str, ...]] = field(default_factory=dict)  # known not to help: `freed_rules.in_the_way`
-    drawn: dict[str, Move] = field(default_factory=dict)
     base: VariedMission = field(init=False)
 
     def __post_init__(self) -> None:
-        self.base = VariedMission(self.mission, {})
+        self.base = VariedMission(self.trials.mission, {})
         self.useless |= self.trials.relaxer.useless_alone([one.key.name for one in self.tries])
-
-    @property
-    def mission(self) -> Mission:
-        """As it is asked."""
-        return self.trials.mission
 
     def try_few(self) -> None:
         """Move each key far and look among a few imagers, as `Singles.try_few`: first those of few values to try."""
@@ -160,9 +131,8 @@ class Mover:
             for value in one.values:
                 if phase.left_s < LEAST_S or self.trials.interrupted:
                     return
-                found = self._among_few(one.key, value, phase.at_most(max(FEW_TURN * phase.left_s, FEW_S)))
-                if found is not None and found.outcome.best:
-                    self.far.append(Far(one, value, found))
+                turn = phase.at_most(max(FEW_TURN * phase.left_s, FEW_S))
+                if self._take(one, value, self._search(one.key, value, partial(self._among_few, one.key, turn))):
                     break
 
     def try_hardware(self, known: Sought, phase: Deadline) -> None:
@@ -171,36 +141,20 @@ class Mover:
             for value in one.values:
                 if phase.passed() or self.trials.interrupted:
                     return
-                found = self._with_hardware(known, one.key, value)
-                if found is not None and found.outcome.best:
-                    self.far.append(Far(one, value, found))
+                if self._take(one, value, self._search(one.key, value, partial(same_hardware, known))):
                     break
-
-    def _with_hardware(self, known: Sought, key: Varied, value: Value) -> Sought | None:
-        """The best settings of some hardware with a key at another value; None where there is no such mission."""
-        try:
-            return same_hardware(known, self._at(key, value))
-        except UwoptError:
-            return None
 
     def take_for_far(self, name: str, value: Value | None, found: Sought) -> None:
         """Something is known to fit with a key at this value, all else as asked."""
-        self.far += [Far(one, value, found) for one in self.tries if one.key.name == name and value is not None]
-
-    def _among_few(self, key: Varied, value: Value, turn: Deadline) -> Sought | None:
-        """A design among a few imagers with a key at another value; None where there is none, or no such mission."""
-        try:
-            found = self.trials.relaxer.among_few(self._at(key, value), ANY, {what_moves(key)}, turn)
-        except UwoptError:
-            return None
-        self.trials.interrupted |= found is not None and found.outcome.interrupted
-        return found
+        for one in self.tries:
+            if one.key.name == name and value is not None:
+                self._take(one, value, found)
 
     def try_all(self, share: float = SHARE, *, one_is_enough: bool = False) -> None:
         """Move each key far, as long as there is time, a share of what is left, or until one is known to help."""
         phase = self.trials.deadline.at_most(share * self.trials.deadline.left_s)
         for one in self.left:
-            if self.trials.interrupted or phase.left_s <= LEAST_S or (one_is_enough and self.far):
+            if self.trials.interrupted or phase.left_s <= LEAST_S or (one_is_enough and self.helpful):
                 break
             with self.trials.until_interrupted():
                 self._try_far(one, phase)
@@ -208,24 +162,18 @@ class Mover:
     @property
     def left(self) -> list[Try]:
         """Those of which it is not known whether they help."""
-        known = {far.tried.key.name for far in self.far} | self.useless.keys()
+        known = {one.name for one in self.helpful} | self.useless.keys()
         return [one for one in self.tries if one.key.name not in known]
 
     def tell_open(self) -> None:
         """Note what is not known."""
         self.trials.deadline.left_out.extend(f"whether another {one.key.name} would do" for one in self.left)
 
-    def changes(self) -> list[Move]:
-        """Keys that help, as far as they are drawn in."""
-        for one in self.far:
-            self.drawn.setdefault(one.tried.key.name, Move(one, self._drawn(one)))
-        return [self.drawn[one.tried.key.name] for one in self.far]
-
     @cached_property
     def tries(self) -> tuple[Try, ...]:
         """The keys that may be moved, in turn."""
         lacks = {"for_want_of_energy": self.trials.lacks_energy, "for_want_of_budget": self.trials.lacks_budget}
-        return tuple(tries_of(self.mission, **lacks))
+        return tuple(tries_of(self.trials.mission, **lacks))
 
     # ------------------------------------------------------------ far, and back
 
@@ -233,36 +181,47 @@ class Mover:
         """Try a key far away, and keep what is known then of whether that helps."""
         known, rules = True, tuple[str, ...]()
         for value in one.values:
-            found = self._search(one.key, value, phase.at_most(TURN * phase.left_s), few_first=False)
-            if found is not None and found.outcome.best:
-                self.far.append(Far(one, value, found))
+            turn = phase.at_most(TURN * phase.left_s)
+            found = self._search(one.key, value, partial(self._seek, one.key, turn=turn, few_first=False))
+            if self._take(one, value, found):
                 return
             known = known and (found is None or found.outcome.complete)
             rules = rules if found is None else self.trials.relaxer.why_not(found, one.key.name)
         if known:
             self.useless[one.key.name] = rules
 
-    def _drawn(self, far: Far) -> Narrowing | NearestType | Switched:
+    def _take(self, one: Try, value: Value, found: Sought | None) -> bool:
+        """Whether something is found with a key at a value: then it helps."""
+        if found is None or not found.outcome.best:
+            return False
+        self.helpful.append(Move(one, value, found, self._drawn(one.key, one.asked, value, found)))
+        return True
+
+    def _drawn(self, key: Varied, asked: Value, far: Value, found: Sought) -> Narrowing | NearestType | None:
         """What draws a key back towards what is asked."""
-        key, asked = far.tried.key, far.tried.asked
         if key.name in SWITCHES:
-            return Switched(str(asked), str(far.value))
-        if isinstance(far.value, str) or isinstance(asked, str):
-            return NearestType(str(asked), lambda water, turn: self._search(key, water, turn))
+            return None
+        if isinstance(far, str) or isinstance(asked, str):
+            return NearestType(
+                str(asked), lambda water, turn: self._search(key, water, partial(self._seek, key, turn=turn))
+            )
         return Narrowing(
-            float(asked), Change(float(far.value), far.found), lambda value: self._at(key, value),
-            partial(self._seek, key),
-        )  # fmt: skip
+            float(asked), Change(float(far), found), lambda value: self._at(key, value), partial(self._seek, key)
+        )
 
     def _at(self, key: Varied, value: Value) -> Mission:
         return self.base.with_values({key: value})
 
-    def _search(self, key: Varied, value: Value, turn: Deadline, *, few_first: bool = True) -> Sought | None:
-        """A search for any design with a key at another value; None where the mission does not allow it."""
+    def _search(self, key: Varied, value: Value, how: Callable[[Mission], Sought | None]) -> Sought | None:
+        """What is found with a key at another value; None where there is no such mission, or nothing is found."""
         try:
-            return self._seek(key, self._at(key, value), turn, few_first=few_first)
+            return how(self._at(key, value))
         except UwoptError:
             return None
+
+    def _among_few(self, key: Varied, turn: Deadline, mission: Mission) -> Sought | None:
+        """A design among a few imagers, if any."""
+        return self.trials.among_few(mission, ANY, {what_moves(key)}, turn)
 
     def _seek(self, key: Varied, mission: Mission, turn: Deadline, *, few_first: bool = True) -> Sought:
         """A search for any design."""
@@ -277,8 +236,3 @@ class Mover:
 def what_moves(key: Varied) -> str:
     """What a key frees, as the searches take it: of a scene the water alone is moved."""
     return OTHER_WATER if key.section == "scene" else key.name
-
-
-def unit_of(name: str) -> str:
-    """The unit of a key."""
-    return split_unit(name)[1]

@@ -24,7 +24,7 @@ from uwopt.solvers.infeasible.freed_rules import (
 )
 from uwopt.solvers.infeasible.joint_changes import few_that_give
 from uwopt.solvers.infeasible.least_change import in_rounds, same_hardware
-from uwopt.solvers.infeasible.least_limit import LeastLimit, Without
+from uwopt.solvers.infeasible.least_limit import LeastLimit
 from uwopt.solvers.infeasible.reached import missed_by
 from uwopt.solvers.infeasible.relaxer import ANY, CHEAPEST, FEW_IMAGERS, hope
 from uwopt.solvers.infeasible.trials import BRIGHT, FINEST, Trials
@@ -51,7 +51,7 @@ class Singles:
     """Single requirements; those that help, and those of which that is not known yet."""
 
     trials: Trials
-    helpful: list[Without] = field(default_factory=list)
+    helpful: list[LeastLimit] = field(default_factory=list)
     left: dict[str, float] = field(default_factory=dict)
     suspects: Sequence[str] = ()  # without all of which something fits
     hopes: dict[str, float] = field(default_factory=dict)  # of those dropped among a few imagers, as `relaxer.hope`
@@ -60,7 +60,6 @@ class Singles:
     dear: set[str] = field(default_factory=set)  # limits of cost that central prices do not keep either
     in_vain: dict[str, int] = field(default_factory=dict)  # among how many imagers, all of them looked at
     together: tuple[list[str], Sought] | None = None  # that give together, and a design without them
-    drawn: dict[str, LeastLimit] = field(default_factory=dict)
     unmet: list[str] = field(default_factory=list)  # which nothing meets where no other is asked: each has to give
 
     def __post_init__(self) -> None:
@@ -134,7 +133,7 @@ class Singles:
                 continue
             found = same_hardware(known, relaxed)
             if found.outcome.best:
-                self.helpful.append(Without(name, trials.limits[name], relaxed, found))
+                self._helps(name, relaxed, found)
 
     def try_few(self, number: int = FEW_IMAGERS) -> None:
         """Drop each and look among a few imagers.
@@ -192,7 +191,11 @@ class Singles:
         """A design that misses this alone is known: the requirement helps."""
         relaxed = without(self.trials.mission, *RELAXABLE[name][:2])
         if relaxed is not None:
-            self.helpful.append(Without(name, self.trials.limits[name], relaxed, found))
+            self._helps(name, relaxed, found)
+
+    def _helps(self, name: str, relaxed: Mission, found: Sought, *, at_central_prices: bool = False) -> None:
+        """A requirement helps: something fits in the mission without it."""
+        self.helpful.append(LeastLimit(self.trials, name, self.trials.limits[name], relaxed, found, at_central_prices))
 
     def drop_hopeful(self) -> None:
         """Drop those without which rules let some of the few imagers through, those that let most through first."""
@@ -207,7 +210,7 @@ class Singles:
         relaxed = without(trials.mission, *RELAXABLE[name][:2])
         if relaxed is None or self.in_vain.get(name, 0) >= number:
             return
-        found = trials.relaxer.among_few(relaxed, goal_without(name), {name}, turn, number=number)
+        found = trials.among_few(relaxed, goal_without(name), {name}, turn, number)
         if found is None:
             return
         self.hopes[name] = hope(found)
@@ -215,7 +218,6 @@ class Singles:
             self._take(name, relaxed, found)
         elif found.outcome.complete:
             self.in_vain[name] = number
-        trials.interrupted |= found.outcome.interrupted
 
     def share(self, share: float) -> float:
         """Of the time left, for what else may help: less where something does, or several have to give together."""
@@ -329,8 +331,8 @@ class Singles:
 
     def _take(self, name: str, relaxed: Mission, found: Sought) -> None:
         """Something fits without a requirement; whether a limit of cost would do at central prices is asked then."""
-        if not self._may_keep_central(name) or not self._is_known_at_central_prices(name, self.trials.limits[name]):
-            self.helpful.append(Without(name, self.trials.limits[name], relaxed, found))
+        if not self._may_keep_central(name) or not self._is_known_at_central_prices(name):
+            self._helps(name, relaxed, found)
 
     def _is_known(self, name: str, turn: Deadline) -> bool:
         """Drop a requirement and see whether something fits then; whether that is known in the time for one."""
@@ -366,7 +368,7 @@ class Singles:
                 return deep
         return seek(depth_m=0.0)
 
-    def _is_known_at_central_prices(self, name: str, limit: float) -> bool:
+    def _is_known_at_central_prices(self, name: str) -> bool:
         """Whether a limit of cost is known to do with estimated prices at their middle; asked once."""
         trials = self.trials
         if name in self.dear:
@@ -374,7 +376,7 @@ class Singles:
         central, turn = with_central_prices(trials.mission), trials.deadline.at_most(LONG_TURN * trials.deadline.left_s)
         found = trials.relaxer.seek(central, CHEAPEST, {name}, deadline=turn, enough=True)
         if found.outcome.best:
-            self.helpful.append(Without(name, limit, central, found, at_central_prices=True))
+            self._helps(name, central, found, at_central_prices=True)
         elif found.outcome.complete:
             self.dear.add(name)
         return bool(found.outcome.best)
@@ -385,13 +387,7 @@ class Singles:
         """Draw in those that are known to help, in a share of the time left."""
         trials = self.trials
         with trials.until_interrupted():
-            in_rounds(self.changes(), trials.deadline.at_most(DRAW_SHARE * trials.deadline.left_s))
-
-    def changes(self) -> list[LeastLimit]:
-        """Those that help, as far as they are drawn in."""
-        for one in self.helpful:
-            self.drawn.setdefault(one.name, LeastLimit(self.trials, one))
-        return [self.drawn[one.name] for one in self.helpful]
+            in_rounds(self.helpful, trials.deadline.at_most(DRAW_SHARE * trials.deadline.left_s))
 
 
 def goal_without(name: str) -> Objective:

@@ -126,7 +126,13 @@ class Trials:
 
     def few_without(self, names: Collection[str], turn: Deadline, number: int = FEW_IMAGERS) -> Sought | None:
         """A search without all of these among a few imagers; None where that is of no use."""
-        found = self.relaxer.among_few(self.without(names), ANY, set(names), turn, number=number)
+        return self.among_few(self.without(names), ANY, set(names), turn, number)
+
+    def among_few(
+        self, mission: Mission, goal: Objective, freed: Collection[str], turn: Deadline, number: int = FEW_IMAGERS
+    ) -> Sought | None:
+        """As `Relaxer.among_few`; that a person ends it is noted."""
+        found = self.relaxer.among_few(mission, goal, freed, turn, number=number)
         self.interrupted |= found is not None and found.outcome.interrupted
         return found
 

@@ -55,25 +55,25 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
     soon = first_that_help(trials, singles, mover, is_quick=is_quick)
     draw_by_hardware(singles, mover)
     whole = trials.deadline
-    if not singles.helpful and not mover.far:  # it may be that no single change helps
+    if not singles.helpful and not mover.helpful:  # it may be that no single change helps
         trials.deadline = whole.but_for(KEPT_SHARE)
     if not is_quick:
         singles.drop_hopeful()
         drop_light_and_move(singles, mover)
         singles.drop_rest()
     fit = nearest_fit(trials.relaxer) if by_size and not trials.interrupted else None
-    if not mover.far:
+    if not mover.helpful:
         singles.drop_others()
     trials.deadline = whole
-    if soon is None and singles.together is None and not singles.helpful and not mover.far:
+    if soon is None and singles.together is None and not singles.helpful and not mover.helpful:
         trials.go_on()
         mover.try_all(one_is_enough=True)
-        if not mover.far:
+        if not mover.helpful:
             singles.drop_others()
         draw_in(singles, mover, FIRST_DRAWN_SHARE)
-    if singles.helpful or mover.far:
+    if singles.helpful or mover.helpful:
         ask_open(singles, mover)
-    every, moves = least_changes(trials, singles, mover)
+    every, moves = least_changes(singles, mover)
     singles.tell_open()
     mover.tell_open()
     relaxations = [one for one in every if one.is_of_use]
@@ -103,8 +103,7 @@ def try_hardware(singles: Singles, mover: Mover) -> None:
     """With the hardware of each change that helps, ask of all others: what it does then needs no search to be known."""
     trials = singles.trials
     phase = trials.deadline.at_most(HARDWARE_SHARE * trials.deadline.left_s)
-    known = [one.found for one in singles.changes()] + [far.found for far in mover.far]
-    for found in known:
+    for found in [one.found for one in (*singles.helpful, *mover.helpful)]:
         trials.say(0.0, "what the hardware of a change does beside")
         with trials.until_interrupted():
             mover.try_hardware(found, phase)
@@ -120,7 +119,7 @@ def first_that_help(trials: Trials, singles: Singles, mover: Mover, *, is_quick:
         whole = trials.deadline
         trials.deadline = whole.but_for(QUICK_SHARE)
         drop_light_and_move(singles, mover)
-        if mover.far:
+        if mover.helpful:
             trials.deadline = whole
         singles.drop_rest()
         trials.deadline = whole
@@ -129,11 +128,11 @@ def first_that_help(trials: Trials, singles: Singles, mover: Mover, *, is_quick:
         draw_by_hardware(singles, mover)
         singles.try_few()
     soon = None
-    if not singles.helpful and not mover.far and not trials.over:
+    if not singles.helpful and not mover.helpful and not trials.over:
         soon = together_soon(trials, singles, mover)
-    if not mover.far and not is_quick:
+    if not mover.helpful and not is_quick:
         singles.try_more()
-    if soon is None and not singles.helpful and not mover.far and not trials.over:
+    if soon is None and not singles.helpful and not mover.helpful and not trials.over:
         singles.give_together(GIVE_SHARE)
     return soon
 
@@ -159,7 +158,7 @@ def together_soon(trials: Trials, singles: Singles, mover: Mover) -> CommonFit |
     return None
 
 
-def least_changes(trials: Trials, singles: Singles, mover: Mover) -> tuple[list[Relaxation], list[Moved]]:
+def least_changes(singles: Singles, mover: Mover) -> tuple[list[Relaxation], list[Moved]]:
     """Of each single requirement and key that helps the least change, by turns; of requirements far ones last, else the
     smallest first.
     """
@@ -167,9 +166,8 @@ def least_changes(trials: Trials, singles: Singles, mover: Mover) -> tuple[list[
     if singles.left or mover.left:
         ask_open(singles, mover)
         draw_in(singles, mover)
-    limits, moves = singles.changes(), mover.changes()
-    told = sorted((one.told() for one in limits), key=lambda one: (one.is_far, one.miss_rel))
-    return told, [move.told() for move in moves]
+    told = sorted((one.told() for one in singles.helpful), key=lambda one: (one.is_far, one.miss_rel))
+    return told, [move.told() for move in mover.helpful]
 
 
 def draw_by_hardware(singles: Singles, mover: Mover) -> None:
@@ -191,8 +189,8 @@ def draw_in(singles: Singles, mover: Mover, share: float = LEAST_SHARE) -> None:
 
 
 def changes_of(singles: Singles, mover: Mover) -> list[Stepwise]:
-    """All that help, requirements first."""
-    return [*singles.changes(), *(move.drawn for move in mover.changes())]
+    """All that help and may be drawn in, requirements first."""
+    return [*singles.helpful, *(move.drawn for move in mover.helpful if move.drawn is not None)]
 
 
 def ask_open(singles: Singles, mover: Mover) -> None:
