@@ -288,7 +288,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a knee counts another system's price", file="uwopt/solvers/explain/knee.py",
-        old="imagers_in(problem, [own]).limit_cost[0]", new="sought.search.imagers.limit_cost[found.imager]",
+        old="sought.problem, own, one, *lamps", new="sought.problem, sought.search.imagers, one + found.imager, *lamps",
         test="tests/solvers/test_best_image.py::test_what_holds_in_the_doubt_counts_its_own_price_against_a_limit",
     ),
     Defect(

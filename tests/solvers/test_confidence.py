@@ -34,7 +34,6 @@ from uwopt.solvers.confidence.search import (
     at_its_stop,
     chosen,
     count_in_time,
-    imagers_of,
     judged_anew,
     look,
     rank,
@@ -44,7 +43,7 @@ from uwopt.solvers.confidence.summary import ids, missed_centrally, surest, told
 from uwopt.solvers.confidence.waters import BANDS
 from uwopt.solvers.confidence.worst_case import worse_problem
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.one_hardware import parts_of, problem_of
+from uwopt.solvers.one_hardware import imagers_of, parts_of, problem_of
 from uwopt.solvers.recommend import Sought
 
 NOTHING: dict[str, Any] = {

@@ -26,7 +26,7 @@ from uwopt.objectives.objective import MAXIMISED, Objective, Terms
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.imager_rules import limit
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.population.coding import CodedHardware, Coding, cost_of, mass_kg_of
+from uwopt.solvers.population.coding import CodedHardware, Coding
 from uwopt.solvers.population.decoding import shortfall
 from uwopt.solvers.population.evaluator import Evaluator, lacking_without_veils, scene_rows
 from uwopt.solvers.population.light_store import LightStore
@@ -264,20 +264,16 @@ class LoopGround(Ground):
 
     def _allowed(self, built: CodedHardware) -> Array:
         """What the budgets of cost and mass allow."""
-        problem, limits = self.problem, self.problem.mission.limits
-        cost = self.imagers.limit_cost[built.imager] + problem.lamps_cost(built.light, built.count, "limit_price")
-        return np.asarray(
-            (cost <= limit(limits.cost) * ROUND)
-            & (mass_kg_of(self.search, built) <= limit(limits.mass_kg) * ROUND)
-        )
+        limits, own = self.problem.mission.limits, built.with_lamps(self.search)
+        fits = (own.limit_cost <= limit(limits.cost) * ROUND) & (own.mass_kg <= limit(limits.mass_kg) * ROUND)
+        return np.asarray(fits)
 
     def floor(self, built: CodedHardware) -> Array:
         """The objective of hardware that needs no light at all."""
-        imagers = self.imagers
+        imagers, own = self.imagers, built.with_lamps(self.search)
         terms = Terms.at_best(
-            imagers.camera_power_w[built.imager], cost_of(self.search, built), mass_kg_of(self.search, built),
-            imagers.gsd_mm[built.imager],
-        )  # fmt: skip
+            imagers.camera_power_w[built.imager], own.cost, own.mass_kg, imagers.gsd_mm[built.imager]
+        )
         return np.asarray(self.objective.cost_to_minimise(terms))
 
     def _rows(self, built: CodedHardware) -> list[SceneRows]:
@@ -288,12 +284,12 @@ class LoopGround(Ground):
 
     def fixed(self, built: CodedHardware, i: int) -> dict[str, Any]:
         """What settings do not change of one design, as the continuous solvers take it."""
-        imager, one = int(built.imager[i]), built.take(np.array([i]))
+        imager, own = int(built.imager[i]), built.take(np.array([i])).with_lamps(self.search)
         return {
             "motorised": bool(self.search.motorised[imager]),
             "camera_power_w": float(self.imagers.camera_power_w[imager]),
-            "cost": float(cost_of(self.search, one)[0]),
-            "mass_kg": float(mass_kg_of(self.search, one)[0]),
+            "cost": float(own.cost[0]),
+            "mass_kg": float(own.mass_kg[0]),
             "gsd_mm": float(self.imagers.gsd_mm[imager]),
         }
 

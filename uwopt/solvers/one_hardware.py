@@ -18,11 +18,12 @@ from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.designs import Hardware
 from uwopt.forward.part_columns import FAVOURED
 from uwopt.forward.parts import Parts
-from uwopt.forward.problem import Problem
+from uwopt.forward.problem import MeantFocus, Problem
 from uwopt.forward.scene import SceneOptics
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.exact.imagers import Imagers
+from uwopt.solvers.exact.imager_rules import Behind
+from uwopt.solvers.exact.imagers import Imagers, imagers_in
 from uwopt.solvers.exact.lightings import Under
 from uwopt.solvers.exact.node_designs import NodeDesigns
 from uwopt.solvers.exact.ranking import Found
@@ -64,6 +65,25 @@ def problem_of(
         Parts(*(tuple(every[kind]) for kind in KINDS)), mission=mission, scenes=scenes,
         counts=(found.count, found.count), mounts=[mount],
     )  # fmt: skip
+
+
+def as_set(
+    base: Problem, found: Found, f_number: float | None, meant_m: MeantFocus | float | None
+) -> tuple[Problem, Imagers]:
+    """A design's parts, their iris and focus where these are set, and their imager, or none where rules discard it.
+
+    f_number : None: it is free; meant_m : as `Problem.focused_on` takes it
+    """
+    problem = problem_of(base, found).focused_on(meant_m)
+    if f_number is not None:
+        problem = problem.at_f_number(f_number)
+    return problem, imagers_of(problem, found.landscape)
+
+
+def imagers_of(problem: Problem, landscape: bool) -> Imagers:
+    """The imager of a problem of one part of each kind in one orientation, or none."""
+    only = np.array([0])
+    return imagers_in(problem, [Behind(only, only, only, landscape)])
 
 
 def best_of(

@@ -29,11 +29,9 @@ from uwopt.solvers.confidence.proof import NoneBetter, Prover
 from uwopt.solvers.confidence.roomy import A_SEARCH, WORSE, RoomySearches
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.worst_case import EndScenarios
-from uwopt.solvers.exact.imager_rules import Behind
-from uwopt.solvers.exact.imagers import Imagers, imagers_in
 from uwopt.solvers.exact.ranking import Found, told_apart
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.one_hardware import KINDS, problem_of
+from uwopt.solvers.one_hardware import KINDS, as_set
 from uwopt.solvers.recommend import Sought
 from uwopt.solvers.settings.best import scenes_need_cells
 from uwopt.tolerances import TIE, TIED_MEDIANS_REL
@@ -325,18 +323,9 @@ def anew(problem: Problem, objective: Objective, certain: Certain) -> Counted:
 
 def at_its_stop(problem: Problem, objective: Objective, one: Counted, deadline: Deadline = NEVER) -> Found | None:
     """The same hardware by likeliest values, iris and focus where scenarios want them; None where nothing fits."""
-    alone = problem_of(problem, one.found).focused_on(one.outcomes.meant_m)
-    if one.f_number is not None:
-        alone = alone.at_f_number(one.f_number)
-    imagers = imagers_of(alone, one.found.landscape)
+    alone, imagers = as_set(problem, one.found, one.f_number, one.outcomes.meant_m)
     best = Search(alone, objective, top=1, imagers=imagers, deadline=deadline).whole().best if len(imagers) else []
     if not best:
         return None
     places = {kind: getattr(one.found, kind) for kind in KINDS}
     return replace(best[0], **places, imager=one.found.imager, lighting=one.found.lighting)
-
-
-def imagers_of(problem: Problem, landscape: bool) -> Imagers:
-    """The imager of a problem of one part of each kind in one orientation, or none."""
-    only = np.array([0])
-    return imagers_in(problem, [Behind(only, only, only, landscape)])

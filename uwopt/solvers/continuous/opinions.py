@@ -13,13 +13,14 @@ from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Opinion
 from uwopt.solvers.continuous.pieces import SmoothDesign
 from uwopt.solvers.continuous.solve_settings import FEASIBLE, solve_settings
-from uwopt.solvers.exact.imager_rules import Behind, limit
-from uwopt.solvers.exact.imagers import imagers_in
+from uwopt.solvers.exact.imager_rules import limit
+from uwopt.solvers.exact.node_designs import WithLamps
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.one_hardware import parts_of, problem_of
+from uwopt.solvers.one_hardware import as_set, parts_of
 from uwopt.solvers.recommend import Sought, scene_rows_of
 from uwopt.solvers.settings.best import scenes_need_cells
 from uwopt.solvers.settings.closed_form import Chosen
+from uwopt.tolerances import ROUND
 
 AGREES_REL = 1e-4
 APERTURE_RESIDUAL = 1e-6
@@ -80,15 +81,9 @@ def alone(
     """A search of one hardware whose iris and focus stand where scenarios want them; None where nothing fits so.
 
     What is recommended for those has its place in no table of the search by likeliest values: it was found beside them,
-    with an iris that does not give way.
-
-    f_number : None: it is free
-    meant_m : as `Problem.focused_on` takes it
+    with an iris that does not give way. `f_number`, `meant_m` : as of `as_set`
     """
-    problem, only = problem_of(sought.problem, found).focused_on(meant_m), np.array([0])
-    if f_number is not None:
-        problem = problem.at_f_number(f_number)
-    imagers = imagers_in(problem, [Behind(only, only, only, found.landscape)])
+    problem, imagers = as_set(sought.problem, found, f_number, meant_m)
     if not len(imagers):
         return None
     made = Sought.of(sought.selection, problem, sought.goal, whole=True, imagers=imagers)
@@ -162,18 +157,14 @@ def shortlist(sought: Sought) -> list[Found]:
     """The best of a search, then the same with other numbers of lamps that cost and mass allow."""
     problem, made = sought.problem, list(sought.outcome.best)
     low, high = problem.count_range
-    limits, lights, imagers = problem.mission.limits, problem.lights, sought.search.imagers
+    limits, counts = problem.mission.limits, np.arange(low, high + 1)
     for found in sought.outcome.best:
-        light = np.array([found.light])
-        had = float(problem.lamps_cost(light, np.array([found.count]))[0])
-        for count in range(low, high + 1):
-            number = np.array([count])
-            mass = found.mass_kg + (count - found.count) * float(lights.mass_kg[found.light])
-            cost = float(imagers.limit_cost[found.imager] + problem.lamps_cost(light, number, "limit_price")[0])
-            fits = cost <= limit(limits.cost) * (1 + 1e-9) and mass <= limit(limits.mass_kg) * (1 + 1e-9)
-            if count != found.count and fits:
-                more = float(problem.lamps_cost(light, number)[0]) - had
-                made.append(replace(found, count=count, cost=found.cost + more, mass_kg=mass))
+        imager, light = (np.full(len(counts), place) for place in (found.imager, found.light))
+        own = WithLamps.of(problem, sought.search.imagers, imager, light, counts)
+        fits = (own.limit_cost <= limit(limits.cost) * ROUND) & (own.mass_kg <= limit(limits.mass_kg) * ROUND)
+        for at in np.flatnonzero(fits & (counts != found.count)):
+            cost, mass_kg = float(own.cost[at]), float(own.mass_kg[at])
+            made.append(replace(found, count=int(counts[at]), cost=cost, mass_kg=mass_kg))
     return made[:MOST_CANDIDATES]
 
 

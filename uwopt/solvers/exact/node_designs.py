@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,6 +25,23 @@ from uwopt.tolerances import ROUND
 FIRST_VEILS, LARGEST_VEILS = 8, 256  # imagers whose veils are worked out together
 
 
+class WithLamps(NamedTuple):
+    """What imagers cost and weigh with their lamps, (n,) each."""
+
+    cost: Array
+    limit_cost: Array  # what counts against the budget
+    mass_kg: Array
+
+    @staticmethod
+    def of(problem: Problem, imagers: Imagers, imager: Array, light: Array, count: Array) -> WithLamps:
+        """Of these imagers, each with so many lamps of a light."""
+        return WithLamps(
+            imagers.cost[imager] + problem.lamps_cost(light, count),
+            imagers.limit_cost[imager] + problem.lamps_cost(light, count, "limit_price"),
+            imagers.mass_kg[imager] + count * problem.lights.mass_kg[light],
+        )
+
+
 @dataclass(frozen=True)
 class NodeDesigns:
     """Designs as (node, light, count): `node` points into the nodes, an imager under a lighting each."""
@@ -43,12 +60,9 @@ class NodeDesigns:
         problem: Problem, imagers: Imagers, imager: Array, under: Under, node: Array, light: Array, count: Array
     ) -> NodeDesigns:  # fmt: skip
         """These designs, priced and weighed."""
-        row = imager[node]
         return NodeDesigns(
-            imager, under, node, light, count, imagers.cost[row] + problem.lamps_cost(light, count),
-            imagers.limit_cost[row] + problem.lamps_cost(light, count, "limit_price"),
-            imagers.mass_kg[row] + count * problem.lights.mass_kg[light],
-        )  # fmt: skip
+            imager, under, node, light, count, *WithLamps.of(problem, imagers, imager[node], light, count)
+        )
 
     @staticmethod
     def every(imagers: Imagers, imager: Array, under: Under, tables: Sequence[LampChoices]) -> NodeDesigns:

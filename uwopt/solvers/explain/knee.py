@@ -17,8 +17,8 @@ from uwopt.mission.best_image import BestImageGoal
 from uwopt.objectives.goal import NAME_OF
 from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Bought, Knee
-from uwopt.solvers.exact.imager_rules import Behind
 from uwopt.solvers.exact.imagers import imagers_in
+from uwopt.solvers.exact.node_designs import WithLamps
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.one_hardware import pieces_of
@@ -81,7 +81,6 @@ def with_limits(problem: Problem, limits: dict[str, float]) -> Problem:
 
 def limit_cost_of(sought: Sought, found: Found) -> float:
     """What a design counts against a limit of cost: estimated prices at the end that the mission says."""
-    problem = sought.problem
-    lamps = problem.lamps_cost(np.array([found.light]), np.array([found.count]), "limit_price")[0]
-    own = Behind(np.array([found.camera]), np.array([found.lens]), np.array([found.port]), found.landscape)
-    return float(imagers_in(problem, [own]).limit_cost[0] + lamps)  # over scenarios it is found beside the search
+    own = imagers_in(sought.problem, [found.behind])  # over scenarios it is found beside the search
+    one, *lamps = (np.array([number]) for number in (0, found.light, found.count))
+    return float(WithLamps.of(sought.problem, own, one, *lamps).limit_cost[0])

@@ -15,6 +15,7 @@ from uwopt.objectives.objective import MAXIMISED, UNITS
 from uwopt.quantities import TERMS
 from uwopt.results.design import Design
 from uwopt.results.front import FrontObjective, FrontPoint, Pick
+from uwopt.solvers.exact.node_designs import WithLamps
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.front.search import Front
@@ -30,13 +31,11 @@ def found_of(search: Search, front: Front, place: int) -> Found:
     some, answers, at = front.designs[place]
     d, imagers = int(answers.design[at]), search.imagers
     imager, k = int(some.imager[d]), int(some.lighting[d])
-    table = search.bounds.light_tables[k]
-    row = int(np.nonzero((table.light == some.light[d]) & (table.count == some.count[d]))[0][0])
+    own = WithLamps.of(search.problem, imagers, *(each[d : d + 1] for each in (some.imager, some.light, some.count)))
     return Found.of(
         imagers, imager, [chosen.of_row(at) for chosen in answers.chosen], light=int(some.light[d]),
         count=int(some.count[d]), lighting=search.tables.lightings[k], minimised=0.0,
-        power_w=float(answers.power_w[at]), cost=float(imagers.cost[imager] + table.cost[row]),
-        mass_kg=float(imagers.mass_kg[imager] + table.mass_kg[row]), snr_db=math.nan,
+        power_w=float(answers.power_w[at]), cost=float(own.cost[0]), mass_kg=float(own.mass_kg[0]), snr_db=math.nan,
     )  # fmt: skip
 
 

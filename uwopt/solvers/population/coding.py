@@ -22,6 +22,7 @@ from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.dominance import nondominated
 from uwopt.objectives.objective import UNITS
 from uwopt.objectives.own import OwnFunction, OwnObjective
+from uwopt.solvers.exact.node_designs import WithLamps
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.population.decoding import Decoded, Shares, log_excess, on_curve, one_by_one
 from uwopt.tolerances import ROUND
@@ -67,6 +68,10 @@ class CodedHardware(Columns):
     light: Array
     count: Array
     lighting: Array
+
+    def with_lamps(self, search: Search) -> WithLamps:
+        """What it costs and weighs."""
+        return WithLamps.of(search.problem, search.imagers, self.imager, self.light, self.count)
 
 
 @dataclass(frozen=True)
@@ -338,11 +343,10 @@ class Coding:
         built = CodedHardware(nodes.best_imager[node], light, count, nodes.best_lighting[node])
         may = np.nonzero(self.beyond(built) <= 0.0)[0]
         built, ideal = built.take(may), nodes.best_ideal[node[may]].copy()
+        own = built.with_lamps(self.search)
         for column, axis in enumerate(self.axes):
             if axis in ("cost", "mass"):
-                ideal[:, column] = (
-                    cost_of(self.search, built) if axis == "cost" else mass_kg_of(self.search, built)
-                )
+                ideal[:, column] = own.cost if axis == "cost" else own.mass_kg
         return built, ideal
 
     def drawn(self, n: int, rng: np.random.Generator) -> Array:
@@ -356,12 +360,11 @@ class Coding:
 
     def beyond(self, built: CodedHardware) -> Array:
         """By how much hardware misses what can be told without its light: budgets, and light by its bound."""
-        problem, imagers = self.search.problem, self.search.imagers
-        limits, lights = problem.mission.limits, problem.lights
-        cost = imagers.limit_cost[built.imager] + problem.lamps_cost(built.light, built.count, "limit_price")
+        limits, lights = self.search.problem.mission.limits, self.search.problem.lights
+        own = built.with_lamps(self.search)
         capacity = built.count * (lights.full_light * lights.output_factor)[built.light]
         missing = self.nodes.lacking(built.imager, built.lighting, lights.kind[built.light], capacity)
-        for value, most in ((cost, limits.cost), (mass_kg_of(self.search, built), limits.mass_kg)):
+        for value, most in ((own.limit_cost, limits.cost), (own.mass_kg, limits.mass_kg)):
             if most is not None:
                 missing = missing + log_excess(value, np.full(len(value), most * ROUND))
         return missing
@@ -390,14 +393,3 @@ class Coding:
 def middle(index: Array | int, size: Array | int, top: int) -> Any:
     """The least gene that is read as this index of a list."""
     return -(-index * (top + 1) // size)
-
-
-def cost_of(search: Search, built: CodedHardware) -> Array:
-    """Price of everything."""
-    return np.asarray(search.imagers.cost[built.imager] + search.problem.lamps_cost(built.light, built.count))
-
-
-def mass_kg_of(search: Search, built: CodedHardware) -> Array:
-    """Mass of everything."""
-    lamps = built.count * search.problem.lights.mass_kg[built.light]
-    return np.asarray(search.imagers.mass_kg[built.imager] + lamps)

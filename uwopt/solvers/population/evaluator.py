@@ -29,7 +29,7 @@ from uwopt.objectives.requirements import (
 from uwopt.quantities import TERMS
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.population.coding import CodedHardware, Coding, cost_of, mass_kg_of
+from uwopt.solvers.population.coding import CodedHardware, Coding
 from uwopt.solvers.population.decoding import Decoded, shortfall
 from uwopt.solvers.population.light_store import LightStore, SeenLight
 from uwopt.solvers.settings.closed_form import Chosen
@@ -211,7 +211,7 @@ class Evaluator:
         self, made: list[tuple[DesignRows, SettingRows, Figures]], built: CodedHardware
     ) -> dict[str, Array]:
         """Figures by name, each of the scene where it is worst; parts too, where own objectives may ask."""
-        problem, imagers = self.problem, self.search.imagers
+        problem, imagers, own = self.problem, self.search.imagers, built.with_lamps(self.search)
 
         def worst(of: Callable[..., Any], *, most: bool, times: Sequence[float] | None = None) -> Array:
             factor = times or [1.0] * len(made)
@@ -224,8 +224,8 @@ class Evaluator:
         found: dict[str, Array] = {
             "power_w": worst(lambda k, r, t, f: self._power_w(f), most=True),
             "light_power_w": light_w,
-            "cost": cost_of(self.search, built),
-            "mass_kg": mass_kg_of(self.search, built),
+            "cost": own.cost,
+            "mass_kg": own.mass_kg,
             "gsd_mm": imagers.gsd_mm[built.imager],
             "snr_db": worst(lambda k, r, t, f: decibels(f.snr[:, k]), most=False),
             "contrast": worst(lambda k, r, t, f: f.contrast[:, k], most=False),
