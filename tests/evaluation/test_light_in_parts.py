@@ -30,16 +30,14 @@ def tank(tolerance_m: float = 0.0) -> DesignModel:
 
 def test_light_with_pixels_has_the_means_and_pixels_of_light_taken_at_once() -> None:
     model = tank()
-    hardware, optics = model.hardware, int(model.lights.optics_index[0])
+    hardware = model.hardware
     at_once = image_light(
         model.problem,
         0,
         model.views[0],
         np.array([hardware.camera]),
         port_index=hardware.port,
-        optics=optics,
-        mount=hardware.mount,
-        count=hardware.count,
+        lit=model.lit,
         pixels="darkest",
     ).scaled(model.lights.output_factor)
     in_parts = model.image_light(0, pixels="darkest")
@@ -69,13 +67,12 @@ def test_pixels_at_the_nominal_altitude_are_those_that_a_mission_asks_for_at_all
 def test_pixels_that_were_asked_for_at_one_altitude_are_asked_for_again_at_all() -> None:
     # the nominal altitude alone first; then all of them, of the same image in the same scene
     model = tank(tolerance_m=0.1)
-    optics, hardware = int(model.lights.optics_index[0]), model.hardware
-    scene = model.problem.scenes[0]
+    hardware, scene = model.hardware, model.problem.scenes[0]
 
     def frame(kind: type[LampField], altitude: int | None) -> np.ndarray[Any, Any]:
         light = image_light(
-            model.problem, 0, model.views[0], np.array([hardware.camera]), port_index=hardware.port, optics=optics,
-            mount=hardware.mount, count=hardware.count, pixels="frame", means=False, field_type=kind, altitude=altitude,
+            model.problem, 0, model.views[0], np.array([hardware.camera]), port_index=hardware.port, lit=model.lit,
+            pixels="frame", means=False, field_type=kind, altitude=altitude,
         )  # fmt: skip
         assert light.worst_e is not None
         return light.worst_e.min(axis=2)

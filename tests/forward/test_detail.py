@@ -120,9 +120,7 @@ def test_no_colour_and_no_smaller_pixel_has_more_than_bounds_say() -> None:
 def test_leaving_out_the_forward_veil_is_told_to_change_more_than_detail_in_it(water: str, altitude_m: float) -> None:
     model = model_of(altitude_m, water=water)
     rows, view, hardware = rows_of(model), model.views[0], model.hardware
-    field = LampField(
-        model.problem, 0, port_index=hardware.port, optics=0, mount=hardware.mount, count=hardware.count, efficiency=0
-    )
+    field = LampField(model.problem, 0, port_index=hardware.port, lit=model.lit, efficiency=0)
     bound = forward_bound(field, view, field.light(view, veils="none").signal_e)
     assert rows.detail is not None
     bars = rows.detail.gain(rows.gsd_m / (2 * 0.1))  # as coarse as 10 cm

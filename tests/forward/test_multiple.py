@@ -15,7 +15,7 @@ from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.assembly import system_problem
 from uwopt.forward.effects import orders_bound
 from uwopt.forward.lamp_light import LampField
-from uwopt.forward.lamps import LightOptics
+from uwopt.forward.lamps import LampGroup, LightOptics
 from uwopt.forward.scene import SceneOptics, scatterers_of, scene_optics
 from uwopt.forward.spectra import Contraction
 from uwopt.forward.sun_light import SunField
@@ -108,7 +108,7 @@ def test_what_orders_change_is_bounded_at_the_corners_too() -> None:
     model = DesignModel(*system_problem(mission, system))
     problem, view, hardware = model.problem, model.views[0], model.hardware
     many, once = (
-        LampField(each, 0, port_index=hardware.port, optics=0, mount=hardware.mount, count=1, efficiency=0)
+        LampField(each, 0, port_index=hardware.port, lit=LampGroup(0, hardware.mount, 1), efficiency=0)
         for each in (problem, problem.with_effects(problem.effects.without(["multiple_scattering"])))
     )
     corner = view.tan_along[:, None], -view.tan_across[:, None]

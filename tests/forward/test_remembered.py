@@ -57,8 +57,7 @@ def plain_light(search: Any, row: int, lighting: Any, count: int, pixels: Any) -
     """The same from the model alone."""
     return image_light(
         search.problem, 0, search.imagers.scenes[0].view.take(np.array([row])), search.imagers.camera[[row]],
-        port_index=int(search.imagers.port[row]), optics=lighting.optics, mount=lighting.mount, count=count,
-        pixels=pixels, means=False,
+        port_index=int(search.imagers.port[row]), lit=lighting.of(count), pixels=pixels, means=False,
     )  # fmt: skip
 
 
@@ -118,9 +117,7 @@ def test_few_places_bound_the_uniformity() -> None:
         view = search.imagers.scenes[0].view.take(few)
         for lighting in search.tables.lightings[:3]:
             for row in range(len(view.tan_along)):
-                hardware: dict[str, Any] = dict(
-                    port_index=int(search.imagers.port[row]), optics=lighting.optics, mount=lighting.mount, count=1
-                )
+                hardware: dict[str, Any] = dict(port_index=int(search.imagers.port[row]), lit=lighting.of(1))
                 one = view.take(np.array([row]))
                 most = most_uniformities(problem, 0, one, **hardware)[0]
                 true = uniformity(problem, 0, one, **hardware).min()
@@ -135,10 +132,9 @@ def test_few_places_refuse_no_even_floor_and_the_whole_of_it_decides() -> None:
         problem, port = search.tables.problem, search.imagers.port[:1]
         view = search.imagers.scenes[0].view.take(np.array([0]))
         for lighting in search.tables.lightings[:3]:
-            lamps: dict[str, Any] = dict(optics=lighting.optics, mount=lighting.mount, count=1)
-            least = uniformity(problem, 0, view, port_index=int(port[0]), **lamps).min()
+            least = uniformity(problem, 0, view, port_index=int(port[0]), lit=lighting.of(1)).min()
 
-            kept = partial(even_enough, problem, 0, view, port=port, **lamps)
+            kept = partial(even_enough, problem, 0, view, port=port, lit=lighting.of(1))
             assert kept(wanted=0.9995 * least, whole=True) and kept(wanted=0.9995 * least, whole=False)
             assert not kept(wanted=1.0005 * least, whole=True)  # few places may tell of it, or not
             apart += int(kept(wanted=1.0005 * least, whole=False)[0])
@@ -153,9 +149,7 @@ def test_whole_floors_are_counted_as_work_once_an_image_and_height() -> None:
     heights = len(problem.scenes[0].range_m)
     for wanted, counted in ((1e-9, heights), (1e-9, 0), (0.0, 0)):
         before = effort_s()
-        kept = even_enough(
-            problem, 0, view, port=port, optics=lighting.optics, mount=lighting.mount, count=1, wanted=wanted
-        )
+        kept = even_enough(problem, 0, view, port=port, lit=lighting.of(1), wanted=wanted)
         assert kept.all() and effort_s() - before == pytest.approx(counted * COSTS_S["floors"])
 
 

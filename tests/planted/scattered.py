@@ -477,8 +477,8 @@ DEFECTS = (
     Defect(
         name="the floor's illuminance is that of the lamps' own lobe",
         file="uwopt/forward/floor_light.py",
-        old="beam = problem.floor_lobe(scene_index, optics, mount, range_m)\n    weight",
-        new="beam = problem.beam(scene_index, optics)\n    weight",
+        old="beam = problem.floor_lobe(scene_index, lit.optics, lit.mount, range_m)\n    weight",
+        new="beam = problem.beam(scene_index, lit.optics)\n    weight",
         test=f"{FULL}::test_floor_illuminance_over_the_traced_footprint[all orders, flat port, narrow lobes, turbid]",
     ),
     Defect(

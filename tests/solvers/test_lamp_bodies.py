@@ -15,7 +15,7 @@ from uwopt.errors import MissionError
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.assembly import system_problem
 from uwopt.forward.lamp_views import bodies_fit, lamps_apart_m
-from uwopt.forward.lamps import in_rows
+from uwopt.forward.lamps import LampGroup, in_rows
 from uwopt.forward.scene_checks import check_physical
 from uwopt.mission.mission import load_mission
 from uwopt.mission.system import load_system
@@ -58,7 +58,8 @@ def test_a_row_is_for_its_own_number_of_lamps() -> None:
     problem = one(vehicle=vehicle).problem()
     beside, row = problem.mounts
     for mount, own in ((beside, 2), (row, 3)):
-        fits = {count for count in (2, 3) if bodies_fit(problem, port=np.array([0]), mount=mount, count=count).all()}
+        groups = [LampGroup(0, mount, count) for count in (2, 3)]
+        fits = {one.count for one in groups if bodies_fit(problem, port=np.array([0]), lit=one).all()}
         assert fits == {own}
 
 

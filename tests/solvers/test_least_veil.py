@@ -44,8 +44,8 @@ def found(search: Search) -> tuple[Array, Array]:
     veils, bounds = [], []
     for lighting in search.tables.lightings:
         light = image_light(
-            problem, 0, imagers.scenes[0].view, imagers.camera, port_index=0, optics=lighting.optics,
-            mount=lighting.mount, count=1, veils="forward",
+            problem, 0, imagers.scenes[0].view, imagers.camera, port_index=0, lit=lighting.of(1),
+            veils="forward",
         )  # fmt: skip
         assert light.forward_e is not None
         with np.errstate(divide="ignore", invalid="ignore"):  # no light at all where a lamp looks away

@@ -12,6 +12,7 @@ from uwopt.forward.figures import full_light_lm
 from uwopt.forward.floor_light import footprint_light
 from uwopt.forward.lamp_light import ImageLight, SunLight, image_light, kind_of_field
 from uwopt.forward.lamp_views import lamp_clearance_m
+from uwopt.forward.lamps import LampGroup
 from uwopt.forward.part_columns import Cameras, Lenses, Lights
 from uwopt.forward.problem import Problem
 from uwopt.forward.remembered import LoneField
@@ -34,6 +35,7 @@ class DesignLight:
         self.lenses: Lenses = problem.lenses.take(one + hardware.lens)
         self.lights: Lights = problem.lights.take(one + hardware.light)
         self.optics = int(self.lights.optics_index[0])
+        self.lit = LampGroup(self.optics, hardware.mount, hardware.count)
         self.shapes = [problem.shape(hardware.port, i) for i in range(len(problem.scenes))]
         self.views = [
             views(scene, self.cameras, self.lenses, shape, landscape=hardware.landscape)
@@ -69,11 +71,9 @@ class DesignLight:
         return light
 
     def _light_at_centre(self, index: int) -> ImageLight:
-        hw, problem = self.hardware, self.problem
-        optics = self.optics
-        field = kind_of_field(problem, optics)(
-            problem, index, port_index=hw.port, optics=optics, mount=hw.mount, count=hw.count,
-            efficiency=int(self.cameras.qe_index[0]),
+        problem = self.problem
+        field = kind_of_field(problem, self.optics)(
+            problem, index, port_index=self.hardware.port, lit=self.lit, efficiency=int(self.cameras.qe_index[0])
         )
         middle, ranges_m, at = np.zeros((1, 1)), problem.scenes[index].range_m, problem.scenes[index].nominal
         signal, veil = field.at_pixels(
@@ -87,20 +87,10 @@ class DesignLight:
 
     def floor_light(self, index: int) -> tuple[float, float]:
         """Mean and least floor illuminance per lumen over the footprint at the nominal altitude [1/m^2]."""
-        hw = self.hardware
-        both: tuple[float, float] = self._lit(
-            ("floor", index),
-            lambda: footprint_light(
-                self.problem,
-                index,
-                self.views[index],
-                port_index=hw.port,
-                optics=self.optics,
-                mount=hw.mount,
-                count=hw.count,
-                altitude=self.problem.scenes[index].nominal,
-            ),
-        )
+        both: tuple[float, float] = self._lit(("floor", index), lambda: footprint_light(
+            self.problem, index, self.views[index], port_index=self.hardware.port, lit=self.lit,
+            altitude=self.problem.scenes[index].nominal,
+        ))  # fmt: skip
         return both
 
     def dark_share(self, index: int) -> float:
@@ -110,14 +100,13 @@ class DesignLight:
     def lamp_clearance_m(self, index: int) -> float:
         """Least distance of a lamp's middle from any ray of the image, at the lowest altitude."""
         return float(self._once(("clearance", index), lambda: lamp_clearance_m(
-            self.problem, index, self.views[index], port=np.array([self.hardware.port]), mount=self.hardware.mount,
-            count=self.hardware.count,
+            self.problem, index, self.views[index], port=np.array([self.hardware.port]), lit=self.lit
         )[0]))  # fmt: skip
 
     def _dark_share(self, index: int) -> float:
-        scene, view, hw = self.problem.scenes[index], self.views[index], self.hardware
+        scene, view = self.problem.scenes[index], self.views[index]
         beam = self.problem.beam(index, self.optics)
-        lamps, range_m = hw.mount.lamps(hw.count), float(scene.range_m[scene.nominal])
+        lamps, range_m = self.lit.lamps, float(scene.range_m[scene.nominal])
         middles, _ = cells(DARK_CELLS)
         along, across = np.meshgrid(view.tan_along[0] * middles, view.tan_across[0] * middles)
         x_m, y_m, _ = floor_point(along, across, shape=self.shapes[index], range_m=range_m)
@@ -163,8 +152,7 @@ class DesignLight:
         hw, split = self.hardware, pixels is not None and not self.problem.paper
         light = image_light(
             self.problem, index, self.views[index], np.array([hw.camera]), port_index=hw.port,
-            optics=self.optics, mount=hw.mount, count=hw.count, pixels=pixels, channel=channel,
-            means=not split, field_type=LoneField, altitude=altitude,
+            lit=self.lit, pixels=pixels, channel=channel, means=not split, field_type=LoneField, altitude=altitude,
         ).scaled(self.lights.output_factor)  # fmt: skip
         if not split:
             return light

@@ -302,21 +302,13 @@ class DesignModel(DesignLight):
 
     def evenness_margins(self, index: int) -> list[MarginRows]:
         """Least over mean floor illuminance, where the mission asks for it."""
-        scene, hw = self.problem.scenes[index], self.hardware
+        scene = self.problem.scenes[index]
         wanted = scene.view.requirements.min_uniformity
         if wanted is None:
             return []
         reached = self._lit(
             ("uniformity", index),
-            lambda: uniformity(
-                self.problem,
-                index,
-                self.views[index],
-                port_index=hw.port,
-                optics=self.optics,
-                mount=hw.mount,
-                count=hw.count,
-            ),
+            lambda: uniformity(self.problem, index, self.views[index], port_index=self.hardware.port, lit=self.lit),
         )
         worst = int(reached.argmin())
         value, where = np.array([reached[worst]]), np.array([scene.altitude_m[worst]])

@@ -18,6 +18,7 @@ from uwopt.forward.columns import rows_alike
 from uwopt.forward.designs import Designs
 from uwopt.forward.figures import DesignRows, Figures, SettingRows, figures_of, levers_m
 from uwopt.forward.lamp_light import ImageLight, SunLight, Veils, image_light
+from uwopt.forward.lamps import LampGroup
 from uwopt.forward.pixels import fewest_pixels
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import Pixels, SceneOptics
@@ -59,8 +60,9 @@ class Batch:
             for count in np.unique(d.count[rows]) if pixels else [2]:
                 mine = rows[d.count[rows] == count] if pixels else rows
                 light = image_light(
-                    self.problem, index, view.take(mine), d.camera[mine], port_index=port, optics=optics, mount=d.mount,
-                    count=int(count), pixels=pixels, veils=veils, known=None if known is None else known.take(mine),
+                    self.problem, index, view.take(mine), d.camera[mine], port_index=port,
+                    lit=LampGroup(optics, d.mount, int(count)), pixels=pixels, veils=veils,
+                    known=None if known is None else known.take(mine),
                 )  # fmt: skip
                 parts.append((mine, light))
         return ImageLight.in_places(parts, len(d))

@@ -18,7 +18,7 @@ import numpy as np
 from uwopt.arrays import Array
 from uwopt.forward.figures import SettingRows, full_light_lm
 from uwopt.forward.lamp_light import COARSE_ORDER, SMOOTH_MARGIN, LampField
-from uwopt.forward.lamps import Mount, one_side
+from uwopt.forward.lamps import LampGroup, Mount, one_side
 from uwopt.forward.part_columns import CONTINUOUS
 from uwopt.forward.problem import Problem
 from uwopt.forward.spectra import LARGEST_EXPONENT, TINY, sees_colours
@@ -120,8 +120,9 @@ def bounds_of(problem: Problem, group: ImagerGroup, *, information: bool) -> dic
 
     def field(of: Problem = problem, channel: str | None = None) -> LampField:
         return LampField(
-            of, group.scene_index, port_index=group.port, optics=group.optics, mount=group.mount,
-            count=int(group.count.max()), efficiency=int(problem.cameras.qe_index[group.camera[0]]), channel=channel,
+            of, group.scene_index, port_index=group.port,
+            lit=LampGroup(group.optics, group.mount, int(group.count.max())),
+            efficiency=int(problem.cameras.qe_index[group.camera[0]]), channel=channel,
         )  # fmt: skip
 
     signal = group.signal_e

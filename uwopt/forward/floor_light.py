@@ -8,11 +8,7 @@ import numpy as np
 
 from uwopt.arrays import Array
 from uwopt.deadline import NEVER, Deadline, spend
-from uwopt.forward.lamps import (
-    Mount,
-    luminous_weight,
-    on_axis_gain,
-)
+from uwopt.forward.lamps import LampGroup, luminous_weight, on_axis_gain
 from uwopt.forward.problem import Problem
 from uwopt.forward.remembered import once_an_image
 from uwopt.forward.views import Views
@@ -21,21 +17,21 @@ from uwopt.model.footprint import footprint_illuminance_per_lm, most_uniformity
 
 
 def footprint_light(
-    problem: Problem, scene_index: int, view: Views, *, port_index: int, optics: int, mount: Mount, count: int,
-    altitude: int,
-) -> tuple[float, float]:  # fmt: skip
+    problem: Problem, scene_index: int, view: Views, *, port_index: int, lit: LampGroup, altitude: int
+) -> tuple[float, float]:
     """Mean and least floor illuminance per lumen over one imager's footprint [1/m^2]."""
     scene = problem.scenes[scene_index]
     range_m = float(scene.range_m[altitude])
-    beam = problem.floor_lobe(scene_index, optics, mount, range_m)
-    weight, lamp_leg = luminous_weight(scene, problem.optics[optics]), problem.lamp_leg_per_m(scene_index, optics)
+    beam = problem.floor_lobe(scene_index, lit.optics, lit.mount, range_m)
+    weight = luminous_weight(scene, problem.optics[lit.optics])
+    lamp_leg = problem.lamp_leg_per_m(scene_index, lit.optics)
     if problem.paper:
         axis = float(on_axis_gain(beam, np.array([range_m]))[0])
         loss = float((weight * np.exp(-lamp_leg * range_m)).sum() / weight.sum())
         return axis * loss, axis * loss
     return footprint_illuminance_per_lm(
         float(view.tan_along[0]), float(view.tan_across[0]), shape=problem.shape(port_index, scene_index),
-        range_m=range_m, lamps=mount.lamps(count), beam=beam, weight=weight,
+        range_m=range_m, lamps=lit.lamps, beam=beam, weight=weight,
         attenuation_per_m=lamp_leg, fineness=scene.fineness,
     )  # fmt: skip
 
@@ -53,7 +49,7 @@ def evenness(problem: Problem, scene_index: int, view: Views, **hardware: Any) -
 
 
 def most_uniformities(
-    problem: Problem, scene_index: int, view: Views, *, port_index: int, optics: int, mount: Mount, count: int
+    problem: Problem, scene_index: int, view: Views, *, port_index: int, lit: LampGroup
 ) -> Array:
     """Upper bounds of the uniformity of many images behind one port at the worst altitude, (n,)."""
     scene = problem.scenes[scene_index]
@@ -62,9 +58,9 @@ def most_uniformities(
     ends = [
         most_uniformity(
             view.tan_along, view.tan_across, shape=problem.shape(port_index, scene_index), range_m=range_m,
-            lamps=mount.lamps(count), beam=problem.floor_lobe(scene_index, optics, mount, range_m),
-            weight=luminous_weight(scene, problem.optics[optics]),
-            attenuation_per_m=problem.lamp_leg_per_m(scene_index, optics), fineness=scene.fineness,
+            lamps=lit.lamps, beam=problem.floor_lobe(scene_index, lit.optics, lit.mount, range_m),
+            weight=luminous_weight(scene, problem.optics[lit.optics]),
+            attenuation_per_m=problem.lamp_leg_per_m(scene_index, lit.optics), fineness=scene.fineness,
         )
         for range_m in {float(scene.range_m[0]), float(scene.range_m[-1])}
     ]  # fmt: skip
@@ -72,8 +68,8 @@ def most_uniformities(
 
 
 def even_enough(
-    problem: Problem, scene_index: int, view: Views, *, port: Array, optics: int, mount: Mount, count: int,
-    wanted: float, deadline: Deadline = NEVER, whole: bool = True,
+    problem: Problem, scene_index: int, view: Views, *, port: Array, lit: LampGroup, wanted: float,
+    deadline: Deadline = NEVER, whole: bool = True,
 ) -> Array:  # fmt: skip
     """Whether lamps light each image's floor evenly enough at every altitude, (n,).
 
@@ -84,8 +80,8 @@ def even_enough(
     """
     if wanted <= 0.0:
         return np.ones(len(port), bool)
-    scene, beam, lamps = problem.scenes[scene_index], problem.beam(scene_index, optics), mount.lamps(count)
-    item = problem.optics[optics]
+    scene, beam, lamps = problem.scenes[scene_index], problem.beam(scene_index, lit.optics), lit.lamps
+    item = problem.optics[lit.optics]
     least = wanted * (1 - 1e-9)
     even = np.ones(len(port), bool)
     whole = whole or has_sharp_edge(beam)  # of these few places say nothing
@@ -93,7 +89,7 @@ def even_enough(
         mine = np.nonzero(port == one)[0]
         shape = problem.shape(int(one), scene_index)
         key = (problem.effects.multiple_scattering, beam, item.spectrum_id, item.spectrum, lamps, shape, least)
-        hardware: dict[str, Any] = dict(port_index=int(one), optics=optics, mount=mount, count=count)
+        hardware: dict[str, Any] = dict(port_index=int(one), lit=lit)
 
         def lit_so(image: Views, altitude: int, hardware: dict[str, Any]) -> bool:
             spend("floors")

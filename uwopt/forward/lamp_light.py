@@ -9,14 +9,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from uwopt.arrays import Array
 from uwopt.forward.columns import Columns, distinct
 from uwopt.forward.lamps import (
-    Mount,
+    LampGroup,
     on_axis_gain,
     one_side,
 )
@@ -43,10 +43,6 @@ from uwopt.model.veil.ray import backscatter_gain
 from uwopt.model.veil.spots import Spots, floor_spots
 from uwopt.model.veil.wide import mean_wide_gain, wide_gain
 from uwopt.tolerances import ROUND
-
-if TYPE_CHECKING:
-    from uwopt.forward.lamps import Mount
-    from uwopt.forward.problem import Problem
 
 Veils = Literal["none", "forward", "coarse", "likely", "all"]  # what is worked out, each with those before it
 
@@ -123,17 +119,17 @@ class LampField:
     """One lighting seen by imagers that share scene, port and efficiency curve."""
 
     def __init__(
-        self, problem: Problem, scene_index: int, *, port_index: int, optics: int, mount: Mount, count: int,
-        efficiency: int, channel: str | None = None,
+        self, problem: Problem, scene_index: int, *, port_index: int, lit: LampGroup, efficiency: int,
+        channel: str | None = None,
     ):  # fmt: skip
         self.problem, self.scene_index, self.effects = problem, scene_index, problem.effects
         self.scene, self.contraction = problem.scenes[scene_index], problem.contractions[scene_index]
         self.fineness = self.scene.fineness
         self.shape = problem.shape(port_index, scene_index)
-        self.beam = problem.beam(scene_index, optics)
-        self.spectrum = int(self.contraction.spectrum_of[optics])
+        self.beam = problem.beam(scene_index, lit.optics)
+        self.spectrum = int(self.contraction.spectrum_of[lit.optics])
         self.efficiency, self.channel = efficiency, channel
-        self.lamps, self.mount, self.optics = mount.lamps(count), mount, optics
+        self.lamps, self.mount, self.optics = lit.lamps, lit.mount, lit.optics
 
     # ------------------------------------------------------------ means
 
@@ -500,8 +496,8 @@ def with_colours(
 
 
 def image_light(
-    problem: Problem, scene_index: int, view: Views, camera: Array, *, port_index: int, optics: int, mount: Mount,
-    count: int = 2, channel: str | None = None, pixels: Pixels | None = None, veils: Veils = "all", means: bool = True,
+    problem: Problem, scene_index: int, view: Views, camera: Array, *, port_index: int, lit: LampGroup,
+    channel: str | None = None, pixels: Pixels | None = None, veils: Veils = "all", means: bool = True,
     known: ImageLight | None = None, field_type: type[LampField] = LampField, altitude: int | None = None,
 ) -> ImageLight:  # fmt: skip
     """Electrons per lm s of light behind the lamps' windows, by altitude: the constants of the imaging chain.
@@ -513,13 +509,10 @@ def image_light(
     """
     efficiency = problem.cameras.qe_index[camera]
     parts = []
-    kind = kind_of_field(problem, optics, field_type)
+    kind = kind_of_field(problem, lit.optics, field_type)
     for curve in distinct(efficiency)[0]:
         mine = np.nonzero(efficiency == curve)[0]
-        field = partial(
-            kind, problem, scene_index, port_index=port_index, optics=optics, mount=mount, count=count,
-            efficiency=int(curve),
-        )  # fmt: skip
+        field = partial(kind, problem, scene_index, port_index=port_index, lit=lit, efficiency=int(curve))
         given, seen = None if known is None else known.take(mine), view.take(mine)
         light = field(channel=channel).light(
             seen, pixels=pixels, veils=veils, means=means, known=given, altitude=altitude

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from uwopt.arrays import Array
-from uwopt.forward.lamps import LAMP_FRONT_M, Mount
+from uwopt.forward.lamps import LAMP_FRONT_M, LampGroup, Mount
 from uwopt.forward.problem import Problem
 from uwopt.forward.remembered import once_an_image
 from uwopt.forward.views import Views
@@ -15,10 +15,10 @@ AT_A_TIME = 256  # images, each with some hundred rays
 
 
 def lamp_clearance_m(
-    problem: Problem, scene_index: int, view: Views, *, port: Array, mount: Mount, count: int
+    problem: Problem, scene_index: int, view: Views, *, port: Array, lit: LampGroup
 ) -> Array:
     """Least distance of a lamp's middle from any ray of each image, at the lowest altitude."""
-    range_m, lamps = float(problem.scenes[scene_index].range_m[0]), mount.lamps(count)
+    range_m, lamps = float(problem.scenes[scene_index].range_m[0]), lit.lamps
     clear = np.full(len(port), np.inf)
     for one in np.unique(port):
         mine = np.nonzero(port == one)[0]
@@ -78,11 +78,12 @@ def port_radius_m(problem: Problem, port: Array) -> Array:
     return np.asarray(np.where(ports.is_dome, rim, window)[port])
 
 
-def bodies_fit(problem: Problem, *, port: Array, mount: Mount, count: int) -> Array:
+def bodies_fit(problem: Problem, *, port: Array, lit: LampGroup) -> Array:
     """Whether the lamps' bodies stand beside one another and beside each port's, (n,)."""
     size_m = problem.mission.vehicle.lamp_size_m
     if size_m is None or problem.paper:
         return np.ones(len(port), bool)
+    mount, count = lit.mount, lit.count
     if mount.explicit and len(mount.explicit) != count:  # the places of another number of lamps
         return np.zeros(len(port), bool)
     apart = lamps_apart_m(mount, count) >= size_m * (1 - 1e-9)
@@ -91,10 +92,10 @@ def bodies_fit(problem: Problem, *, port: Array, mount: Mount, count: int) -> Ar
 
 
 def keeps_clear(
-    problem: Problem, scene_index: int, view: Views, *, port: Array, mount: Mount, count: int
+    problem: Problem, scene_index: int, view: Views, *, port: Array, lit: LampGroup
 ) -> Array:
     """Whether lamps stand beside each other, the port and the image; the image is tried once."""
-    clear = bodies_fit(problem, port=port, mount=mount, count=count)
+    clear = bodies_fit(problem, port=port, lit=lit)
     if not views_refused(problem, scene_index):
         return clear
     least_m = least_clearance_m(problem)
@@ -103,10 +104,10 @@ def keeps_clear(
 
         def judged(new: Views, one: int = int(one)) -> Array:
             behind = np.full(len(new.tan_along), one)
-            clear_m = lamp_clearance_m(problem, scene_index, new, port=behind, mount=mount, count=count)
+            clear_m = lamp_clearance_m(problem, scene_index, new, port=behind, lit=lit)
             return clear_m >= least_m * (1 - 1e-9)
 
-        key = ("clear", least_m, mount.lamps(count), problem.shape(int(one), scene_index))
+        key = ("clear", least_m, lit.lamps, problem.shape(int(one), scene_index))
         known = problem.scenes[scene_index].cache.setdefault(key, {})
         clear[mine] &= once_an_image(known, view.take(mine), judged)
     return clear

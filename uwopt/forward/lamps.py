@@ -173,6 +173,20 @@ class Mount:
         return max(range_m - max([one.z_m for one in self.explicit], default=0.0), LAMP_FRONT_M)
 
 
+@dataclass(frozen=True)
+class LampGroup:
+    """Lamps that shine together: their light optics, where they stand and how many they are."""
+
+    optics: int
+    mount: Mount
+    count: int = 2
+
+    @property
+    def lamps(self) -> Lamps:
+        """Each of them, with its share of the light."""
+        return self.mount.lamps(self.count)
+
+
 def light_counts(mission: Mission) -> tuple[int, int]:
     """Fewest and most lamps; explicit mounts say how many there are. Where none will do, one part stands for none."""
     if mission.vehicle.light_mounts:

@@ -387,10 +387,9 @@ def pitched_edges_m(model: DesignModel, scene_index: int, closer: Array) -> tupl
 def lamp_field(design: Replay, scene_index: int, channel: str | None = None) -> LampField:
     """The lamps' light as the design's camera sees it, at the nominal altitude alone."""
     model = design.model
-    problem, hw = model.problem, model.hardware
     field = LampField(
-        problem, scene_index, port_index=hw.port, optics=model.optics, mount=hw.mount,
-        count=hw.count, efficiency=int(model.cameras.qe_index[0]), channel=channel,
+        model.problem, scene_index, port_index=model.hardware.port, lit=model.lit,
+        efficiency=int(model.cameras.qe_index[0]), channel=channel,
     )  # fmt: skip
     field.scene = at_nominal(field.scene)
     return field

@@ -168,14 +168,13 @@ class NodeRows:
         for lighting, number, mine in under.with_number(count):
             view = self.imagers.scenes[scene_index].view.take(imager[mine])
             port = self.imagers.port[imager[mine]]
-            fine = np.ones(len(mine), bool)
-            lamps: dict[str, Any] = dict(mount=lighting.mount, count=number)
+            fine, lit = np.ones(len(mine), bool), lighting.of(number)
             if lamps_refused(self.problem, scene_index):
-                fine = keeps_clear(self.problem, scene_index, view, port=port, **lamps)
+                fine = keeps_clear(self.problem, scene_index, view, port=port, lit=lit)
             if wanted is not None and fine.any():
                 fine[fine] = even_enough(
-                    self.problem, scene_index, view.take(fine), port=port[fine], optics=lighting.optics,
-                    wanted=wanted, deadline=self.deadline, whole=whole, **lamps,
+                    self.problem, scene_index, view.take(fine), port=port[fine], lit=lit, wanted=wanted,
+                    deadline=self.deadline, whole=whole,
                 )  # fmt: skip
             kept[mine] = fine
         return kept

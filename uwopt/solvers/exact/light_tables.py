@@ -192,8 +192,8 @@ class FieldTables:
             mine = np.nonzero(port == value)[0]
             light = image_light(
                 problem, scene_index, view.take(rows[mine]), imagers.camera[rows[mine]], port_index=int(value),
-                optics=lighting.optics, mount=lighting.mount, count=count, pixels=pixels, veils=veils,
-                means=means, known=None if known is None else known.take(mine), field_type=RememberedField,
+                lit=lighting.of(count), pixels=pixels, veils=veils, means=means,
+                known=None if known is None else known.take(mine), field_type=RememberedField,
             )  # fmt: skip
             parts.append((mine, light))
         return ImageLight.in_places(parts, len(rows))
@@ -253,9 +253,8 @@ class FieldTables:
         keys = np.stack([port_of, problem.cameras.qe_index[self.imagers.camera[rows]]])
         for port, efficiency in np.unique(keys, axis=1).T:
             field = RememberedField(
-                problem, scene_index, port_index=int(port), optics=lighting.optics, mount=lighting.mount, count=count,
-                efficiency=int(efficiency),
-            )  # fmt: skip
+                problem, scene_index, port_index=int(port), lit=lighting.of(count), efficiency=int(efficiency)
+            )
             yield field, np.nonzero((keys[0] == port) & (keys[1] == efficiency))[0]
 
     @cached_property

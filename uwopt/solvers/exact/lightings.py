@@ -13,7 +13,7 @@ from uwopt.arrays import Array
 from uwopt.forward import switching
 from uwopt.forward.columns import Columns, distinct
 from uwopt.forward.flash_times import FlashTimes
-from uwopt.forward.lamps import Mount
+from uwopt.forward.lamps import LampGroup, Mount
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
 from uwopt.forward.problem import Problem
 from uwopt.tolerances import COARSE_ROUND
@@ -26,6 +26,10 @@ class Lighting:
     optics: int
     mount_index: int
     mount: Mount
+
+    def of(self, count: int) -> LampGroup:
+        """So many of its lamps."""
+        return LampGroup(self.optics, self.mount, count)
 
 
 @dataclass(frozen=True)
