@@ -36,7 +36,7 @@ def test_what_follows_is_made_once_for_each_record():
     assert len(made) == 3
 
 
-def test_what_else_counts_is_told_apart_and_too_much_is_forgotten():
+def test_what_else_counts_is_told_apart_and_the_oldest_is_forgotten():
     known, made, records = Once[int](2), [], [Record(), Record()]
 
     def make() -> int:
@@ -44,8 +44,18 @@ def test_what_else_counts_is_told_apart_and_too_much_is_forgotten():
         return len(made)
 
     assert [known.of(records, currency, make) for currency in ("USD", "EUR", "USD")] == [1, 2, 1]
-    assert known.of(records[:1], "USD", make) == 3  # the third: the other two are forgotten
+    assert known.of(records[:1], "USD", make) == 3  # the third: the first is forgotten
+    assert known.of(records, "EUR", make) == 2
     assert known.of(records, "USD", make) == 4
+
+
+def test_results_of_too_many_records_are_forgotten_but_for_the_last():
+    known, records = Once[int](9, most_records=3), [Record() for _ in range(5)]
+    assert known.of(records[:2], "USD", lambda: 1) == 1
+    assert known.of(records[2:], "USD", lambda: 2) == 2  # five records: the first two are forgotten
+    assert known.of(records[2:], "USD", lambda: 3) == 2
+    assert known.of(records[:2], "USD", lambda: 4) == 4  # as are the three then
+    assert known.of(records[:1], "USD", lambda: 5) == 5 and known.of(records[:2], "USD", lambda: 6) == 4
 
 
 def test_a_tuple_that_is_hashed_once_stands_in_keys_as_any_other():

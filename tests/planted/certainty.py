@@ -397,7 +397,7 @@ DEFECTS = (
     Defect(
         name="pieces of one name are one",
         file=f"{ROOM}/scenarios.py",
-        old="key = (type(part), part.id)",
+        old="key = id(part)",
         new="key = part.id",
         test=f"{TESTS}::test_pieces_of_one_name_are_each_drawn_as_what_they_are",
     ),

@@ -16,10 +16,13 @@ MOST_RECORDS = 20_000  # whose results one function keeps
 
 
 class Once(Generic[T]):
-    """Results by records and by what else they depend on; all are forgotten once there are too many."""
+    """Results by records and by what else they depend on; the oldest are forgotten once there are too many.
 
-    def __init__(self, most: int):
-        self.most = most
+    most, most_records : results that are kept, and records that they are of; the last is kept whatever it is of
+    """
+
+    def __init__(self, most: int, most_records: int = MOST_RECORDS):
+        self.most, self.most_records, self.n_records = most, most_records, 0
         self.known: dict[Hashable, tuple[tuple[Any, ...], T]] = {}
 
     def of(self, records: Sequence[Any], others: Hashable, make: Callable[[], T]) -> T:
@@ -27,9 +30,10 @@ class Once(Generic[T]):
         key = (tuple(map(id, records)), others)
         found = self.known.get(key)
         if found is None:
-            if len(self.known) >= self.most:
-                self.known.clear()
             found = self.known[key] = tuple(records), make()
+            self.n_records += len(records)
+            while len(self.known) > 1 and (len(self.known) > self.most or self.n_records > self.most_records):
+                self.n_records -= len(self.known.pop(next(iter(self.known)))[0])
         return found[1]
 
 

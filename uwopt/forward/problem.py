@@ -74,8 +74,8 @@ PORT_OPTICS = (
 )  # fmt: skip
 
 
-#: Of parts that were tabulated before: with housings there are many.
-PORT_COLUMNS: Once[Ports] = Once(16)
+#: Columns of parts that were tabulated before: with housings there are many, and hundreds of states of each.
+COLUMNS: Once[Any] = Once(64, most_records=50_000)
 
 
 class Problem:
@@ -122,22 +122,29 @@ class Problem:
             for i in range(len(mission.scenes))
         ]
         high = mission.limits.cost_basis == "high"
-        self.cameras, self.efficiencies = camera_rows(
-            parts.cameras, money=self.money, end=end, paper=paper, high_basis=high,
-            host_share=np.array([self.host_share(part) for part in parts.cameras]),
-            computers=np.array([self.computers(part) for part in parts.cameras], float),
+        money = mission.limits.currency, tuple(sorted(mission.limits.rates.items()))
+
+        def tabulated(kind: str, rows: Callable[..., Any], *more: Any, **own: Any) -> Any:
+            """Of parts of a kind; `more`: what else of this mission, as it is hashed."""
+            of_kind = getattr(parts, kind)
+            return COLUMNS.of(
+                of_kind, (kind, money, end, high, *more),
+                lambda: rows(of_kind, money=self.money, end=end, high_basis=high, **own),
+            )  # fmt: skip
+
+        shares = np.array([self.host_share(part) for part in parts.cameras])
+        computers = np.array([self.computers(part) for part in parts.cameras], float)
+        self.cameras, self.efficiencies = tabulated(
+            "cameras", camera_rows, paper, shares.tobytes(), computers.tobytes(),
+            paper=paper, host_share=shares, computers=computers,
         )  # fmt: skip
-        self.lenses: Lenses = lens_rows(parts.lenses, money=self.money, end=end, high_basis=high)
-        currency = mission.limits.currency, tuple(sorted(mission.limits.rates.items()))
-        self.ports = PORT_COLUMNS.of(
-            parts.ports, (currency, end, high),
-            lambda: port_rows(parts.ports, money=self.money, glass_index=glass_index, end=end, high_basis=high),
-        )  # fmt: skip
+        self.lenses: Lenses = tabulated("lenses", lens_rows)
+        self.ports: Ports = tabulated("ports", port_rows, glass_index=glass_index)
         self.optics, optics_index = distinct_optics(
             parts.lights, [scene.n_water for scene in self.scenes], end, paper=paper
         )
-        self.lights: Lights = light_rows(
-            parts.lights, money=self.money, optics_index=optics_index, end=end, paper=paper, high_basis=high
+        self.lights: Lights = tabulated(
+            "lights", light_rows, paper, tuple(optics_index), paper=paper, optics_index=optics_index
         )
         self.cameras = at_exposure(self.cameras, fixed.exposure_ms)
         self.lights = at_level(self.lights, fixed.dim_frac)

@@ -280,7 +280,7 @@ def outcomes_with(
     """
     alone = problem_of(problem, found, mission=mission, scenes=problem.scenes_for(mission))
     here = scenarios.seen_by(mission, alone.scenes)
-    here = replace(here, known=scenarios.known, responses=scenarios.responses if light is None else light)
+    here = replace(here, responses=scenarios.responses if light is None else light)
     there = replace(found, camera=0, lens=0, port=0, light=0)
     return alone, Counted(there, outcomes(alone, there, objective, here, deadline), 0)
 

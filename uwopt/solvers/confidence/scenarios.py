@@ -62,7 +62,7 @@ class Scenarios:
 
     def seen_by(self, mission: Mission, scenes: Sequence[SceneOptics]) -> Scenarios:
         """The same draws for a mission that asks for other things in these scenes; light in the waters is kept."""
-        return replace(self, waters=self.waters.seen_by(mission, scenes), known={}, responses={})
+        return replace(self, waters=self.waters.seen_by(mission, scenes), responses={})
 
     @property
     def all_states(self) -> list[WaterState]:
@@ -130,10 +130,10 @@ class Scenarios:
 
     def drawn_once(self, part: Any, drawn: Callable[[], list[Any]]) -> list[Any]:
         """What is drawn of a part, kept."""
-        key = (type(part), part.id)  # pieces of a complete camera share its name
+        key = id(part)  # of a record that is kept: pieces of a complete camera share its name
         if key not in self.known:
-            self.known[key] = drawn()
-        return list(self.known[key])
+            self.known[key] = part, drawn()
+        return list(self.known[key][1])
 
     def lights(self, part: Light) -> list[Light]:
         """A light in each scenario; its beam in one of few states."""
