@@ -28,7 +28,8 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="settings stand at an edge where the objective does not care", file=SCENE,
-        old="told_apart(self.power_w), *crowded, value,", new="told_apart(self.power_w), value,",
+        old="self.away, *crowded, told_apart(self.power_w), *enough, value,",
+        new="self.away, told_apart(self.power_w), value,",
         test="tests/solvers/test_middle_settings.py::test_no_other_exposure_has_more_in_hand",
     ),
     Defect(
@@ -38,8 +39,19 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="what lamps leave in hand that lean the other way is forgotten", file=SCENE,
-        old="np.minimum(left[:, column], share)", new="share",
+        old="np.minimum(left[:, column], np.minimum(share, PLENTY) + enough)", new="np.minimum(share, PLENTY) + enough",
         test="tests/solvers/test_middle_settings.py::test_of_several_models_the_one_that_leaves_least_counts",
+    ),
+    Defect(
+        name="watts are burned for what is in hand beyond enough", file=SCENE,
+        old="*crowded, told_apart(self.power_w), *enough,", new="told_apart(self.power_w), *crowded, *enough,",
+        test="tests/solvers/test_middle_settings.py::test_with_enough_in_hand_the_least_power_decides",
+    ),
+    Defect(
+        name="a reserve that the limit keeps is asked for twice", file=SCENE,
+        old="margin.margin + margin.reserve, asked)", new="margin.margin, margin.limit)",
+        test="tests/solvers/test_middle_settings.py::test_enough_is_what_good_practice_keeps_in_reserve"
+        "[light with a reserve]",
     ),
     Defect(
         name="figures shown are the exact optimum's", file="uwopt/results/design.py",

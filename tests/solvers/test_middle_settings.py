@@ -9,11 +9,12 @@ import pytest
 import yaml
 
 import uwopt
+from uwopt.forward.figures import SettingRows
 from uwopt.objectives.requirements import MarginRows
 from uwopt.report.write import system_yaml
 from uwopt.results.design import Margin
 from uwopt.results.result import Result
-from uwopt.solvers.settable.scene import ROOMY, note_room
+from uwopt.solvers.settable.scene import FULL, ROOMY, Tried, least_first, note_room
 
 MISSION: dict[str, Any] = {
     "practice": "bare", "name": "cheapest", "objective": "cost", "confidence": "central",
@@ -69,6 +70,39 @@ def test_of_several_models_the_one_that_leaves_least_counts() -> None:
     for blur_px in (0.6, 0.9, 0.7):
         note_room(left, MarginRows("max_blur_px", np.array([blur_px]), np.ones(1), "<=", "px"))
     assert left[0, ROOMY.index("max_blur_px")] == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize(
+    ("margin", "noted"),
+    [
+        # 22 dB are asked: 1.738 dB in hand are 10^(1.738 / 20) - 1 = 22.2 %, less than the 3 dB that are enough
+        (MarginRows("min_snr_mean_db", np.array([23.738]), np.array([22.0]), ">=", "dB"), 0.2215),
+        # 3 dB of them are kept in the limit already: the same margin is 4.738 dB of what is asked
+        (MarginRows("min_snr_mean_db", np.array([26.738]), np.array([25.0]), ">=", "dB", reserve=3.0), 1.2215),
+        # 0.9 of 1 px are used, then 0.75 of 0.8 px, of which a fifth of the pixel is kept unused
+        (MarginRows("max_blur_px", np.array([0.9]), np.ones(1), "<=", "px"), 0.1),
+        (MarginRows("max_blur_px", np.array([0.75]), np.array([0.8]), "<=", "px", reserve=0.2), 1.0625),
+        (MarginRows("dof_near_m", np.array([1.0]), np.array([1.2]), "<=", "m"), 1.1667),
+    ],
+    ids=["little light", "light with a reserve", "much blur", "blur with a reserve", "sharp ahead"],
+)
+def test_enough_is_what_good_practice_keeps_in_reserve(margin: MarginRows, noted: float) -> None:
+    left = np.full((1, len(ROOMY)), FULL)
+    note_room(left, margin)
+    assert left[0, ROOMY.index(margin.requirement)] == pytest.approx(noted, abs=1e-4)
+
+
+def test_with_enough_in_hand_the_least_power_decides() -> None:
+    """A flash over an export cable burned 146 W, 1 750 Wh in a watch, where 43 W keep every reserve, too.
+
+    Of equals by the goal: much in hand at 146 W; enough at 43 W, twice, once with more; too little at 20 W.
+    """
+    rooms = np.array([[1.4, 1.5], [1.02, 1.3], [1.1, 1.3], [0.3, 1.5]])
+    power_w, none, one = np.array([146.0, 43.0, 43.0, 20.0]), np.zeros(4), np.ones(4)
+    tried = Tried(
+        SettingRows(one, one, one, one, one, one, one), none, none, least_first(rooms), none, power_w, none, none, none
+    )
+    assert tried.best_of_each(np.zeros(4, np.intp)).tolist() == [2]
 
 
 def test_certified_value_is_what_it_was(solved: Result) -> None:

@@ -25,12 +25,14 @@ from uwopt.forward.figures import DesignRows, Figures, SettingRows, figures_of
 from uwopt.forward.lamp_light import ImageLight
 from uwopt.forward.part_columns import FLASH, PULSED
 from uwopt.forward.pixels import worst_candidates
+from uwopt.mission.reserves import RECOMMENDED_RESERVE
 from uwopt.model.sensor import QUANTISATION_VARIANCE_DN2, light_for_snr
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL, MarginRows, depth_of_field_margins
 from uwopt.solvers.exact.ranking import told_apart
 from uwopt.solvers.settable.steps import EDGE, GAIN_STEP_DB, TIME_STEP_S, light_levels, time_steps
 from uwopt.solvers.settings.few_pixels import between
+from uwopt.tolerances import SATISFIED_REL
 from uwopt.units import db_to_ratio, ratio_to_db
 
 Index = NDArray[np.intp]
@@ -42,12 +44,20 @@ PIXELS_ASKED = "min_snr_db"  # the requirement that pixels decide
 SHARP_LAST = 1e-6  # weight of a sharpness that is missed: first all else must hold
 WORST = 1e290  # stands for an objective that is infinite
 MOST_PIXELS = 4_000_000  # figures at pixels that are held at a time
-#: Requirements on images and power that settings may crowd; the ends of what can be set are no room in hand.
-ROOMY = (
-    "max_blur_px", "max_skew_px", "dof_near_m", "dof_far_m", "min_dof_m", "min_snr_db", "min_snr_mean_db",
-    "min_snr_red_db", "min_contrast", "min_mtf_half_nyquist", "resolve_mm", "max_airy_px", "power_w", "peak_power_w",
-)  # fmt: skip
-ENOUGH = 0.5  # of a limit: with more than that in hand the least power decides
+ENOUGH_SNR = float(db_to_ratio(RECOMMENDED_RESERVE["snr_db"])) - 1.0
+ENOUGH_BLUR, ENOUGH_DOF = RECOMMENDED_RESERVE["blur"], RECOMMENDED_RESERVE["dof"]
+ENOUGH_ELSE = 0.1  # of what good practice knows no reserve for
+#: Requirements on images and power that settings may crowd, and how much in hand is enough of each, as a share of what
+#: is asked: what good practice keeps in reserve. The ends of what can be set are no room in hand.
+ENOUGH = {
+    "max_blur_px": ENOUGH_BLUR, "max_skew_px": ENOUGH_BLUR, "dof_near_m": ENOUGH_DOF, "dof_far_m": ENOUGH_DOF,
+    "min_dof_m": ENOUGH_DOF, "min_snr_db": ENOUGH_SNR, "min_snr_mean_db": ENOUGH_SNR, "min_snr_red_db": ENOUGH_SNR,
+    "min_contrast": ENOUGH_ELSE, "min_mtf_half_nyquist": ENOUGH_ELSE, "resolve_mm": ENOUGH_ELSE,
+    "max_airy_px": ENOUGH_ELSE, "power_w": ENOUGH_ELSE, "peak_power_w": ENOUGH_ELSE,
+}  # fmt: skip
+ROOMY = tuple(ENOUGH)
+PLENTY = 0.5  # of a limit: what is in hand beyond it decides nothing
+FULL = 1.0 + PLENTY  # of what is in hand as it is noted: that it is enough counts 1
 ROOM_DIGITS = 6  # of a share of a limit: what differs by rounding alone decides nothing
 EVERY = slice(None)
 BALANCES = 13  # of lamps against sun, at which the worst pixels are looked for
@@ -61,7 +71,7 @@ class Tried(Columns):
     settings: SettingRows
     shortfall: Array  # of the requirement that is missed most, as a share of its size; 0: all hold
     value: Array  # less is better; inf where a requirement is missed
-    in_hand: Array  # of each requirement that settings may crowd, as a share of its limit, the least first (n, k)
+    in_hand: Array  # of each requirement that settings may crowd, as `note_room` has it, the least first (n, k)
     away: Array  # of time and f-number from the optimum's, in e-folds of light
     power_w: Array
     snr_db: Array
@@ -69,11 +79,12 @@ class Tried(Columns):
     information: Array
 
     def best_of_each(self, group: Index) -> Index:
-        """The best row of each group, in the groups' order: least missed, best; of equals the one farthest from its
-        limits, then of least power, then nearest the optimum."""
+        """The best row of each group, in the groups' order: least missed, best; of equals one with enough in hand of
+        each limit or as near that as can be, then of least power, then farthest from its limits, then nearest the
+        optimum."""
         value = told_apart(np.minimum(self.value, WORST))
-        crowded = tuple(-self.in_hand.T[::-1])
-        order = np.lexsort((self.away, told_apart(self.power_w), *crowded, value, self.shortfall, group))
+        enough, crowded = (tuple(-seen.T[::-1]) for seen in (np.minimum(self.in_hand, 1.0), self.in_hand))
+        order = np.lexsort((self.away, *crowded, told_apart(self.power_w), *enough, value, self.shortfall, group))
         return np.asarray(order[np.unique(group[order], return_index=True)[1]])
 
 
@@ -249,7 +260,7 @@ class SettableScene:
         scene, asks_sharpness = self.model.problem.scenes[self.index], self.needs.asks_sharpness
         figures = [figures_of(scene, rows, settings) for rows in self.means]
         of_pixels = self.rows.light.worst_e is not None
-        rooms = np.full((len(settings.f_number), len(ROOMY)), ENOUGH)
+        rooms = np.full((len(settings.f_number), len(ROOMY)), FULL)
         shortfall = self._shortfall(settings, figures, rooms=rooms, without=PIXELS_ASKED if of_pixels else "")
         if of_pixels:
             self._add_pixels(settings, shortfall, rooms)
@@ -281,7 +292,7 @@ class SettableScene:
         What is left of each of `ROOMY`, in the model that leaves least, is noted in `rooms`, of rows `at` these places.
         """
         worst = np.zeros(len(settings.f_number))
-        left = np.full((len(worst), len(ROOMY)), ENOUGH)
+        left = np.full((len(worst), len(ROOMY)), FULL)
         for model, figures in zip(self.models, by_model, strict=True):
             for margin in model.margins(
                 self.index, settings, figures, level_tolerance_rel=LEVEL_TOLERANCE_REL
@@ -311,7 +322,7 @@ class SettableScene:
             information[feasible_so_far] = some.information_bit_per_m2
         power = np.broadcast_to(self.model.totals(figures)["power_w"], (count,))
         snr_db = np.asarray(ratio_to_db(np.maximum(figures.snr[:, nominal], 1e-300)))
-        none, away, unknown = np.zeros(count), self._away(settings), np.full((count, len(ROOMY)), ENOUGH)
+        none, away, unknown = np.zeros(count), self._away(settings), np.full((count, len(ROOMY)), FULL)
         contrast = figures.contrast[:, nominal]
         return Tried(settings, none, none, unknown, away, power, snr_db, contrast, information)
 
@@ -331,23 +342,35 @@ class SettableScene:
 
 
 def note_room(left: Array, margin: MarginRows) -> None:
-    """Note what is left of one of `ROOMY` as a share of its limit, (n, len(ROOMY)); of decibels as a ratio."""
+    """Note what is left of one of `ROOMY` as a share of its limit, (n, len(ROOMY)); of decibels as a ratio.
+
+    No more than `PLENTY`, and 1 more where it is enough: where what is left, with the reserve that the limit keeps
+    already, is as great a share of what is asked as `ENOUGH`.
+    """
     name = margin.requirement.partition(" (")[0]
     if name not in ROOMY or margin.sense not in ("<=", ">="):
         return
-    room = np.asarray(db_to_ratio(margin.margin) - 1.0) if margin.unit == "dB" else margin.margin
-    size = np.ones(1) if margin.unit == "dB" else np.maximum(np.abs(margin.limit), 1e-300)
-    share = np.where(np.isfinite(room) & np.isfinite(size), room / size, np.where(room < 0.0, 0.0, ENOUGH))
+    share = share_left(margin, margin.margin, margin.limit)
+    asked = margin.limit + margin.reserve if margin.sense == "<=" else margin.limit - margin.reserve
+    enough = share_left(margin, margin.margin + margin.reserve, asked) >= ENOUGH[name] - SATISFIED_REL
     column = ROOMY.index(name)
-    left[:, column] = np.minimum(left[:, column], share)
+    left[:, column] = np.minimum(left[:, column], np.minimum(share, PLENTY) + enough)
+
+
+def share_left(margin: MarginRows, room: Array, limit: Array) -> Array:
+    """Room to a limit as a share of it, (n,); of decibels as a ratio, and all there can be where nothing is asked."""
+    if margin.unit == "dB":
+        return np.asarray(np.where(np.isfinite(room), db_to_ratio(room) - 1.0, np.where(room < 0.0, 0.0, PLENTY)))
+    size = np.maximum(np.abs(limit), 1e-300)
+    return np.asarray(np.where(np.isfinite(room) & np.isfinite(size), room / size, np.where(room < 0.0, 0.0, PLENTY)))
 
 
 def least_first(rooms: Array) -> Array:
-    """What is in hand of each row's requirements, the least first, (n, len(ROOMY)); more than enough is enough.
+    """What is in hand of each row's requirements, the least first, (n, len(ROOMY)).
 
     Compared one after the other the least is made greatest, and where settings do not change that the next.
     """
-    return np.sort(np.clip(rooms, 0.0, ENOUGH).round(ROOM_DIGITS), axis=1)
+    return np.sort(np.clip(rooms, 0.0, FULL).round(ROOM_DIGITS), axis=1)
 
 
 def few_pixels(model: DesignModel, index: int) -> DesignModel:
