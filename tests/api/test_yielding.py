@@ -496,6 +496,18 @@ def test_what_is_varied_gives_way_at_no_point_and_full_practice_is_told_where_no
     assert "practice_held" in [note.code for note in table.warnings]
 
 
+def test_where_the_mission_as_it_stands_has_no_system_a_table_lets_give_way_what_a_point_needs():
+    """Else it said that nothing fits at a point where `solve` has a system."""
+    asked_db = round(brightest_db() - 1.0, 2)
+    alone = solved(1.0).result
+    table = uwopt.whatif(survey(asked_db + 12.0), {"min_snr_db": [asked_db + 12.0, asked_db]})
+    assert table.gave_way == given_way(alone) == ["reserve.snr_db"]
+    assert [point.status for point in table.points] == ["infeasible", "optimal"]
+    assert table.points[1].objective == pytest.approx(alone.objective.value, rel=1e-3)
+    (told,) = (note.message for note in table.warnings if note.code == "practice_at")
+    assert f"uwopt solve relaxes at min_snr_db {asked_db:g}, for the mission as it stands has no system" in told
+
+
 def test_a_sweep_lets_give_way_what_solve_does_and_names_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Row by row: some gives way, a little stricter the same does, and then nothing helps."""
     asked_db = [brightest_db() - less for less in (1.1, 1.0, -10.0)]

@@ -33,6 +33,14 @@ DEFECTS = (
         test="tests/api/test_whatif.py::test_where_nothing_fits_no_optimum_is_drawn_and_practice_is_told_as_it_is",
     ),
     Defect(
+        name="a table holds all of good practice where the mission as it stands has no system",
+        file="uwopt/api/whatif.py",
+        old="if self.fits_nothing and self.asked_at < MOST_ASKED:",
+        new="if False:",
+        test=f"{YIELDING}::"
+        "test_where_the_mission_as_it_stands_has_no_system_a_table_lets_give_way_what_a_point_needs",
+    ),
+    Defect(
         name="a mission that nothing meets is said to keep good practice",
         file="uwopt/api/whatif.py",
         old="if work.fits_nothing else",

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from uwopt.api.common import Source, central_notes, time_warnings
 from uwopt.api.floats import own_float_rules
 from uwopt.api.search_notes import patience_warnings
-from uwopt.api.varied import Switches, Systems, VariedGrid
+from uwopt.api.varied import At, Switches, Systems, VariedGrid
 from uwopt.api.watch import Watch
 from uwopt.api.yielding import gives_way_alone, yield_notes
 from uwopt.deadline import Deadline, Progress, processor_s, unheard
@@ -31,6 +31,7 @@ from uwopt.units import UNIT_SUFFIXES
 
 MOST_KEYS, MOST_POINTS = 2, 10_000
 SPIDER_FACTORS = (0.8, 0.9, 1.0, 1.1, 1.2)
+MOST_ASKED = 2  # points of which it is asked what gives way, where the mission as it stands has no system
 SWITCHES_S = 30.0  # of the processor, for where systems take over, where no time is given
 HOLDS = "--confidence holds it at every point"
 
@@ -138,6 +139,8 @@ class Work:
     notes: list[Note] = field(default_factory=list)
     given_way: tuple[Yield, ...] | None = None  # of good practice, for the mission as it stands; None: not asked yet
     fits_nothing: bool = False  # whether the mission as it stands has no system that was found, even with less of that
+    asked_at: int = 0  # points of which that was asked instead
+    relaxed_at: str = ""  # that of which it gives way, where it is not the mission as it stands
     to_hold: bool = False  # whether any of it gives way so that something holds as often as is asked
 
     def grid_of(self, keys: Sequence[Varied]) -> VariedGrid:
@@ -153,7 +156,8 @@ class Work:
         """Every point of a grid, until the time is over.
 
         Where nothing fits at one, it is asked whether good practice has to give way for the mission as it stands, and
-        if so what does at every point: so all points ask for the same, and what `solve` answers is among them.
+        if so what does at every point: so all points ask for the same, and what `solve` answers is among them. Where
+        that has no system either way, what gives way for the first of the points that has one so, of the first few.
         """
         order = grid.order()
         for number, at in enumerate(order):
@@ -162,8 +166,11 @@ class Work:
                 break
             values = ", ".join(f"{key.name} {shown(value)}" for key, value in zip(grid.keys, at, strict=True))
             self.say(number / len(order), f"point {number + 1} of {len(order)}: {values}")
-            if grid.solve(at).status == "infeasible" and self.given_way is None:
-                self.ask_practice(grid)
+            if grid.solve(at).status == "infeasible" and not self.given_way:
+                if self.given_way is None:
+                    self.ask_practice(grid)
+                if self.fits_nothing and self.asked_at < MOST_ASKED:
+                    self.ask_practice_at(grid, at, values)
                 if grid.given_way:
                     self.solve_all(grid)
                     return
@@ -189,6 +196,15 @@ class Work:
             self.given_way = gives_way_alone(mission, self.deadline).yields
             self.fits_nothing = not self.given_way
         if self.given_way:
+            grid.begin_again(self.given_way)
+
+    def ask_practice_at(self, grid: VariedGrid, at: At, values: str) -> None:
+        """What of good practice gives way at a point, in a grid that begins again if any does."""
+        self.asked_at += 1
+        self.say(0.0, f"what of good practice has to be relaxed at {values}")
+        self.given_way = gives_way_alone(grid.mission(at), self.deadline).yields
+        if self.given_way:
+            self.relaxed_at = values
             grid.begin_again(self.given_way)
 
     def switches(self, grid: VariedGrid) -> list[Switch]:
@@ -253,6 +269,12 @@ def full_practice_notes(points: Sequence[WhatIfPoint], work: Work) -> list[Note]
     """That all of good practice is asked where nothing fits, though `solve` would let it give way there."""
     if work.certain and any(point.status == "infeasible" and point.figures for point in points):
         return [Note("practice_held", "practice", NOT_FOR_CERTAINTY)] if for_certainty(work) else []
+    if work.given_way and work.relaxed_at:
+        text = (
+            "what of good practice is relaxed at every point is what uwopt solve relaxes at "
+            f"{work.relaxed_at}, for the mission as it stands has no system with less of it either"
+        )
+        return [Note("practice_at", "practice", text)]
     if work.given_way or not yields_of(work.base.base) or all(point.status != "infeasible" for point in points):
         return []
     why = "with less of it the mission as it stands has no system either" if work.fits_nothing else (
