@@ -291,6 +291,13 @@ def test_picks_of_one_point_are_shown_once(make_front: Make) -> None:
     assert "Cheapest, least power: point p1" in heads
 
 
+def test_a_pick_has_one_price_and_one_power(make_front: Make) -> None:
+    """The table had 3 459 USD beside a card of 2 000 to 7 000 USD, and 75.84 W, exact, beside 75.9 W, as set."""
+    (pick,) = design_parts(make_front(points=1), Pictures(), Deadline.after(-1.0))
+    told = {card.title: card.value for card in pick.cards}
+    assert pick.goals[:2] == [told["Power"], told["Cost"]] and " to " in pick.goals[1]
+
+
 def test_parts_are_shortened_as_long_as_they_stay_apart() -> None:
     from uwopt.report.page.front import short_id
 

@@ -9,15 +9,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from uwopt.quantities import BY_NAME
-from uwopt.report.page.sections import Card, bar, cards, scene_value
+from uwopt.quantities import BY_NAME, TERMS
+from uwopt.report.page.sections import DIGITS, Card, bar, cards, scene_value
 from uwopt.report.page.style import SCALE_DARK, SCALE_LIGHT
 from uwopt.report.text import formats, vocabulary, words
 from uwopt.report.text.front_tables import pick_names
 from uwopt.report.text.tables import has_no_limit, kinds_by_id, scenes_to_set, shown_settings
 from uwopt.report.text.verdict import axis_name, best_and_worst
 from uwopt.results.design import Design, SceneResult, UsedHardware
-from uwopt.results.front import FrontPoint, FrontResult
+from uwopt.results.front import FrontObjective, FrontPoint, FrontResult
 from uwopt.units import symbol
 
 #: Figures beside the objectives, unless an objective shows the same.
@@ -159,6 +159,23 @@ def beside(design: Design, name: str) -> float | None:
     if name == "power_w":
         return design.totals.power_w
     return scene_value(design.scenes[0].figures, design.scenes[0].settings, name)
+
+
+def goal_texts(front: FrontResult, point: FrontPoint) -> list[str]:
+    """The objectives of a pick as its cards have them: at the settings to type in, of a cost its range."""
+    return [goal_text(one, point) for one in front.objectives]
+
+
+def goal_text(one: FrontObjective, point: FrontPoint) -> str:
+    """One of them, of several scenes the worst; of a user's own function there is the exact value alone."""
+    design = point.design.as_set
+    if one.name == "power":
+        return formats.quantity(design.power_as_set_w, one.unit)
+    if one.name == "cost" or one.name not in TERMS or design is point.design:
+        return words.axis_text(one, point, DIGITS)
+    known = (scene_value(scene.figures, scene.settings, TERMS[one.name].name) for scene in design.scenes)
+    worst = max((value for value in known if value is not None), key=lambda v: one.sign * v, default=None)
+    return formats.quantity(worst, one.unit)
 
 
 def currency(front: FrontResult) -> str:

@@ -14,7 +14,7 @@ from typing import Any
 from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import UwoptError
 from uwopt.report.page import sections as page_parts
-from uwopt.report.page.front import front_cards, front_data, history_figure
+from uwopt.report.page.front import front_cards, front_data, goal_texts, history_figure
 from uwopt.report.page.html_file import compact_json, packed, rendered, safe_id, slim
 from uwopt.report.page.sections import DesignPart
 from uwopt.report.page.svg import clean_svg
@@ -135,6 +135,7 @@ def design_parts(
                 words.as_sentence(formats.one_line(pick.definition)) for pick in result.picks if pick.point == point_id
             )  # fmt: skip
             part = page_parts.design_part(result, design, name, part_id=point_id, definition=definition)
+            part.goals.extend(goal_texts(result, result.point(point_id)))
             made[number].place(pictures, f"d{number}", part)
             yield part
         return

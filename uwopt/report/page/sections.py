@@ -116,6 +116,7 @@ class DesignPart:
     scenes: list[SceneBars]
     figures: list[tuple[str, list[str]]]
     scene_names: list[str]
+    goals: list[str] = field(default_factory=list)  # of a front's pick, its objectives as its cards have them
     pictures: list[Any] = field(default_factory=list)
 
 
