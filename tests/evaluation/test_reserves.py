@@ -112,7 +112,16 @@ def test_a_lean_inward_and_one_outward_are_both_tried():
         if note.code == "tilt_reserve"
     ]
     # Lamps aimed straight down at 0.6 m to the side light the image better inward: outward alone is lost.
-    assert len(texts) == 1 and "outward" in texts[0] and "min_snr_db" in texts[0]
+    assert len(texts) == 1 and "outward" in texts[0]
+    assert "signal to noise (min_snr_db) would be missed; ask for a larger reserve (reserve.snr_db), or fix" in texts[0]
+    even = margins(evaluated(min_uniformity=0.0))["min_uniformity"].value
+    assert even is not None
+    told = [
+        note.message
+        for note in evaluated(min_uniformity=even - 1e-4, min_snr_db=0, reserve={"tilt_deg": 5}).warnings
+        if note.code == "tilt_reserve"
+    ]
+    assert told and all("evenness of the light (min_uniformity) would be missed; fix the" in one for one in told)
 
 
 def test_a_lens_as_far_closed_as_asked_is_no_risk():

@@ -77,6 +77,25 @@ def test_first_line_tells_how_far_the_answer_may_be_believed(doubtful: Result) -
     assert rest.startswith("least power, 40.50 W at these settings (40.00 W before rounding).")
 
 
+def test_a_search_that_was_stopped_tells_what_there_is_to_choose_from(make_result: Make) -> None:
+    """`catalog.lenses: [zeiss]` leaves six: "a mission with fewer parts to choose from" was no help."""
+    scope = "121 cameras, 6 lenses, 5 ports, 12 housings, 5 lights (real parts only), 1 to 2 of them at once"
+    made = make_result(status="stopped", recommendation=None, runners_up=[])
+    assert made.certificate is not None
+    made = replace(made, certificate=replace(made.certificate, best_value=None, scope=scope))
+    left = "The mission leaves 121 cameras, 6 lenses, 5 ports, 12 housings, 5 lights to choose from, and nothing"
+    for lenses, helps in ((["zeiss"], "or widen catalog.lenses, which leaves 6."), ([], "or leave fewer parts.")):
+        text = text_of(replace(made, mission={"name": "x", "catalog": {"lenses": lenses, "cameras": ["flir"]}}))
+        assert left in text and f"Give it more time (--seconds), {helps}" in text
+
+
+def test_sharpness_without_end_is_told(make_result: Make, make_design: Any, make_scene: Any) -> None:
+    """A net pen's camera was sharp from 0.9 m on, and the page said nothing of its depth of field."""
+    far = make_scene("pen")
+    far.figures.update(dof_m=None, dof_near_m=0.9, dof_far_m=None, dof_far_is_infinite=True)
+    assert "sharp from 0.900 m to infinity" in text_of(make_result(recommendation=make_design(scenes=[far])))
+
+
 def test_images_are_told_with_the_distance_at_which_they_are_taken(make_result: Make) -> None:
     """A pixel of 0.86 mm at 2 m is one of 0.97 mm at the far end of the band, which no limit is held against here."""
     flown = {"name": "x", "vehicle": {"altitude_m": 2.0, "altitude_tolerance_m": 0.25}}

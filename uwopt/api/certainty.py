@@ -94,7 +94,8 @@ def with_confidence(
     if not counted.enough:
         share = "every end" if asked == ENDS else f"{100.0 * certain.asked:g} % of the scenarios"
         none = "nothing in the catalogue" if certain.proven else "nothing that was counted"
-        text = f"{none} holds in {share}; this does in {100.0 * min(counted.held, counted.held_in_choice):.0f} %"
+        held = counted.held if asked == ENDS or counted.held < certain.asked else counted.held_in_choice
+        text = f"{none} holds in {share}; this does in {100.0 * held:.0f} %"
         design = with_note(design, Note(NOT_CERTAIN, "confidence", text))
     if counts.of_all_parts:
         share = "at every end" if asked == ENDS else f"in {100.0 * certain.asked:g} % of the scenarios"

@@ -166,10 +166,10 @@ def housing_notes(model: DesignModel) -> list[Note]:
     if not tight:
         return []
     told = " and ".join(
-        f"{name.removesuffix('_mm').replace('_', ' ')} {1e3 * needed:.0f} mm needed where {1e3 * room:.0f} mm are"
+        f"{name.removesuffix('_mm').replace('_', ' ')} may have to be {1e3 * needed:.0f} mm, and is {1e3 * room:.0f} mm"
         for name, (needed, room) in tight.items()
     )
-    text = f"measure camera, plug and lens before you buy the housing; by the high ends of estimates {told}"
+    text = f"measure camera, plug and lens before you buy the housing: by the high ends of estimates its {told}"
     return [Note("measure_the_camera", "hardware.housing", text)]
 
 

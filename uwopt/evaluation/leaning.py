@@ -18,6 +18,14 @@ from uwopt.results.design import Note
 STEEPEST_DEG = 80.0
 TILT_RESERVE = "tilt_reserve"  # code of the warning that lamps that lean lose what is asked for
 OF_GAIN = ("mean_level",)  # a gain sets it anew, without another image
+OF_LIGHT = "min_snr"  # how requirements begin that more light mends
+#: What lamps lose that lean, in words with the mission's key.
+LOST = {
+    "min_snr_db": "signal to noise (min_snr_db)", "min_snr_mean_db": "signal to noise of the image's mean",
+    "min_snr_red_db": "signal to noise of red (min_snr_red_db)", "min_contrast": "contrast (min_contrast)",
+    "min_uniformity": "evenness of the light (min_uniformity)", "saturation_fraction": "highlights below saturation",
+    "mean_level": "mean image level (mean_level)",
+}  # fmt: skip
 
 
 def leaning(mount: Mount, by_deg: float) -> Mount:
@@ -105,9 +113,11 @@ def tilt_notes(problem: Problem, hardware: Hardware, given: Sequence[SceneSettin
     for way, model in leaning_models(problem, hardware).items():
         lost = lost_when_leaning(model, given)
         if lost:
+            by_light = all(name.startswith(OF_LIGHT) for name in lost)
             text = (
                 f"with every lamp {tilt_deg:g} degrees further {way} and the settings as they are, "
-                f"{', '.join(lost)} would be missed; ask for a larger reserve (reserve.snr_db), or fix the lamps' aim"
+                f"{', '.join(LOST.get(name, name) for name in lost)} would be missed; "
+                f"{'ask for a larger reserve (reserve.snr_db), or ' if by_light else ''}fix the lamps' aim"
             )
             notes.append(Note(TILT_RESERVE, "reserve.tilt_deg", text))
     return notes

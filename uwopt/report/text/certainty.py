@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from uwopt.mission.best_image import NAME as BEST_IMAGE
-from uwopt.quantities import AT_LIKELIEST
+from uwopt.quantities import AT_LIKELIEST, TERMS
 from uwopt.report.text import formats, words
 from uwopt.report.text.doubts import drawn_text, number_name
 from uwopt.report.text.helps import move_text
@@ -84,7 +84,7 @@ def keeps_reserves(result: Result) -> bool:
 
 def facts(result: Result, known: Confidence) -> Iterator[tuple[str, str]]:
     """Name and text of each fact."""
-    name = formats.one_line(result.objective.name.replace("_", " "))
+    name = goal_name(result)
     yield "holds", words.capital(held_text(known)).removeprefix("Holds ")
     if known.objective_p50 is not None and result.objective.name != "cost":  # the price stands where it is told
         yield name, median_text(result, known)
@@ -119,6 +119,12 @@ def facts(result: Result, known: Confidence) -> Iterator[tuple[str, str]]:
         yield "drawn", drawn_text(known)
 
 
+def goal_name(result: Result) -> str:
+    """What is made best, in words: `signal to noise`."""
+    name = result.objective.name
+    return TERMS[name].words if name in TERMS else formats.one_line(name.replace("_", " "))
+
+
 def median_text(result: Result, known: Confidence) -> str:
     """`median 280 W, 320 W or better in nine of ten, set anew in each`, where that is done."""
     text = f"median {words.objective_text(result, known.objective_p50)}"
@@ -146,7 +152,9 @@ def central_text(result: Result, known: Confidence) -> str:
     """What is best at likeliest values, and what it does where the choice was made, beside what is recommended."""
     value, parts = told_value(result, known.central_objective), with_parts(result, known.central_hardware)
     if parts == SAME_PARTS:
-        return "best with the same parts" if result.objective.name == "cost" else f"best is {value} with {parts}"
+        if result.objective.name == "cost":
+            return "best with the same parts"
+        return f"best is {value} with {parts}, where iris, focus and lamps are set for these alone"
     medians = [told_value(result, one) for one in (known.central_p50, known.p50_in_choice) if one is not None]
     beside = f", with medians of {' and '.join(medians)}" if len(medians) > 1 else ""
     return (
@@ -189,7 +197,7 @@ def lost_text(requirement: str) -> str:
 
 def curve_table(result: Result, known: Confidence) -> Line:
     """What confidence costs: one row a hardware, at the most that it holds in."""
-    name = formats.one_line(result.objective.name.replace("_", " "))
+    name = goal_name(result)
     table = columns(("held in", "right"), (f"{name}, median", "right"), ("with", "left"))
     for point, after in zip(known.curve, [*known.curve[1:], None], strict=True):
         if after is not None and after.hardware == point.hardware:

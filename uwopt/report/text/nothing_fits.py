@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -28,6 +29,9 @@ from uwopt.units import split_unit
 if TYPE_CHECKING:
     from uwopt.results.front import FrontResult
 
+PARTS_OF_A_KIND = re.compile(r"(\d+) (cameras|lenses|ports|housings|lights)\b")
+PARTS_LEFT = re.compile(r"\d.*? lights\b")  # at the head of what a proof covers
+HANDFUL = 20  # parts of a kind
 MOST_RULES = 3  # told on the first page where no change alone helps
 AT_CENTRAL_PRICES = (
     "At the likeliest prices it would fit: the limit of cost is broken only where estimated prices turn out high "
@@ -98,6 +102,22 @@ def practice_lines(result: Result | FrontResult) -> list[Line]:
         left = words.listed(unknown)
         made.append(sentence(f"What of good practice must be relaxed then was not looked for with: {left}."))
     return made
+
+
+def in_more_time(result: Result | FrontResult) -> str:
+    """What a search that was stopped has left to look at, and what would help it on.
+
+    A list of `catalog` that leaves a handful of a kind is named: more of them may hold one that is soon found to fit.
+    """
+    said, account = "Give it more time (--seconds)", result.certificate if isinstance(result, Result) else None
+    choice = None if account is None else PARTS_LEFT.match(account.scope)
+    if choice is None:
+        return f"{said}, or a mission with fewer combinations"
+    told = f"The mission leaves {choice[0]} to choose from, and nothing was found so far that fits"
+    asked = result.mission.get("catalog") or {}
+    left = {kind: int(number) for number, kind in PARTS_OF_A_KIND.findall(choice[0])}
+    few = [f"catalog.{kind}, which leaves {left[kind]}" for kind in left if asked.get(kind) and left[kind] <= HANDFUL]
+    return f"{told}. {said}, {f'or widen {words.listed(few)}' if few else 'or leave fewer parts'}"
 
 
 def no_change_helps(result: Result | FrontResult) -> str:

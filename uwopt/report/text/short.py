@@ -11,9 +11,9 @@ from collections.abc import Iterator, Sequence
 
 from uwopt.mission.weakened import LEAST_SNR_DB
 from uwopt.mission.yielding import SEEN_SNR_DB
-from uwopt.quantities import AT_LIKELIEST, BY_NAME, TERMS
+from uwopt.quantities import AT_LIKELIEST, BY_NAME
 from uwopt.report.text import formats, words
-from uwopt.report.text.certainty import ask_first, certainty_block, status_text, surer_block
+from uwopt.report.text.certainty import ask_first, certainty_block, goal_name, status_text, surer_block
 from uwopt.report.text.doubts import quoted_number
 from uwopt.report.text.helps import contradiction_lines, not_known_lines, notes_beside
 from uwopt.report.text.in_hand import fails_first
@@ -24,6 +24,7 @@ from uwopt.report.text.nothing_fits import (
     excluding_most,
     fit_sentence,
     helpful_lines,
+    in_more_time,
     miss_sentence,
     nearest_title,
     no_change_helps,
@@ -234,7 +235,7 @@ def goal_sentence(result: Result, design: Design) -> str:
     if of_image := goal_text(result):
         return of_image
     goal, rounded = result.objective, design.rounded
-    name = TERMS[goal.name].words if goal.name in TERMS else formats.one_line(goal.name.replace("_", " "))
+    name = goal_name(result)
     as_set = rounded is not None and design.is_settable and rounded.objective_value is not None
     value = rounded.objective_value if rounded is not None and as_set else design.objective_value
     most = "most" if goal.direction == "maximise" else "least"
@@ -259,7 +260,18 @@ def image_sentence(result: Result, design: Design) -> str:
         if text := formats.span((float(v) for v in values if isinstance(v, (int, float))), BY_NAME[name].unit):
             told = f"{'mean ' if name == 'snr_db' else ''}{BY_NAME[name].words}"  # others are of the whole image
             shown.append(f"{told} {text}")
+        elif name == "dof_m" and (near := sharp_from(design)):
+            shown.append(f"sharp from {near} to infinity")
     return f"Images{nominal_place(result)}: {', '.join(shown)}." if shown else ""
+
+
+def sharp_from(design: Design) -> str:
+    """Where sharpness begins that ends nowhere, farthest from the port of several scenes; empty where it ends."""
+    figures = [scene.figures for scene in design.scenes]
+    if not figures or not all(one.get("dof_far_is_infinite") for one in figures):
+        return ""
+    near = [one.get("dof_near_m") for one in figures]
+    return formats.span((float(v) for v in near if isinstance(v, (int, float))), "m").rpartition(" to ")[2]
 
 
 def nominal_place(result: Result) -> str:
@@ -488,7 +500,7 @@ def nothing_blocks(result: Result) -> Iterator[Block]:
     """What would let a system through, and the system that comes nearest."""
     lines = helpful_lines(result)
     if not lines and result.status == "stopped":
-        lines = [sentence("Give it more time, or a mission with fewer parts to choose from.")]
+        lines = [sentence(f"{in_more_time(result)}.")]
     elif not lines and result.infeasible:
         most = excluding_most(result)
         lines = [sentence(f"{no_change_helps(result)}."), *([most] if most else [])]

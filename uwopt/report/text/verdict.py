@@ -9,7 +9,7 @@ from uwopt.quantities import TERMS
 from uwopt.report.text import formats, vocabulary, words
 from uwopt.report.text.doubts import NO_QUOTE_MATTERS, bad_ends_text, quote_text
 from uwopt.report.text.in_hand import fails_first
-from uwopt.report.text.nothing_fits import change_texts, miss_text, no_change_helps, what_helps
+from uwopt.report.text.nothing_fits import change_texts, in_more_time, miss_text, no_change_helps, what_helps
 from uwopt.report.text.tables import nearest_miss
 from uwopt.results.design import PRACTICE_YIELDS, Design, lamps_in_words
 from uwopt.results.front import FrontObjective, FrontPoint, FrontResult
@@ -96,7 +96,7 @@ def nothing(result: Result | FrontResult) -> tuple[str, str]:
         listed = ", ".join(f"{name.partition(' (')[0]} {possible}" for name, _, possible in changes)
         return first, f"{said} {listed}"
     if result.status == "stopped":
-        return first, "Give it more time, or a mission with fewer combinations, to know more"
+        return first, in_more_time(result)
     return first, no_change_helps(result)
 
 
