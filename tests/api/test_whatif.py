@@ -340,7 +340,7 @@ def test_with_certainty_the_points_are_what_solve_recommends(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("more", "said"), [({"confidence": 90}, "write 0.9"), ({"confidence": 0.9, "spider": True}, "central")]
+    ("more", "said"), [({"confidence": 90}, "write 0.9"), ({"confidence": 0.9, "spider": True}, "likeliest")]
 )
 def test_a_confidence_that_cannot_be_is_refused(more, said):
     with pytest.raises(MissionError, match=said):

@@ -78,8 +78,8 @@ DEFECTS = (
     Defect(
         name="every table asks what of good practice gives way",
         file="uwopt/api/whatif.py",
-        old='== "infeasible" and self.given_way is None:',
-        new='in ("infeasible", "optimal") and self.given_way is None:',
+        old='== "infeasible" and not self.given_way:',
+        new='in ("infeasible", "optimal") and not self.given_way:',
         test=f"{YIELDING}::test_a_table_asks_nothing_of_practice_where_something_fits_everywhere",
     ),
     Defect(

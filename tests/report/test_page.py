@@ -19,7 +19,7 @@ from uwopt.deadline import Deadline
 from uwopt.report.page import style as page_style
 from uwopt.report.page.html_file import json_for_script
 from uwopt.report.page.page import Pictures, common_width_mm, design_parts, report_html
-from uwopt.report.page.sections import alternatives, bar, web_link
+from uwopt.report.page.sections import alternatives, bar, cards, web_link
 from uwopt.report.page.svg import clean_svg
 from uwopt.report.pictures import design_pictures
 from uwopt.report.pictures.design_pictures import Picture
@@ -289,6 +289,14 @@ def test_picks_of_one_point_are_shown_once(make_front: Make) -> None:
     heads = [e.text for e in Tree(report_html(front)).tags("h3", "h4")]
     assert heads.count("Settings to type in") == 1
     assert "Cheapest, least power: point p1" in heads
+
+
+def test_cards_say_where_their_figures_are(make_result: Make) -> None:
+    best = make_result().best
+    best.scenes[0].figures.update(gsd_mm=0.86, snr_db=30.0, frame_rate_hz=1.0)
+    notes = {card.title: card.note for card in cards(best)}
+    assert notes["Pixel on the floor"] == "at the nominal altitude" and notes["Frame rate"] == ""
+    assert notes["Signal to noise"] == "mean over the frame, at the nominal altitude"
 
 
 def test_a_pick_has_one_price_and_one_power(make_front: Make) -> None:

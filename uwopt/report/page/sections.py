@@ -32,6 +32,7 @@ from uwopt.units import UNIT_SUFFIXES, format_number
 
 #: Key figures.
 FIGURES = ("snr_db", "gsd_mm", "dof_m", "frame_rate_hz", "swath_m")
+AT_NOMINAL = ("snr_db", "gsd_mm", "swath_m")  # of them, what another altitude changes
 DIGITS = 3
 FULL_BAR, LEFT_END = 1.0, -0.3333  # room to a limit that fills the bar; as far as a miss is drawn
 
@@ -156,6 +157,7 @@ def cards(design: Design) -> list[Card]:
             text = "infinite" if all(value is None for value in values) else f"{text} and more"
         if text:
             notes = ["mean over the frame"] if name == "snr_db" else []
+            notes += ["at the nominal altitude"] if name in AT_NOMINAL else []
             notes += ["over all scenes"] if " to " in text else []
             shown.append(Card(BY_NAME[name].words.capitalize(), text, ", ".join(notes)))
     if totals.mass_kg is not None:
