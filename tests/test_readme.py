@@ -9,7 +9,7 @@ import shlex
 import shutil
 import subprocess
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -26,6 +26,7 @@ from uwopt.cli import status as cli_status
 from uwopt.cli.app import app
 from uwopt.mission.mission import load_mission
 from uwopt.results.reading import read_result
+from uwopt.solvers.continuous import nlopt_algorithms
 from uwopt.solvers.explain import specification
 from uwopt.solvers.front import search as front_search
 
@@ -166,8 +167,8 @@ def done(folder: Path, unhurried: None) -> dict[str, Done]:
 
     One is a process of its own, all of them are before a release; a benchmark takes the time that it is given. By
     default the mission that `init` writes and the deep one choose from few parts, so does the reef's once it was solved
-    as it is, a front may miss a hundredth of its volume, an audit tries a few, and what `init` writes has plain
-    physics, for its scenarios.
+    as it is, a front may miss a hundredth of its volume, an audit and NLopt try a few, and what `init` writes has
+    plain physics, for its scenarios.
     """
     lines = [line for line in commands() if line.startswith(("uwopt ", "python "))]
     if find_spec("openpyxl") is None:  # an environment of before: what makes workbooks cannot run there
@@ -182,6 +183,8 @@ def done(folder: Path, unhurried: None) -> dict[str, Done]:
         for name, few in (("HALVINGS", 1), ("STEPS", 3), ("SHARES", 2)):
             patch.setattr(specification, name, drawn(few, getattr(specification, name)))
         patch.setattr(front_search, "FRONT_GAP", drawn(1e-2, front_search.FRONT_GAP))
+        near = nlopt_algorithms.NEAR
+        patch.setattr(nlopt_algorithms, "NEAR", drawn(replace(near, most=near.most // 10), near))
         for line in lines:
             text, _, target = line.partition(" > ")
             program, *arguments = shlex.split(text)
