@@ -304,6 +304,7 @@ def test_a_pick_has_one_price_and_one_power(make_front: Make) -> None:
     (pick,) = design_parts(make_front(points=1), Pictures(), Deadline.after(-1.0))
     told = {card.title: card.value for card in pick.cards}
     assert pick.goals[:2] == [told["Power"], told["Cost"]] and " to " in pick.goals[1]
+    assert "all is told at the settings to type in" in Tree(report_html(make_front(points=1))).text()
 
 
 def test_parts_are_shortened_as_long_as_they_stay_apart() -> None:
