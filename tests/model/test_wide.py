@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cache
 from typing import Any
 
@@ -18,6 +19,7 @@ POINT = PortShape(is_dome=True, outer_radius_m=0.0, thickness_m=0.0, n_glass=1.5
 LAMP = {"near": 0.5, "all": 0.2}
 K_LAMP, TURNS = 0.3, 0.6
 SHARES = kernel_shares(TURNS)
+POWERS = (2, 4, 8, 16)  # of the kernel's lobes
 BEAMS = {
     "lobe": beams.cosine_power_beam(np.deg2rad(50)), "narrow lobe": beams.cosine_power_beam(np.deg2rad(16)),
     "disc": beams.disc_beam(np.deg2rad(40)),
@@ -37,6 +39,14 @@ def aimed(tilt_deg: float) -> tuple[float, float, float]:
 
 def lamps(tilt: float) -> Lamps:
     return Lamps((0.1,), (0.7,), (-0.2,), ((0.0, float(np.sin(tilt)), float(np.cos(tilt))),), (1.0,))
+
+
+def lobes(cosine: Any) -> Iterator[tuple[int, Any]]:
+    """Each power n and (n + 1) / (2 pi) cos^n, whose power is the square of the one before."""
+    lobe = np.maximum(cosine, 0.0)
+    for power in POWERS:
+        lobe = lobe * lobe
+        yield power, (power + 1) / (2 * np.pi) * lobe
 
 
 class Cells:
@@ -62,7 +72,7 @@ class Cells:
         cosine = np.tensordot([u, v, 1.0], self.ray, axes=1) / np.sqrt(1 + u * u + v * v)
         once, twice = TURNS / np.expm1(TURNS), 0.5 * TURNS**2 / np.expm1(TURNS)
         parts = {16: 0.85 * once, 2: 0.15 * once, 8: twice, 4: 1.0 - once - twice}
-        kernel = sum(part * (n + 1) / (2 * np.pi) * np.maximum(cosine, 0.0) ** n for n, part in parts.items())
+        kernel = sum(parts[power] * lobe for power, lobe in lobes(cosine))
         return float((kernel * self.sent).sum()) / (1 + u * u + v * v) ** 2
 
 
@@ -144,7 +154,6 @@ def test_light_turns_once_where_little_turns_and_ever_more_often() -> None:
 
 
 CELLS = (np.arange(120) + 0.5) / 60 - 1  # of an image, a side
-POWERS = (2, 4, 8, 16)  # of the kernel's lobes, each the square of the one before
 
 
 def sent(half: tuple[float, float], to: tuple[float, float], *, index: float, aside: float = 0.0) -> list[float]:
@@ -171,12 +180,8 @@ def sent(half: tuple[float, float], to: tuple[float, float], *, index: float, as
     grown = abs(np.linalg.det(np.array([x_grows, y_grows]) / 2e-5))
     solid = grown / (1 + s * s + t * t) ** 1.5 * (1 + to[0] ** 2 + to[1] ** 2) ** 2
     cosine = (1 + s * x + t * y) / np.sqrt((1 + s * s + t * t) * (1 + x * x + y * y))
-    lobe, shares = np.maximum(cosine, 0.0), []
-    for power in POWERS:
-        lobe = lobe * lobe
-        kernel = (power + 1) / (2 * np.pi) * lobe
-        shares.append(float((kernel / (1 + u * u + v * v) ** 2).sum() * half[0] * half[1] / 3600 * solid))
-    return shares
+    cell = half[0] * half[1] / 3600 * solid / (1 + u * u + v * v) ** 2
+    return [float((lobe * cell).sum()) for _, lobe in lobes(cosine)]
 
 
 @cache
