@@ -809,12 +809,12 @@ def test_what_gave_way_so_that_anything_fits_comes_back_where_the_rest_is_enough
 def test_hardware_is_counted_once_for_each_mission_that_it_is_asked_of(monkeypatch: pytest.MonkeyPatch) -> None:
     counted: list[float] = []
 
-    def held_with(problem: Any, goal: Any, found: Any, scenarios: Any, mission: Any, *, least: float) -> float:
+    def held_as_set(moved: Any, mission: Any, found: Any) -> float:
         counted.append(mission.reserve.snr_db)
         held = 0.5 if mission.reserve.snr_db else 0.8
-        return held if held >= least else 0.0
+        return held if held >= moved.share else 0.0
 
-    monkeypatch.setattr("uwopt.solvers.confidence.deciding.set_and_held_with", held_with)
+    monkeypatch.setattr("uwopt.solvers.confidence.eased.MovedKeys.held_as_set", held_as_set)
     monkeypatch.setattr("uwopt.solvers.confidence.counted.names", lambda problem, found: found)
     missions = [load_mission({**survey(20.0), "reserve": {"snr_db": snr_db}}) for snr_db in (3.0, 0.0, 3.0, 0.0)]
     known = yielding.KnownToHold()

@@ -18,9 +18,9 @@ from uwopt.api.raised import eased_or_raised, raised
 from uwopt.deadline import NEVER, Deadline
 from uwopt.mission.doubt import Doubt
 from uwopt.solvers.confidence import changes
-from uwopt.solvers.confidence.changes import MOST_WIDENED, MovedKeys, drawn_in, needed, other_changes, size
+from uwopt.solvers.confidence.changes import MOST_WIDENED, drawn_in, needed, other_changes, size, told_with
 from uwopt.solvers.confidence.counted import Looked
-from uwopt.solvers.confidence.deciding import Ease, would_hold
+from uwopt.solvers.confidence.eased import Ease, MovedKeys, would_hold
 from uwopt.solvers.confidence.search import Certain
 from uwopt.solvers.confidence.summary import counted as told_of
 from uwopt.solvers.recommend import Sought
@@ -138,12 +138,12 @@ def test_what_was_widened_is_drawn_back_as_near_as_fresh_scenarios_allow(monkeyp
             self.deadline.check()
             return 0.95 if value >= 12.6 else 0.8
 
-    monkeypatch.setattr(changes, "scenarios_of", lambda *given: None)
+    monkeypatch.setattr(changes, "unseen", lambda *given: None)
     monkeypatch.setattr(changes, "names", lambda *given: "the same")
     problem, one_ = cast(Any, SimpleNamespace(mission=SimpleNamespace(seed=0))), cast(Any, object())
     for until, needed_ in ((NEVER, 12.6), (Deadline(0.0, lambda: 1.0), 12.9)):
         trial = ByHand(problem, cast(Any, None), cast(Any, None), 0.9, until)
-        told = trial.would_hold(one_, [(ease("x"), 12.0)], one_)
+        told = told_with(trial, one_, [(ease("x"), 12.0)], one_)
         assert told is not None and told.held == 0.95 and [one.needed for one in told.moves] == [needed_]
 
 

@@ -12,19 +12,16 @@ from test_confidence import FAST, NOTHING, between, counted, sought_of
 
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError, add_effort, effort_s
 from uwopt.mission.doubt import Doubt
-from uwopt.solvers.confidence import deciding
+from uwopt.solvers.confidence import eased
 from uwopt.solvers.confidence.counted import Counted
-from uwopt.solvers.confidence.deciding import (
+from uwopt.solvers.confidence.deciding import decided_by, shares
+from uwopt.solvers.confidence.eased import (
     EASED_S,
     TRIED_S,
-    decided_by,
+    MovedKeys,
     eases,
-    held_with,
     light_with,
     nearest,
-    outcomes_with,
-    set_and_held_with,
-    shares,
     would_hold,
 )
 from uwopt.solvers.confidence.outcomes import outcomes, outcomes_of_each
@@ -161,9 +158,10 @@ def test_light_in_a_narrower_band_is_that_worked_out_there() -> None:
     one_, scenarios = seen(sought, 0.9, **doubt)
     problem, goal = sought.problem, sought.search.objective
     (ease,) = [ease for ease in eases(problem.mission, []) if ease.key == "altitude_tolerance_m"]
+    trial = MovedKeys(problem, goal, scenarios, 0.9)
     known_w, afresh_w, wide_w = (
-        outcomes_with(problem, goal, one_.found, scenarios, ease.mission_at(0.4), light)[1].outcomes.value[0] - 3.0
-        for light in (light_with(ease, 0.4, scenarios), {}, light_with(ease, 0.9, scenarios))
+        trial.outcomes_in(ease.mission_at(0.4), one_.found, light)[1].outcomes.value[0] - 3.0
+        for light in (light_with([(ease, 0.4)], scenarios), {}, light_with([(ease, 0.9)], scenarios))
     )  # of the lamp
     assert known_w == pytest.approx(afresh_w, rel=1e-4)
     assert np.abs(wide_w / afresh_w - 1.0).max() > 2e-2
@@ -182,16 +180,16 @@ def test_what_would_hold_is_looked_for_in_counted_work(
     one_, scenarios = seen(short_of_power, 0.9, clarity=True)
     problem, goal, mission = short_of_power.problem, short_of_power.search.objective, short_of_power.problem.mission
     with pytest.raises(OutOfTimeError):
-        held_with(problem, goal, one_.found, scenarios, mission, {}, Deadline(0.0, lambda: 1.0))  # light is made anew
+        over = MovedKeys(problem, goal, scenarios, 0.9, Deadline(0.0, lambda: 1.0))
+        over.outcomes_in(mission, one_.found, {})  # light is made anew
 
-    def count_slowly(*args: Any) -> float:
-        until = args[6]
+    def count_slowly(trial: MovedKeys, *given: Any) -> float:
         for _ in range(1000):
             add_effort(TRIED_S / 10.0)
-            until.check()
+            trial.deadline.check()
         return 0.0
 
-    monkeypatch.setattr("uwopt.solvers.confidence.deciding.held_with", count_slowly)
+    monkeypatch.setattr(MovedKeys, "held", count_slowly)
     began_s = effort_s()
     assert would_hold(problem, goal, one_, scenarios, 0.9, NEVER) == []
     assert EASED_S < effort_s() - began_s <= (EASED_S + TRIED_S) * 1.2
@@ -235,9 +233,9 @@ def test_how_light_changes_is_known_by_what_is_asked_of_it() -> None:
     one_, scenarios = seen(sought, 0.9, clarity=True, floor=[0.5, 1.5])
     problem, goal, mission = sought.problem, sought.search.objective, sought.problem.mission
     balanced = mission.with_changes(requirements=mission.to_dict()["requirements"] | {"max_white_balance": 4.0})
-    afresh = replace(scenarios, responses={})
-    assert held_with(problem, goal, one_.found, afresh, balanced) == one_.held  # mono: 1 in any water
-    assert held_with(problem, goal, one_.found, afresh, mission) == one_.held
+    afresh = MovedKeys(problem, goal, replace(scenarios, responses={}), 0.9)
+    for there in (balanced, mission):  # mono: 1 in any water
+        assert afresh.outcomes_in(there, one_.found)[1].outcomes.held.max() == one_.held
 
 
 def test_what_cannot_be_set_by_central_numbers_holds_in_no_scenario_of_a_weaker_mission(
@@ -249,13 +247,13 @@ def test_what_cannot_be_set_by_central_numbers_holds_in_no_scenario_of_a_weaker_
     problem, goal = sought.problem, sought.search.objective
     scenarios = Scenarios.drawn(problem.mission, problem.scenes, Doubt.model_validate(NOTHING), seed=0, count=COUNT)
     (fast,) = sought.outcome.best
+    trial = MovedKeys(problem, goal, scenarios, 0.0)
     held = {
-        camera: [how(problem, goal, replace(fast, camera=camera), scenarios, problem.mission)
-                 for how in (held_with, set_and_held_with)]
+        camera: [trial.held(replace(fast, camera=camera), [], as_set=as_set) for as_set in (False, True)]
         for camera in (0, 1)
-    }  # fmt: skip
+    }
     assert held[1] == [1.0, 1.0]
     assert held[0] == [pytest.approx((0.9 - RATE_HZ) ** 2 / (0.65 * 0.7), abs=0.01), 0.0]
-    monkeypatch.setattr(deciding, "at_its_stop", lambda *given: pytest.fail("settings were looked for"))
+    monkeypatch.setattr(eased, "at_its_stop", lambda *given: pytest.fail("settings were looked for"))
     slower = replace(fast, camera=0)  # of which settings are asked only where it holds in as many
-    assert set_and_held_with(problem, goal, slower, scenarios, problem.mission, least=held[0][0] + 0.01) == 0.0
+    assert replace(trial, share=held[0][0] + 0.01).held(slower, [], as_set=True) == 0.0

@@ -246,7 +246,7 @@ def confidence_of(
 def eased(problem: Problem, goal: Objective, known: Confidence, choice: Certain, deadline: Deadline) -> Confidence:
     """What was counted, and where that is not enough, with what asked less it would be in the scenarios of a choice."""
     from uwopt.solvers.confidence.changes import other_changes
-    from uwopt.solvers.confidence.deciding import Shares, would_hold
+    from uwopt.solvers.confidence.eased import Shares, would_hold
 
     if known.enough or known.asked == ENDS:
         return known

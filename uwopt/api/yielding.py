@@ -313,7 +313,7 @@ def most_held(counts: Counts, mission: Mission, known: KnownToHold, least: float
     least : whether it does in as many is all that is asked; 0: in how many
     """
     from uwopt.solvers.confidence.counted import names
-    from uwopt.solvers.confidence.deciding import set_and_held_with
+    from uwopt.solvers.confidence.eased import MovedKeys
 
     problem, goal, seen, most = counts.sought.problem, counts.sought.goal, counts.seen, 0.0
     enough = least or share_to_hold(counts)
@@ -323,7 +323,7 @@ def most_held(counts: Counts, mission: Mission, known: KnownToHold, least: float
         if key not in known and (*key, least) in known:
             continue
         if key not in known:
-            held = set_and_held_with(problem, goal, one.found, seen.scenarios, mission, least=least)
+            held = MovedKeys(problem, goal, seen.scenarios, least).held_as_set(mission, one.found)
             known[key if held >= least else (*key, least)] = held
         most = max(most, known.get(key, 0.0))
         if most >= enough:

@@ -6,15 +6,13 @@ likeliest values as well.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from itertools import combinations, islice
-from typing import Any, TypeAlias
 
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError, effort_s
-from uwopt.errors import MissionError
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.weakened import RELAXABLE
@@ -22,21 +20,20 @@ from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Moved
 from uwopt.results.certainty import InVain, WouldHold
 from uwopt.solvers.confidence.counted import Counted, names
-from uwopt.solvers.confidence.deciding import (
+from uwopt.solvers.confidence.eased import (
     ALTITUDE,
     BATTERY,
-    TOLERANCE,
     Ease,
+    Holds,
+    Move,
+    MovedKeys,
     Shares,
     all_missed,
     eases,
-    held_with,
-    light_with,
     nearest,
-    set_and_held_with,
 )
 from uwopt.solvers.confidence.scenarios import Scenarios
-from uwopt.solvers.confidence.search import FRESH, FRESH_SEED, scenarios_of
+from uwopt.solvers.confidence.search import unseen
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.infeasible.least_change import rounded_away
 from uwopt.solvers.infeasible.reached import miss
@@ -51,83 +48,47 @@ OTHERS = 4  # hardware that was counted, the best first, that is asked as well
 MOST_PAIRS = 4  # pairs of keys that hold, the surest first, which are drawn in
 LIMITS = tuple(name for name, (section, _, _) in RELAXABLE.items() if section == "limits" and name != "depth_rating_m")
 
-Move: TypeAlias = tuple[Ease, float]
-Holds: TypeAlias = Callable[[Sequence[Move]], bool]
+
+def told_with(trial: MovedKeys, found: Found, moves: Sequence[Move], ours: Found | None) -> WouldHold | None:
+    """As it is told, whatever the time: with what is enough in scenarios that the choice has not seen, too.
+
+    What is just enough in those of the choice owes some of that to luck; it is moved farther then, and drawn back
+    as near as these allow while there is time. None where that is in vain, or no settings can be told.
+    `ours`: what is recommended.
+    """
+    anew = replace(trial, scenarios=unseen(trial.problem, trial.share, trial.scenarios), deadline=NEVER)
+    widths = [WIDER**number for number in range(MOST_WIDENED)]
+    tried = ((width, anew.held(found, by_share(moves, width), as_set=True)) for width in widths)
+    enough, held = next(((width, held) for width, held in tried if held >= trial.share), (0.0, 0.0))
+    if not enough:
+        return None
+    if enough > 1.0:
+        enough, held = drawn_back(replace(anew, deadline=trial.deadline), found, moves, enough, held)
+    moves = by_share(moves, enough)
+    same = ours is not None and names(trial.problem, found) == names(trial.problem, ours)
+    parts = [] if same else [part.id for _, part in pieces_of(trial.problem, found)]
+    if parts and found.count > 1:
+        parts[-1] = f"{found.count} x {parts[-1]}"
+    return WouldHold([moved(*move) for move in moves], parts, held)
 
 
-@dataclass(frozen=True)
-class MovedKeys:
-    """Counts hardware of a problem in its scenarios with keys of its mission moved."""
+def drawn_back(
+    trial: MovedKeys, found: Found, moves: Sequence[Move], enough: float, held: float
+) -> tuple[float, float]:
+    """The least width of some moves with which hardware holds, and how often; a step of `WIDER` less does not do.
 
-    problem: Problem
-    objective: Objective
-    scenarios: Scenarios
-    share: float
-    deadline: Deadline
-
-    def held(self, found: Found, moves: Sequence[Move], *, as_set: bool = False) -> float:
-        """Share of the scenarios in which hardware holds; `as_set`: with settings by likeliest values as well.
-
-        0 in a mission that contradicts itself. Raises OutOfTimeError.
-        """
-        self.deadline.check()
-        mission = self.problem.mission
-        try:
-            for ease, value in moves:
-                mission = ease.mission_at(value, mission)
-        except MissionError:
-            return 0.0
-        count = set_and_held_with if as_set else held_with
-        return count(self.problem, self.objective, found, self.scenarios, mission, self._light(moves), self.deadline)
-
-    def holds(self, found: Found) -> Holds:
-        """Whether hardware holds as often as asked with some keys moved."""
-        return lambda moves: self.held(found, moves) >= self.share
-
-    def would_hold(self, found: Found, moves: Sequence[Move], ours: Found | None) -> WouldHold | None:
-        """As it is told, whatever the time: with what is enough in scenarios that the choice has not seen, too.
-
-        What is just enough in those of the choice owes some of that to luck; it is moved farther then, and drawn back
-        as near as these allow while there is time. None where that is in vain, or no settings can be told.
-        `ours`: what is recommended.
-        """
-        problem = self.problem
-        seed = (problem.mission.seed + FRESH_SEED) % 2**32
-        fresh = scenarios_of(problem, self.share, seed, FRESH, self.scenarios)
-        anew = replace(self, scenarios=fresh, deadline=NEVER)
-        widths = [WIDER**number for number in range(MOST_WIDENED)]
-        tried = ((width, anew.held(found, by_share(moves, width), as_set=True)) for width in widths)
-        enough, held = next(((width, held) for width, held in tried if held >= self.share), (0.0, 0.0))
-        if not enough:
-            return None
-        if enough > 1.0:
-            enough, held = replace(anew, deadline=self.deadline).drawn_back(found, moves, enough, held)
-        moves = by_share(moves, enough)
-        same = ours is not None and names(self.problem, found) == names(self.problem, ours)
-        parts = [] if same else [part.id for _, part in pieces_of(self.problem, found)]
-        if parts and found.count > 1:
-            parts[-1] = f"{found.count} x {parts[-1]}"
-        return WouldHold([moved(*move) for move in moves], parts, held)
-
-    def drawn_back(self, found: Found, moves: Sequence[Move], enough: float, held: float) -> tuple[float, float]:
-        """The least width of some moves with which hardware holds, and how often; a step of `WIDER` less does not do.
-
-        enough, held : the width that does, and how often it holds then
-        """
-        short = enough / WIDER
-        with suppress(OutOfTimeError):
-            for _ in range(DRAWN_BACK):
-                middle = 0.5 * (short + enough)
-                now = self.held(found, by_share(moves, middle), as_set=True)
-                if now >= self.share:
-                    enough, held = middle, now
-                else:
-                    short = middle
-        return enough, held
-
-    def _light(self, moves: Sequence[Move]) -> dict[Any, Any]:
-        heights = [move for move in moves if move[0].key in (ALTITUDE, TOLERANCE)]
-        return light_with(*heights[0], self.scenarios) if heights else self.scenarios.responses
+    enough, held : the width that does, and how often it holds then
+    """
+    short = enough / WIDER
+    with suppress(OutOfTimeError):
+        for _ in range(DRAWN_BACK):
+            middle = 0.5 * (short + enough)
+            now = trial.held(found, by_share(moves, middle), as_set=True)
+            if now >= trial.share:
+                enough, held = middle, now
+            else:
+                short = middle
+    return enough, held
 
 
 def moved(ease: Ease, value: float) -> Moved:
@@ -186,7 +147,7 @@ def joint_change(trial: MovedKeys, found: Found, alone: Sequence[tuple[Move, flo
             if not near or holds(by_share(moves, most)):
                 near.append(drawn_by_share(moves, holds, most))
     least = reversed(near)
-    return [*islice((told for moves in least if (told := trial.would_hold(found, drawn_in(moves, holds), found))), 1)]
+    return [*islice((told for moves in least if (told := told_with(trial, found, drawn_in(moves, holds), found))), 1)]
 
 
 def with_other_hardware(
@@ -203,7 +164,7 @@ def with_other_hardware(
                     moves = drawn_in([move], holds)
                     if best is None or size(moves) < best[0]:
                         best = size(moves), moves, one.found
-    told = None if best is None else trial.would_hold(best[2], best[1], ours)
+    told = None if best is None else told_with(trial, best[2], best[1], ours)
     return [] if told is None else [told]
 
 
@@ -237,14 +198,14 @@ def with_limits_raised(
                     drawn.append((one.found, moves))
                     far = rounded_away(ease.asked + LESS * (moves[0][1] - ease.asked), ease.asked)
             least = reversed(drawn)
-            made += islice((told for found, moves in least if (told := trial.would_hold(found, moves, None))), 1)
+            made += islice((told for found, moves in least if (told := told_with(trial, found, moves, None))), 1)
         if not made and some:
             every = [(ease, far_of(ease)) for ease in limits]
             first = next((one.found for one in some if trial.held(one.found, every) >= share), None)
             if first is not None:
                 holds = trial.holds(first)
                 moves = drawn_in(drawn_by_share(needed(every, holds), holds), holds)
-                made += [told for told in [trial.would_hold(first, moves, None)] if told is not None]
+                made += [told for told in [told_with(trial, first, moves, None)] if told is not None]
     return made
 
 

@@ -86,6 +86,11 @@ def scenarios_of(
     return Scenarios.drawn(mission, problem.scenes, mission.doubt, seed=seed, count=count, like=like)
 
 
+def unseen(problem: Problem, asked: float | str, like: Scenarios) -> Scenarios:
+    """Scenarios that the choice has not seen, of waters as known as in others."""
+    return scenarios_of(problem, asked, (problem.mission.seed + FRESH_SEED) % 2**32, FRESH, like)
+
+
 def look(
     sought: Sought, asked: float | str, deadline: Deadline, report: Progress, *,
     with_room: bool = False, like: Scenarios | None = None, before: Looked | None = None, known: Sequence[Found] = (),
@@ -314,8 +319,7 @@ def judged_anew(
 
 def anew(problem: Problem, objective: Objective, certain: Certain) -> Counted:
     """The best in scenarios that the choice has not seen, at the same stop, with its settings where they are fixed."""
-    seed = (problem.mission.seed + FRESH_SEED) % 2**32
-    scenarios = scenarios_of(problem, certain.asked, seed, FRESH, certain.scenarios)
+    scenarios = unseen(problem, certain.asked, certain.scenarios)
     stop = None if certain.best.f_number is None else [certain.best.f_number]
     found, given = certain.best.found, certain.best.settings
     return Counted(found, outcomes(problem, found, objective, scenarios, f_numbers=stop, given=given), 0)
