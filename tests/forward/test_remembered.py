@@ -166,6 +166,9 @@ def test_pixels_that_never_decide_are_left_out() -> None:
             assert few[:, :, may_miss] == pytest.approx(every[:, :, may_miss], rel=1e-12)
     same = np.ones((1, 1, 5))
     assert decisive_pixels(same, same, 2)[0].shape[2] == 4  # three of five that are alike, and the easiest
+    ever_more = np.arange(1.0, 6.0)[None, None]
+    kept, over = decisive_pixels(ever_more, np.square(ever_more), 0)  # any of them may decide, so none is left out
+    assert kept.tolist() == [[[1.0, 2.0, 3.0, 4.0, 5.0, 5.0]]] and over.tolist() == [[[1.0, 4.0, 9.0, 16.0, 25.0, 1.0]]]
 
 
 def sunlit() -> Any:

@@ -19,6 +19,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.solvers.beside import ahead
 from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.explain.robustness import SLOW_S
+from uwopt.solvers.infeasible.relaxer import ANY
 from uwopt.solvers.recommend import GENERIC_GAIN, TO_BE_MADE, Sought, fewest_made, seek
 from uwopt.solvers.settings.best import scenes_need_cells
 
@@ -64,10 +65,13 @@ class Searches:
     watch: Watch = field(default_factory=Watch)
     fineness: Fineness = DEFAULT
 
-    def seek(self, mission: Mission, *, top: int = 0, deadline: Deadline | None = None, **how: Any) -> Sought:
+    def seek(
+        self, mission: Mission, *, goal: Objective | None = None, top: int = 0, deadline: Deadline | None = None,
+        **how: Any,
+    ) -> Sought:  # fmt: skip
         """One search, as `recommend.seek`."""
         return seek(
-            mission, self.catalog, self.goal, top=top or self.top, deadline=deadline or self.watch.deadline,
+            mission, self.catalog, goal or self.goal, top=top or self.top, deadline=deadline or self.watch.deadline,
             progress=self.watch.progress, fineness=self.fineness, **how,
         )  # fmt: skip
 
@@ -102,7 +106,7 @@ class Searches:
         if policy == "fallback" and sought.outcome.complete and not sought.outcome.best:
             with self.watch.timed("search_generic"):
                 if capless is not mission and not fits:
-                    any_of_all = self.seek(capless, generic="allow", like=sought.problem, enough=True)
+                    any_of_all = self.seek(capless, goal=ANY, generic="allow", like=sought.problem, enough=True)
                     if any_of_all.outcome.complete and not any_of_all.outcome.best:
                         sought = self.seek(capless, generic=first, **known_from(sought))
                         return Searched(mission, sought, any_of_all)

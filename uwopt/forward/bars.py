@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from uwopt.forward.sharpness import SharpRows
 
 Field = Literal["place", "corner", "rms"]
+MAY_SHOW = 1.0 - 1e-8  # of a contrast that is asked for, below what any judge takes for met
 NYQUIST_ROUND = 1e-9  # of a frequency: bars as wide as a pixel are just allowed
 
 

@@ -45,7 +45,8 @@ def decisive_pixels(signal: Array, veil_there: Array, may_miss: int) -> tuple[Ar
         worse = (s <= s[:, None]) & (v >= v[:, None])
         keep[row] = (worse & (~worse.T | earlier)).sum(axis=1) <= may_miss
     most = int(keep.sum(axis=1).max()) + 1
-    order = np.argsort(~keep, axis=1, kind="stable")[:, :most]
+    order = np.argsort(~keep, axis=1, kind="stable")
+    order = np.concatenate([order, order[:, -1:]], axis=1)[:, :most]
     kept = np.take_along_axis(keep, order, axis=1)
     kept[:, -1] = False
     flat, veil = (

@@ -181,6 +181,19 @@ class SceneRows(Columns):
         least, most = (np.minimum(m, reached_by_most(p, self.may_miss)) for m, p in zip(mean, pixels, strict=True))
         return least, most
 
+    def most_contrast(self) -> Array:
+        """Most contrast of bars that any mixture of light leaves, (n, 3) by altitude, by all that rows know of it.
+
+        Of bounds those too that know the veil at some pixels, which are of the farthest altitude alone: what all but k
+        of many pixels reach is no more than what all but k of some do.
+        """
+        most = self.contrast_within()[1]
+        if not self.optimistic or self.worst_e is None or self.worst_veil_e is None or self.sunlit:
+            return most
+        there = share_of(self.worst_e, self.worst_e + self.worst_veil_e)
+        most[:, -1] = np.minimum(most[:, -1], reached_by_most(there, self.may_miss)[:, -1])
+        return most
+
     @property
     def veils_pixels(self) -> bool:
         """Whether the veil is known at each pixel that the SNR is asked of."""

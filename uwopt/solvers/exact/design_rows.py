@@ -33,6 +33,7 @@ from uwopt.forward.sun_light import sun_light
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.bounds import Bounds
 from uwopt.solvers.exact.lightings import Under
+from uwopt.solvers.settings.sharp_time import while_sharp
 
 Narrowed = Callable[[ImageLight], ImageLight]
 
@@ -75,7 +76,8 @@ class NodeRows:
             if not light_alone and not optimistic and self.has_rules(index):
                 kept = self.keep_rules_in(index, imager, light, count, under)
                 rows = replace(rows, time_max_s=np.where(kept, rows.time_max_s, -1.0))
-            result.append(replace(rows, optimistic=optimistic))
+            rows = replace(rows, optimistic=optimistic)
+            result.append(while_sharp(rows) if optimistic and not light_alone else rows)
         return result
 
     def _with_few_pixels(

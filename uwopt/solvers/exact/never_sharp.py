@@ -11,12 +11,11 @@ from itertools import pairwise
 import numpy as np
 
 from uwopt.arrays import Array
-from uwopt.forward.bars import Bars, StillBars
+from uwopt.forward.bars import MAY_SHOW, Bars, StillBars
 from uwopt.forward.problem import Problem
 from uwopt.forward.sharpness import SharpRows
 from uwopt.solvers.exact.imagers import Imagers
 
-MAY_SHOW = 1.0 - 1e-8  # of a contrast that is asked for, below what any judge takes for met
 INTERVALS = 12  # of f-numbers between the widest and the smallest opening
 RULES = ("min_mtf_half_nyquist", "resolve_mm")
 

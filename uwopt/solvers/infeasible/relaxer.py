@@ -13,12 +13,12 @@ import numpy as np
 from uwopt.catalog.choose import Selection
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.assembly import build_problem, selected
+from uwopt.forward.bars import MAY_SHOW
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.account import NOT_REACHED
 from uwopt.solvers.exact.imagers import FittingPairs, Imagers, fitting_pairs, landscapes
-from uwopt.solvers.exact.never_sharp import MAY_SHOW
 from uwopt.solvers.infeasible.freed_rules import (
     FREES,
     HOURS,

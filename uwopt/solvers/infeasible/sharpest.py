@@ -12,13 +12,13 @@ from itertools import pairwise
 import numpy as np
 
 from uwopt.arrays import Array
-from uwopt.forward.bars import StillBars
+from uwopt.forward.bars import MAY_SHOW, StillBars
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.model import aberration
 from uwopt.model.sharpness import HALF_NYQUIST_CYC_PER_PX, diffraction_mtf, lens_mtf, sinc_mtf
 from uwopt.solvers.exact.imagers import Imagers
-from uwopt.solvers.exact.never_sharp import INTERVALS, MAY_SHOW
+from uwopt.solvers.exact.never_sharp import INTERVALS
 
 SHARP = "min_mtf_half_nyquist"
 BLOCK = 4096  # imagers that are asked together

@@ -25,15 +25,11 @@ from uwopt.solvers.settings import closed_form
 from uwopt.solvers.settings.cell_sun import Brightest, Mixture, longest_open_s
 from uwopt.solvers.settings.cell_windows import MEETS, balance_window, bars_contrast, figures_at, window_over
 from uwopt.solvers.settings.few_pixels import deciding_pixels
+from uwopt.solvers.settings.sharp_time import longest_sharp_s
 from uwopt.solvers.settings.windows import Sun
 from uwopt.tolerances import SLACK
 
 Rows = TypeVar("Rows", bound=Columns)
-_RATIO = (
-    np.sin(np.linspace(0.0, np.pi / 2.0, 20_001)) ** 2
-)  # of a frequency over the first null, dense at both ends
-_BOX = sinc_mtf(_RATIO)
-_TABLE_ERROR = 1e-7
 PIXELS_AT_ONCE = 250_000  # arrays of them, altitude by altitude, stay in the processor's cache: twice as quick
 
 
@@ -194,22 +190,11 @@ class SceneCells:
 
         The contrast is the best that lamps and sun can leave, or the least where it must be safe.
         """
-        longest, factor = np.full(len(d), np.inf), self.rows.working_factor[d]
-        for still in self.bars:
-            wanted: Any = still.bars.least
-            if still.bars.veiled:
-                seen = (self.least_contrast if safe else self.most_contrast)[d]
-                wanted = still.bars.least / np.maximum(seen, 1e-300)
-            along, across = still.best_between(d, n_low, n_high, working_factor=factor)
-            fits = (across >= wanted * (1 - 1e-12)).all(axis=1) & (along >= wanted * (1 - 1e-12)).all(axis=1)
-            need = np.clip(wanted / np.maximum(along, 1e-300), 0.0, 1.0)
-            sign = -1.0 if safe else 1.0
-            ratio = np.interp(-need, -_BOX, _RATIO) * (1.0 + sign * _TABLE_ERROR) + max(sign, 0.0) * 1e-9
-            with np.errstate(divide="ignore"):
-                nu = still.bars.frequency_cyc_per_px[d]
-                time = (ratio / nu / still.sharp.blur_px_per_s[d]).min(axis=1)
-            longest = np.minimum(longest, np.where(fits, time, -1.0))
-        return longest
+        if not self.bars:
+            return np.full(len(d), np.inf)
+        seen = (self.least_contrast if safe else self.most_contrast)[d]
+        factor = self.rows.working_factor[d]
+        return longest_sharp_s(self.bars, d, n_low, n_high, working_factor=factor, contrast=seen, safe=safe)
 
     # ------------------------------------------------------------ boxes
 
