@@ -19,7 +19,7 @@ from typing import Literal, TypeVar
 
 Made = TypeVar("Made")
 Progress = Callable[[float, str], None]  # takes how much is done, and of what
-Work = Literal["loss tables", "pixels", "views", "bounds", "cells", "floors"]
+Work = Literal["loss tables", "pixels", "views", "bounds", "designs", "cells", "floors"]
 
 #: Seconds apiece of a fast core, from `solve --confidence 0.9` of eight missions in `problems/`, told by them within a
 #: factor of 1.7; 1.8 times as long on the slower core that they were fitted on.
@@ -28,6 +28,7 @@ COSTS_S: dict[Work, float] = {
     "pixels": 0.03,  # of some images, that may decide
     "views": 0.0045,  # of cameras and lenses behind one port
     "bounds": 2e-7,  # one image under one kind of lamps
+    "designs": 1.5e-5,  # whose settings are bounded; fitted on searches in vain of 0.3 to 1 million
     "cells": 2e-4,  # of settings, one that is bounded
     "floors": 1.1e-3,  # under one image, whose darkest place is sought at one height
 }

@@ -11,6 +11,13 @@ RULES = "tests/solvers/test_rules.py::"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="bounds of settings are no work",
+        file="uwopt/solvers/exact/evaluation.py",
+        old='        spend("designs", len(pairs))\n',
+        new="",
+        test="tests/solvers/test_exact.py::test_designs_whose_settings_are_bounded_count_as_work",
+    ),
+    Defect(
         name="the SNR is thought to need more light than its veil asks for",
         file="uwopt/solvers/exact/needs.py",
         old="veil_ratio=veil,\n                prnu",

@@ -22,6 +22,7 @@ from random_cases import CASES, FEW, bench, case, enumerated, in_batches, lamp, 
 from thorough import drawn
 
 from uwopt.catalog.records import exact
+from uwopt.deadline import COSTS_S, effort_s
 from uwopt.evaluation.design import evaluate_design
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.designs import SceneSettings
@@ -131,6 +132,22 @@ def test_evenness_asked_before_light_loses_nothing(monkeypatch: pytest.MonkeyPat
     outcome = case_.solve()[1]
     agree(case_, outcome, best_of_planted(name))
     assert outcome.best[0].count == 2
+
+
+def test_designs_whose_settings_are_bounded_count_as_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each at every stage of its bound; a search in vain is little else."""
+    for work in COSTS_S:
+        monkeypatch.setitem(COSTS_S, work, float(work == "designs"))
+    bounded, solve = [], evaluation.Evaluation.solve
+
+    def counting(self: Any, pairs: Any, *light: Any, **how: Any) -> Any:
+        bounded.append(len(pairs) if how.get("optimistic") else 0)
+        return solve(self, pairs, *light, **how)
+
+    monkeypatch.setattr(evaluation.Evaluation, "solve", counting)
+    before = effort_s()
+    case(OVER_FRAME[0], over_frame=True).solve()
+    assert effort_s() - before == pytest.approx(sum(bounded)) and sum(bounded) > 0
 
 
 @pytest.mark.parametrize("seed", CASES)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from uwopt.arrays import Array
-from uwopt.deadline import NEVER, Deadline, UntilFound
+from uwopt.deadline import NEVER, Deadline, UntilFound, spend
 from uwopt.forward.columns import distinct, rows_alike
 from uwopt.forward.lamp_light import ImageLight, Veils
 from uwopt.forward.problem import Problem
@@ -238,6 +238,7 @@ class Evaluation:
         self, pairs: NodeDesigns, lights: list[ImageLight], stage: Veils, *, closed_alone: bool
     ) -> Array:
         """Lower bounds on the objective from the light known so far; inf: infeasible with any veil."""
+        spend("designs", len(pairs))
         seen = [light.take(pairs.node) for light in lights]
         return self.solve(pairs, seen, optimistic=True, stage=stage, closed_alone=closed_alone)[0]
 
