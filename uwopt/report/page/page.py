@@ -134,8 +134,10 @@ def design_parts(
             definition = " ".join(
                 words.as_sentence(formats.one_line(pick.definition)) for pick in result.picks if pick.point == point_id
             )  # fmt: skip
-            part = page_parts.design_part(result, design, name, part_id=point_id, definition=definition)
-            part.goals.extend(goal_texts(result, result.point(point_id)))
+            goals = goal_texts(result, result.point(point_id))
+            part = page_parts.design_part(
+                result, design, name, part_id=point_id, definition=definition, goals=goals
+            )
             made[number].place(pictures, f"d{number}", part)
             yield part
         return

@@ -117,13 +117,14 @@ class DesignPart:
     scenes: list[SceneBars]
     figures: list[tuple[str, list[str]]]
     scene_names: list[str]
-    goals: list[str] = field(default_factory=list)  # of a front's pick, its objectives as its cards have them
+    goals: Sequence[str] = ()  # of a front's pick, its objectives as its cards have them
     pictures: list[Any] = field(default_factory=list)
 
 
 def design_part(
-    result: Result | FrontResult, design: Design, name: str, *, part_id: str = "", definition: str = ""
-) -> DesignPart:
+    result: Result | FrontResult, design: Design, name: str, *, part_id: str = "", definition: str = "",
+    goals: Sequence[str] = (),
+) -> DesignPart:  # fmt: skip
     """One design, laid out for the page."""
     rows = [bom_row(row) for row in design.bom]
     doubtful = any(row.mark == "warn" for row in rows)
@@ -133,7 +134,7 @@ def design_part(
         legend=ESTIMATED_LEGEND if doubtful else "",
         total=words.as_sentence(words.cost_sentence(design)),
         scenes=list(scene_bars(design)), figures=figure_rows(design.as_set),
-        scene_names=[formats.one_line(scene.name, 60) for scene in design.scenes],
+        scene_names=[formats.one_line(scene.name, 60) for scene in design.scenes], goals=goals,
     )  # fmt: skip
 
 
