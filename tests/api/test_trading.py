@@ -324,6 +324,8 @@ def test_out_of_time_it_claims_nothing():
     assert proof is not None
     assert not proof["complete"]
     assert proof["hypervolume_bound"] is None
+    best = uwopt.solve(MISSION, objective="cost", top=1)
+    assert result.parts_left is not None and result.parts_left == best.parts_left
     assert proof["loaded"] == proof["evaluated"] + sum(item["count"] for item in proof["discarded"])
     assert "NaN" not in result.to_json()
 

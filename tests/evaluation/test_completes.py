@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Any
 
 import pytest
@@ -44,7 +45,10 @@ def test_account_of_complete_cameras_adds_up(solved: Any) -> None:
     proof = solved.certificate
     assert proof.loaded == proof.evaluated + sum(item.count for item in proof.discarded)
     assert proof.selected == 2  # it with one lamp, landscape and portrait
-    assert "1 complete camera" in proof.scope
+    assert "1 complete camera, 1 light " in proof.scope
+    assert asdict(proof.parts_left) == {
+        "cameras": 0, "lenses": 0, "ports": 0, "lights": 1, "housings": 0, "complete_cameras": 1, "generic": 0,
+    }  # fmt: skip
 
 
 def test_system_names_it_and_is_evaluated_as_solve_found_it(solved: Any) -> None:

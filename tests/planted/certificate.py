@@ -361,6 +361,20 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{CERTIFICATE}test_ties_are_shut_out_by_what_comes_after_all_that_are_known",
     ),
     Defect(
+        name="complete cameras count as cameras, too, where what is left to choose is told",
+        file="uwopt/solvers/exact/certificate.py",
+        old="cameras=len(parts.cameras) - len(whole)",
+        new="cameras=len(parts.cameras)",
+        test="tests/evaluation/test_completes.py::test_account_of_complete_cameras_adds_up",
+    ),
+    Defect(
+        name="a front does not tell what parts are left to choose from",
+        file="uwopt/api/front_found.py",
+        old='"parts_left": asdict(parts_left(sought.problem)),',
+        new="",
+        test="tests/api/test_trading.py::test_out_of_time_it_claims_nothing",
+    ),
+    Defect(
         name="ties are shut out by rounding",
         file="uwopt/solvers/exact/ranking.py",
         old="least + TIE * np.maximum(np.abs(value), abs(least))",

@@ -124,6 +124,8 @@ def test_wrong_values_are_named_with_their_path(
     (("points", 1, "values", "power"), "much", 'points[1].values.power is "much", not a number'),
     (("points", 1, "design"), None, "points[1].design is null, not an object"),
     (("methods", 0, "seconds"), "2 s", 'methods[0].seconds is "2 s", not a number'),
+    (("certificate", "parts_left"), {"cameras": "two"}, 'certificate.parts_left.cameras is "two", not a whole number'),
+    (("certificate", "parts_left"), [3], "certificate.parts_left is a list, not an object"),
 ])  # fmt: skip
 def test_wrong_values_of_a_front_are_named(
     put: Any, make_front: Make, path: tuple[str | int, ...], value: Any, words: str
@@ -138,6 +140,14 @@ def test_many_faults_are_summed_up(put: Any, make_front: Make) -> None:
         point["method"] = 2
     text = refused(put(json.dumps(data)))
     assert text.count("\n") < 12 and "more" in text
+
+
+def test_results_that_do_not_tell_what_parts_are_left_are_read(put: Any, make_result: Make, make_front: Make) -> None:
+    data = json.loads(make_result().to_json())
+    del data["certificate"]["parts_left"]  # versions until now wrote none
+    assert read_result(put(json.dumps(data))).parts_left is None
+    assert read_result(put(make_front().to_json())).parts_left is None
+    assert read_result(put(changed(make_front(), "certificate", value=None))).parts_left is None
 
 
 def test_key_of_a_later_version_at_the_top_is_no_fault(put: Any, make_result: Make) -> None:

@@ -16,11 +16,11 @@ from uwopt.report.order.other_parts import other_systems
 from uwopt.report.page.page import opening, report_html, status_words
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.helps import notes_beside
-from uwopt.report.text.nothing_fits import helpful_lines, infeasible_block
+from uwopt.report.text.nothing_fits import helpful_lines, in_more_time, infeasible_block
 from uwopt.report.text.short import full_text_blocks, short_text_blocks
 from uwopt.results.basis import Risk, WhyNothing
 from uwopt.results.design import Note
-from uwopt.results.result import Result
+from uwopt.results.result import PartsLeft, Result
 
 Make = Callable[..., Any]
 #: What belongs to the proof or to the search, and nobody who buys can read.
@@ -79,14 +79,25 @@ def test_first_line_tells_how_far_the_answer_may_be_believed(doubtful: Result) -
 
 def test_a_search_that_was_stopped_tells_what_there_is_to_choose_from(make_result: Make) -> None:
     """`catalog.lenses: [zeiss]` leaves six: "a mission with fewer parts to choose from" was no help."""
-    scope = "121 cameras, 6 lenses, 5 ports, 12 housings, 5 lights (real parts only), 1 to 2 of them at once"
+    parts = PartsLeft(cameras=121, lenses=6, ports=5, lights=1, housings=12)
     made = make_result(status="stopped", recommendation=None, runners_up=[])
     assert made.certificate is not None
-    made = replace(made, certificate=replace(made.certificate, best_value=None, scope=scope))
-    left = "The mission leaves 121 cameras, 6 lenses, 5 ports, 12 housings, 5 lights to choose from, and nothing"
+    made = replace(made, certificate=replace(made.certificate, best_value=None, parts_left=parts))
+    left = "The mission leaves 121 cameras, 6 lenses, 5 ports, 12 housings, 1 light to choose from, and nothing"
     for lenses, helps in ((["zeiss"], "or widen catalog.lenses, which leaves 6."), ([], "or leave fewer parts.")):
         text = text_of(replace(made, mission={"name": "x", "catalog": {"lenses": lenses, "cameras": ["flir"]}}))
         assert left in text and f"Give it more time (--seconds), {helps}" in text
+    of_old = replace(made, certificate=replace(made.certificate, parts_left=None))
+    assert "Give it more time (--seconds), or a mission with fewer combinations." in text_of(of_old)
+
+
+def test_a_front_that_was_stopped_tells_what_there_is_to_choose_from(make_front: Make) -> None:
+    proof = {"scope": "the words of a proof are nobody's data: 9 lenses, 9 lights"}
+    told = in_more_time(make_front(points=0, status="stopped", certificate=proof))
+    assert told == "Give it more time (--seconds), or a mission with fewer combinations"
+    proof |= {"parts_left": {"cameras": 1, "lenses": 2, "ports": 3, "lights": 4, "complete_cameras": 1}}
+    told = in_more_time(make_front(points=0, status="stopped", certificate=proof))
+    assert "leaves 1 camera, 2 lenses, 3 ports, 1 complete camera, 4 lights to choose from" in told
 
 
 def test_sharpness_without_end_is_told(make_result: Make, make_design: Any, make_scene: Any) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,7 @@ from uwopt.objectives.dominance import hypervolume, igd_plus
 from uwopt.objectives.objective import Objective
 from uwopt.results.design import Design
 from uwopt.results.front import FrontMethod, FrontObjective, FrontPoint
-from uwopt.solvers.exact.certificate import accounted, scope
+from uwopt.solvers.exact.certificate import accounted, parts_left, scope
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.front.search import Front
@@ -59,6 +59,7 @@ def certificate(sought: FrontSearched, front: Front) -> dict[str, Any]:
     return {
         "complete": front.complete,
         "scope": scope(sought.problem),
+        "parts_left": asdict(parts_left(sought.problem)),
         "hypervolume": front.hypervolume,
         "hypervolume_bound": front.hypervolume_bound if known else None,
         "gap_rel": gap / front.hypervolume_bound if front.hypervolume_bound > 0 else None,

@@ -7,13 +7,14 @@ whole design; those that share hardware lie on one curve of settings.
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from pydantic import Field
+from pydantic import Field, TypeAdapter
 from pydantic.dataclasses import dataclass
 
 from uwopt.results.basis import Assumption, OtherMaker, UsedPhysics, WhyNothing
 from uwopt.results.design import Design, Note
 from uwopt.results.frames import frame_of
 from uwopt.results.record import RECORD, FiledRecord, Flag, Number, Record, Whole
+from uwopt.results.result import PartsLeft
 from uwopt.results.shown import Shown
 
 if TYPE_CHECKING:
@@ -97,7 +98,9 @@ class FrontResult(Shown, FiledRecord):
     methods: list[FrontMethod] = Field(default_factory=list, description="the solvers that ran")
     peers: list[Peer] = Field(default_factory=list, description="points of the other solvers' fronts")
     reference: dict[str, Any] = Field(default_factory=dict, description="the box that fronts are compared in")
-    certificate: dict[str, Any] | None = Field(default=None, description="how far the claim reaches")
+    certificate: dict[str, Any] | None = Field(
+        default=None, description="how far the claim reaches, with account and parts_left as a result's"
+    )
     alternatives: list[OtherMaker] = Field(
         default_factory=list, description="other makers' best, and why not"
     )
@@ -113,6 +116,11 @@ class FrontResult(Shown, FiledRecord):
         default=None, description="name, folder, text as the user wrote it"
     )
     schema: str = Field(default=FRONT_SCHEMA, description="of this file")
+
+    @property
+    def parts_left(self) -> PartsLeft | None:
+        """What the mission leaves to choose from; None where an earlier version wrote this, or nothing is proven."""
+        return TypeAdapter(PartsLeft | None).validate_python((self.certificate or {}).get("parts_left"))
 
     def point(self, name: str) -> FrontPoint:
         """A point by its id or by the name of its pick."""

@@ -101,9 +101,9 @@ def other_schema(schema: Any) -> str:
 # ---------------------------------------------------------------- faults
 
 
-def fault_sentence(detail: ErrorDetails) -> str:
-    """One fault of a record: where, what stands there, and what should."""
-    path, kind = path_text(detail["loc"]), detail["type"]
+def fault_sentence(detail: ErrorDetails, place: tuple[str, ...] = ()) -> str:
+    """One fault of a record at a place of a file: where, what stands there, and what should."""
+    path, kind = path_text((*place, *detail["loc"])), detail["type"]
     if kind in STANDS_ALONE:
         return f"{path} {STANDS_ALONE[kind]}"
     return f"{path} is {described(detail['input'])}, not {WANTED.get(kind, detail['msg'])}"
@@ -121,7 +121,7 @@ WANTED = {
 
 
 def front_faults(front: FrontResult) -> list[str]:
-    """Names in a front that lead nowhere."""
+    """Names in a front that lead nowhere, and parts that are no counts."""
     known = {point.id for point in front.points}
     missing = [
         f"points[{index}].values.{objective.name} is missing"
@@ -134,7 +134,13 @@ def front_faults(front: FrontResult) -> list[str]:
         for index, pick in enumerate(front.picks)
         if known and pick.point not in known
     ]
-    return missing + lost
+    try:
+        _ = front.parts_left
+        uncounted = list[str]()
+    except ValidationError as error:
+        place = ("certificate", "parts_left")
+        uncounted = [fault_sentence(detail, place) for detail in error.errors(include_url=False)]
+    return missing + lost + uncounted
 
 
 def described(value: Any) -> str:

@@ -42,6 +42,40 @@ class RuleCount(Record):
 
 
 @dataclass(frozen=True, config=RECORD)
+class PartsLeft(Record):
+    """How many parts of each kind a mission leaves to choose from."""
+
+    cameras: Whole = Field(description="sold without a lens or housing")
+    lenses: Whole = Field(description="sold alone")
+    ports: Whole = Field(description="that go on a housing of those left, where the mission asks for one")
+    lights: Whole = Field(description="lamps and flashes")
+    housings: Whole = Field(default=0, description="that a port of those left goes on; 0: none, or none is asked for")
+    complete_cameras: Whole = Field(default=0, description="camera, lens and port bought as one")
+    generic: Whole = Field(default=0, description="of all of these: to be made, as nobody sells such a part")
+
+    def by_kind(self) -> dict[str, int]:
+        """Parts that are sold or made as such, in the order that light meets them; kinds that may lack only if any."""
+        may_lack = {"housings": self.housings, "complete_cameras": self.complete_cameras}
+        return {
+            "cameras": self.cameras, "lenses": self.lenses, "ports": self.ports,
+            **{kind: number for kind, number in may_lack.items() if number}, "lights": self.lights,
+        }  # fmt: skip
+
+    def in_words(self) -> str:
+        """`121 cameras, 1 lens, 5 ports, 12 housings, 5 lights`."""
+        return ", ".join(
+            f"{number} {(kind if number != 1 else SINGLE[kind]).replace('_', ' ')}"
+            for kind, number in self.by_kind().items()
+        )
+
+
+SINGLE = {
+    "cameras": "camera", "lenses": "lens", "ports": "port", "housings": "housing",
+    "complete_cameras": "complete_camera", "lights": "light",
+}  # fmt: skip
+
+
+@dataclass(frozen=True, config=RECORD)
 class Certificate(Record):
     """How far the claim of an optimum reaches, and where every combination went."""
 
@@ -55,6 +89,9 @@ class Certificate(Record):
     selected: Whole = Field(description="of them of parts that the mission allows")
     evaluated: Whole = Field(description="of them evaluated")
     discarded: list[RuleCount] = Field(description="the others, by the first rule that applies")
+    parts_left: PartsLeft | None = Field(
+        default=None, description="what the mission leaves to choose from; null: an earlier version wrote this"
+    )
 
     def adds_up(self) -> bool:
         """Whether every combination loaded is accounted for exactly once."""
@@ -114,6 +151,11 @@ class Result(Shown, FiledRecord):
     def best(self) -> Design | None:
         """The recommendation, or the design that was evaluated."""
         return self.recommendation or self.design
+
+    @property
+    def parts_left(self) -> PartsLeft | None:
+        """What the mission leaves to choose from; None where an earlier version wrote this."""
+        return None if self.certificate is None else self.certificate.parts_left
 
     def frame(self, name: str = "margins") -> "pd.DataFrame":
         """A table of the result: margins, bill, settings, figures, designs, certificate, assumptions or warnings."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -29,8 +28,6 @@ from uwopt.units import split_unit
 if TYPE_CHECKING:
     from uwopt.results.front import FrontResult
 
-PARTS_OF_A_KIND = re.compile(r"(\d+) (cameras|lenses|ports|housings|lights)\b")
-PARTS_LEFT = re.compile(r"\d.*? lights\b")  # at the head of what a proof covers
 HANDFUL = 20  # parts of a kind
 MOST_RULES = 3  # told on the first page where no change alone helps
 AT_CENTRAL_PRICES = (
@@ -109,14 +106,13 @@ def in_more_time(result: Result | FrontResult) -> str:
 
     A list of `catalog` that leaves a handful of a kind is named: more of them may hold one that is soon found to fit.
     """
-    said, account = "Give it more time (--seconds)", result.certificate if isinstance(result, Result) else None
-    choice = None if account is None else PARTS_LEFT.match(account.scope)
-    if choice is None:
+    said, left = "Give it more time (--seconds)", result.parts_left
+    if left is None:
         return f"{said}, or a mission with fewer combinations"
-    told = f"The mission leaves {choice[0]} to choose from, and nothing was found so far that fits"
+    told = f"The mission leaves {left.in_words()} to choose from, and nothing was found so far that fits"
     asked = result.mission.get("catalog") or {}
-    left = {kind: int(number) for number, kind in PARTS_OF_A_KIND.findall(choice[0])}
-    few = [f"catalog.{kind}, which leaves {left[kind]}" for kind in left if asked.get(kind) and left[kind] <= HANDFUL]
+    numbers = left.by_kind().items()
+    few = [f"catalog.{kind}, which leaves {n}" for kind, n in numbers if asked.get(kind) and n <= HANDFUL]
     return f"{told}. {said}, {f'or widen {words.listed(few)}' if few else 'or leave fewer parts'}"
 
 

@@ -10,7 +10,7 @@ from uwopt.catalog.choose import Selection
 from uwopt.catalog.records import Part
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
-from uwopt.results.result import Certificate
+from uwopt.results.result import Certificate, PartsLeft
 from uwopt.solvers.exact.account import RULES, Outcome
 
 KINDS = ("camera", "lens", "port", "light")
@@ -37,6 +37,7 @@ def certificate(
         gap_rel=None if gap is None or best is None else objective.share(gap, best),
         complete=outcome.complete,
         scope=scope(problem),
+        parts_left=parts_left(problem),
         **counted,
     )
 
@@ -79,21 +80,29 @@ def combinations(sizes: Mapping[str, int]) -> int:
     return (sizes["camera"] + whole) * (sizes["lens"] + whole) * (enclosures + whole) * sizes["light"]
 
 
+def parts_left(problem: Problem) -> PartsLeft:
+    """How many parts of each kind the mission leaves to choose from."""
+    parts = problem.parts
+    whole = {port.complete for port in parts.ports if port.complete}
+    return PartsLeft(
+        cameras=len(parts.cameras) - len(whole),
+        lenses=len(parts.lenses) - len(whole),
+        ports=len({port.id for port in parts.ports if not port.complete}),
+        lights=len(parts.lights),
+        housings=len({port.housing.id for port in parts.ports if port.housing is not None and not port.complete}),
+        complete_cameras=len(whole),
+        generic=sum(part.generic for part in all_parts(parts)),
+    )
+
+
 def scope(problem: Problem) -> str:
     """In words, what the proof covers."""
-    parts = problem.parts
-    generic = sum(p.generic for p in all_parts(parts))
+    left = parts_left(problem)
     low, high = problem.count_range
     mounts = len(problem.mounts)
-    whole = {port.complete for port in parts.ports if port.complete}
-    ports = {port.id for port in parts.ports if not port.complete}
-    housings = {port.housing.id for port in parts.ports if port.housing is not None and not port.complete}
     return (
-        f"{len(parts.cameras) - len(whole)} cameras, {len(parts.lenses) - len(whole)} lenses, {len(ports)} ports, "
-        + (f"{len(housings)} housings, " if housings else "")
-        + (f"{len(whole)} complete cameras, " if whole else "")
-        + f"{len(parts.lights)} lights"
-        + (f" ({generic} of these parts generic)" if generic else " (real parts only)")
+        left.in_words()
+        + (f" ({left.generic} of these parts generic)" if left.generic else " (real parts only)")
         + f", {low if low == high else f'{low} to {high}'} of them at once, in {mounts} place{'s' * (mounts != 1)}, "
         f"{' and '.join(problem.mission.vehicle.orientations)}; every estimate at its likeliest value; "
         "focus where both ends of the wanted depth are equally sharp; "
