@@ -135,7 +135,7 @@ Ask = Callable[[tuple[Asked, float | None]], Row]
 
 def strict(name: str, asked: float) -> Iterator[float]:
     """Stricter limits, step by step."""
-    key = RELAXABLE[name][1]
+    key = RELAXABLE[name].key
     for times, more_db in zip(STEPS, STEPS_DB, strict=True):
         if key.endswith("_db") and not is_from_above(name):
             yield rounded(asked + more_db)
@@ -149,7 +149,7 @@ def strict(name: str, asked: float) -> Iterator[float]:
 
 def requirements_of(mission: Mission) -> dict[str, float]:
     """What a mission asks for, with its limits."""
-    found = {name: asked_value(mission, section, key) for name, (section, key, _) in RELAXABLE.items()}
+    found = {name: asked_value(mission, name) for name in RELAXABLE}
     return {name: limit for name, limit in found.items() if limit}
 
 
@@ -172,7 +172,7 @@ def made_impossible(mission: Mission, name: str, known: float | None = None) -> 
     known : a limit at which nothing fitted before
     """
     section, key, _ = RELAXABLE[name]
-    asked = asked_value(mission, section, key)
+    asked = asked_value(mission, name)
     assert asked is not None
     base = VariedMission(mission, {})
     for value in (*(() if known is None else (known,)), *strict(name, asked)):
@@ -236,15 +236,14 @@ def try_changes(row: Row, mission: Mission, result: Result, *, tried: bool) -> N
         row.told.append(f"{one.name} {one.limit:.4g} → " + ("none" if one.needed is None else f"{one.needed:.4g}"))
         if not tried or one.needed is None or one.limit is None:
             continue
-        section, key, _ = RELAXABLE[one.name]
         if one.fits_at_central_prices:
             check(row, with_central_prices(mission), None, row.told[-1])
             continue
         least = not any(text.endswith(f"change of {one.name} would do") for text in row.other)
         shorter = smaller(one.limit, one.needed) if least else None
         check(
-            row, relaxed(mission, section, key, one.limit, one.needed),
-            None if shorter is None else relaxed(mission, section, key, one.limit, shorter), row.told[-1],
+            row, with_limit(mission, one.name, one.limit, one.needed),
+            None if shorter is None else with_limit(mission, one.name, one.limit, shorter), row.told[-1],
         )  # fmt: skip
     for move in result.infeasible.moves:
         row.told.append(f"{move.name} {move.asked} → {move.needed}")
@@ -275,19 +274,11 @@ def changed(mission: Mission, together: list[Relaxed]) -> Mission:
             moved = Varied(one.name, "vehicle", one.name, ())
             mission = VariedMission(mission, {}).with_values({moved: one.needed or 0.0})
             continue
-        section, key, _ = RELAXABLE[one.name]
         if one.needed is None:
-            mission = without(mission, section, key) or mission
+            mission = without(mission, one.name) or mission
         elif one.limit is not None:
-            mission = with_limit(mission, section, key, one.limit, one.needed)
+            mission = with_limit(mission, one.name, one.limit, one.needed)
     return mission
-
-
-def relaxed(mission: Mission, section: str, key: str, asked: float, value: float) -> Mission:
-    """The mission with a weaker limit; a rating of depth is asked for by the limits, whatever the depth."""
-    if key == "depth_rating_m":
-        return mission.with_changes(limits=mission.to_dict()["limits"] | {key: value})
-    return with_limit(mission, section, key, asked, value)
 
 
 def check(row: Row, mission: Mission, shorter: Mission | None, what: str) -> None:

@@ -11,7 +11,7 @@ from test_any_lighting import POWER, reef, searched
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.assembly import load_catalog, selected
 from uwopt.mission.mission import Mission, load_mission
-from uwopt.mission.weakened import RELAXABLE, without
+from uwopt.mission.weakened import without
 from uwopt.solvers.exact import search as searching
 from uwopt.solvers.exact.account import Account
 from uwopt.solvers.exact.certificate import certificate
@@ -34,7 +34,7 @@ def trials() -> Trials:
 
 def found_without(name: str) -> Sought:
     """What fits without one requirement."""
-    free = without(reef(DARK_DB), *RELAXABLE[name][:2])
+    free = without(reef(DARK_DB), name)
     assert free is not None
     return seek(free, load_catalog(free), BRIGHT if name == "min_snr" else POWER, generic="never", top=1)
 

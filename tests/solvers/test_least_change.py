@@ -580,8 +580,8 @@ def test_what_a_person_wrote_is_known_from_what_good_practice_fills_in():
     plain = {"scene": {"water": "II", "seafloor": 0.2, "depth_m": 30}, "vehicle": {"altitude_m": 1.0, "speed_m_s": 0.1}}
     wanted = load_mission({**plain, "requirements": {"overlap": 0.3, "min_uniformity": 0.9}, "limits": {"cost": 9e3}})
     keys = ("overlap", "min_uniformity", "min_mtf_half_nyquist", "lens_stop_down", "max_airy_px")
-    assert [is_filled_in(wanted, "requirements", key) for key in keys] == [False, False, True, True, True]
-    assert [is_filled_in(wanted, "limits", key) for key in ("cost", "depth_rating_m")] == [False, True]
+    assert [is_filled_in(wanted, key) for key in keys] == [False, False, True, True, True]
+    assert [is_filled_in(wanted, key) for key in ("cost", "depth_rating_m")] == [False, True]
 
 
 def test_what_may_help_is_asked_of_a_few_imagers_where_all_would_take_too_long(parts, catalog, monkeypatch):

@@ -14,7 +14,7 @@ from random_cases import Case, case
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.mission.varying import Varied, VariedMission
-from uwopt.mission.weakened import RELAXABLE, asked_value, without
+from uwopt.mission.weakened import asked_value, without
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.imager_rules import Behind
 from uwopt.solvers.exact.imagers import Imagers, enumerate_imagers, fitting_pairs, imagers_in
@@ -42,8 +42,7 @@ def relaxer(seed: int, number: int) -> tuple[Case, Relaxer]:
 def dropped(mission: Mission, names: tuple[str, ...]) -> Mission | None:
     """The mission without these; None where it has one of them not, or cannot do without."""
     for name in names:
-        section, key, _ = RELAXABLE[name]
-        if asked_value(mission, section, key) is None or (less := without(mission, section, key)) is None:
+        if asked_value(mission, name) is None or (less := without(mission, name)) is None:
             return None
         mission = less
     return mission
@@ -163,7 +162,7 @@ def test_a_pair_stands_in_the_one_housing_that_a_limit_prefers(limits: dict[str,
 def test_without_its_snr_a_mission_still_asks_to_see_something(asked: dict[str, float], left: float | None) -> None:
     plain = case(3).mission.to_dict() | {"practice": "bare"}
     plain["requirements"] = {"max_gsd_mm": 2.0, **asked}
-    mission = without(load_mission(plain), "requirements", "min_snr_db")
+    mission = without(load_mission(plain), "min_snr")
     assert mission is not None
     assert [view.asked.min_snr_db for view in mission.views] == [left] * len(mission.views)
     assert all(view.asked.min_snr_given is None for view in mission.views)

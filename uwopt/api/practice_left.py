@@ -14,7 +14,7 @@ from uwopt.errors import UwoptError
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import VariedMission
-from uwopt.mission.weakened import RELAXABLE, with_central_prices, with_limit, without
+from uwopt.mission.weakened import with_central_prices, with_limit, without
 from uwopt.results.basis import Moved, Relaxed, WhyNothing
 from uwopt.results.design import Design
 from uwopt.solvers.warm.parts import PartIds
@@ -59,14 +59,11 @@ def changed(mission: Mission, one: Relaxed | Moved) -> Mission:
     if isinstance(one, Moved):
         base = VariedMission(mission, {})
         return base.with_values({base.named(one.name): one.needed})
-    section, key, _ = RELAXABLE[one.name]
     if one.fits_at_central_prices:
         return with_central_prices(mission)
     if one.needed is None:
-        return without(mission, section, key) or mission
-    if key == "depth_rating_m":
-        return mission.with_changes(limits=mission.to_dict()["limits"] | {key: one.needed})
-    return with_limit(mission, section, key, one.needed if one.limit is None else one.limit, one.needed)
+        return without(mission, one.name) or mission
+    return with_limit(mission, one.name, one.needed if one.limit is None else one.limit, one.needed)
 
 
 def ids_of_design(design: Design) -> PartIds:

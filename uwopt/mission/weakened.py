@@ -2,53 +2,65 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 from uwopt.mission.mission import Mission
 from uwopt.mission.practice import ACCEPTABLE_SNR_DB, LEAST_UNIFORMITY, RECOMMENDED_KEYS, SHARP_OVER_THE_BAND
 from uwopt.mission.reserves import REFUSED
 from uwopt.units import ratio_to_db
 
+DEEP = "depth_rating_m"  # which chooses parts, and is of no scene
 FAR_TIMES = 10.0
 USELESS_DB = 6.0  # of signal to noise: below, noise is more than half of the signal
 LEAST_SNR_DB = 0.0  # below which noise is more than signal, and no image is of use
 NOTHING_AT_ZERO = ("lens_stop_down", "min_uniformity")  # requirements of which 0 asks for nothing
-# Requirement -> (section, key, objective that makes its figure best, or None when none does)
-RELAXABLE: dict[str, tuple[str, str, str | None]] = {
-    "min_snr": ("requirements", "min_snr_db", "snr_db"),
-    "min_snr_red_db": ("requirements", "min_snr_red_db", None),
-    "max_white_balance": ("requirements", "max_white_balance", None),
-    "max_gsd_mm": ("requirements", "max_gsd_mm", "gsd_mm"),
-    "min_swath_m": ("requirements", "min_swath_m", None),
-    "min_common_swath_m": ("requirements", "min_common_swath_m", None),
-    "max_depth_error_mm": ("requirements", "max_depth_error_mm", None),
-    "min_dof_m": ("requirements", "min_dof_m", None),
-    "max_blur_px": ("requirements", "max_blur_px", None),
-    "max_skew_px": ("requirements", "max_skew_px", None),
-    "max_airy_px": ("requirements", "max_airy_px", None),
-    "max_gain_db": ("requirements", "max_gain_db", None),
-    "lens_stop_down": ("requirements", "lens_stop_down", None),
-    "overlap": ("requirements", "overlap", None),
-    "mean_level": ("requirements", "mean_level", None),
-    "min_contrast": ("requirements", "min_contrast", "contrast"),
-    "min_uniformity": ("requirements", "min_uniformity", None),
-    "min_mtf_half_nyquist": ("requirements", "min_mtf_half_nyquist", None),
-    "resolve_mm": ("requirements", "resolve_mm", None),
-    "cost": ("limits", "cost", "cost"),
-    "power_w": ("limits", "power_w", "power"),
-    "peak_power_w": ("limits", "peak_power_w", None),
-    "mass_kg": ("limits", "mass_kg", "mass"),
-    "mass_water_kg": ("limits", "mass_water_kg", None),
-    "data_rate_mb_s": ("limits", "data_rate_mb_s", None),
-    "energy_wh": ("limits", "energy_wh", None),
-    "storage_gb": ("limits", "storage_gb", None),
-    "depth_rating_m": ("limits", "depth_rating_m", None),
+
+
+class Relaxable(NamedTuple):
+    """A requirement that can be dropped or weakened: where it stands, and the objective that makes its figure best."""
+
+    section: str
+    key: str
+    best: str | None  # where there is one
+
+
+#: By the names that requirements have.
+RELAXABLE = {
+    "min_snr": Relaxable("requirements", "min_snr_db", "snr_db"),
+    "min_snr_red_db": Relaxable("requirements", "min_snr_red_db", None),
+    "max_white_balance": Relaxable("requirements", "max_white_balance", None),
+    "max_gsd_mm": Relaxable("requirements", "max_gsd_mm", "gsd_mm"),
+    "min_swath_m": Relaxable("requirements", "min_swath_m", None),
+    "min_common_swath_m": Relaxable("requirements", "min_common_swath_m", None),
+    "max_depth_error_mm": Relaxable("requirements", "max_depth_error_mm", None),
+    "min_dof_m": Relaxable("requirements", "min_dof_m", None),
+    "max_blur_px": Relaxable("requirements", "max_blur_px", None),
+    "max_skew_px": Relaxable("requirements", "max_skew_px", None),
+    "max_airy_px": Relaxable("requirements", "max_airy_px", None),
+    "max_gain_db": Relaxable("requirements", "max_gain_db", None),
+    "lens_stop_down": Relaxable("requirements", "lens_stop_down", None),
+    "overlap": Relaxable("requirements", "overlap", None),
+    "mean_level": Relaxable("requirements", "mean_level", None),
+    "min_contrast": Relaxable("requirements", "min_contrast", "contrast"),
+    "min_uniformity": Relaxable("requirements", "min_uniformity", None),
+    "min_mtf_half_nyquist": Relaxable("requirements", "min_mtf_half_nyquist", None),
+    "resolve_mm": Relaxable("requirements", "resolve_mm", None),
+    "cost": Relaxable("limits", "cost", "cost"),
+    "power_w": Relaxable("limits", "power_w", "power"),
+    "peak_power_w": Relaxable("limits", "peak_power_w", None),
+    "mass_kg": Relaxable("limits", "mass_kg", "mass"),
+    "mass_water_kg": Relaxable("limits", "mass_water_kg", None),
+    "data_rate_mb_s": Relaxable("limits", "data_rate_mb_s", None),
+    "energy_wh": Relaxable("limits", "energy_wh", None),
+    "storage_gb": Relaxable("limits", "storage_gb", None),
+    DEEP: Relaxable("limits", DEEP, None),
 }
 
 
-def asked_value(mission: Mission, section: str, key: str) -> float | None:
+def asked_value(mission: Mission, name: str) -> float | None:
     """What the mission asks for without its reserve, in any scene the first that does; None when none does."""
-    if key == "depth_rating_m":
+    section, key, _ = RELAXABLE[name]
+    if name == DEEP:
         return mission.asked_depth_m or None
     if section == "limits":
         value = getattr(mission.limits, key)
@@ -77,8 +89,9 @@ FILLED_IN = {
 }  # fmt: skip
 
 
-def is_filled_in(mission: Mission, section: str, key: str) -> bool:
-    """Whether good practice asks for a key, and no person who wrote another number into the mission."""
+def is_filled_in(mission: Mission, name: str) -> bool:
+    """Whether good practice asks for it, and no person who wrote another number into the mission."""
+    section, key, _ = RELAXABLE[name]
     if section == "limits":
         return getattr(mission.limits, key) is None
     given = [mission.requirements, *(scene.requirements for scene in mission.scenes)]
@@ -86,11 +99,12 @@ def is_filled_in(mission: Mission, section: str, key: str) -> bool:
     return values <= {None, FILLED_IN.get(key)}
 
 
-def without(mission: Mission, section: str, key: str) -> Mission | None:
+def without(mission: Mission, name: str) -> Mission | None:
     """The mission without one requirement, in all scenes; None when it cannot be dropped.
 
     Of the SNR so much is left that something is seen.
     """
+    section, key, _ = RELAXABLE[name]
     data = mission.to_dict()
     for own in (data[section], *(scene.get(section) or {} for scene in data["scenes"])):
         if key == "min_snr_db":
@@ -101,7 +115,7 @@ def without(mission: Mission, section: str, key: str) -> Mission | None:
             own["refuse"] = [word for word in own["refuse"] if word not in words_of(key)]
     if key == "overlap" and mission.requirements.frame_interval_s is None and mission.vehicle.speed_m_s == 0:
         return None
-    return mission.with_changes(**{name: data[name] for name in ("requirements", "limits", "scenes")})
+    return mission.with_changes(**{part: data[part] for part in ("requirements", "limits", "scenes")})
 
 
 def leave_little_snr(asked: dict[str, Any]) -> None:
@@ -129,9 +143,15 @@ def is_from_above(name: str) -> bool:
     return section == "limits" or key.startswith("max_") or key == "resolve_mm"
 
 
-def with_limit(mission: Mission, section: str, key: str, asked: float, value: float) -> Mission:
-    """The mission with another limit in all scenes; one that already asks for less stays as it is."""
+def with_limit(mission: Mission, name: str, asked: float, value: float) -> Mission:
+    """The mission with another limit in all scenes; one that already asks for less stays as it is.
+
+    A rating of depth is asked for by the limits, whatever the depth.
+    """
+    section, key, _ = RELAXABLE[name]
     data = mission.to_dict()
+    if name == DEEP:
+        return mission.with_changes(limits=data["limits"] | {DEEP: value})
 
     def weaker(old: float) -> float:
         if key == "mean_level":
@@ -144,7 +164,7 @@ def with_limit(mission: Mission, section: str, key: str, asked: float, value: fl
             own[key] = weaker(float(own[key]))
         elif set(own.get("refuse") or ()).intersection(words_of(key)):
             own[key] = weaker(asked)
-    return mission.with_changes(**{name: data[name] for name in ("requirements", "limits", "scenes")})
+    return mission.with_changes(**{part: data[part] for part in ("requirements", "limits", "scenes")})
 
 
 def is_far(name: str, asked: float | None, needed: float | None) -> bool:

@@ -15,7 +15,7 @@ from itertools import combinations, islice
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError, effort_s
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
-from uwopt.mission.weakened import RELAXABLE
+from uwopt.mission.weakened import DEEP, RELAXABLE
 from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Moved
 from uwopt.results.certainty import InVain, WouldHold
@@ -46,7 +46,7 @@ MOST_WIDENED, WIDER = 4, 1.2  # times that a change is made larger, each by so m
 DRAWN_BACK = 3  # halves of the last of these steps: to 2.5 % of the change
 OTHERS = 4  # hardware that was counted, the best first, that is asked as well
 MOST_PAIRS = 4  # pairs of keys that hold, the surest first, which are drawn in
-LIMITS = tuple(name for name, (section, _, _) in RELAXABLE.items() if section == "limits" and name != "depth_rating_m")
+LIMITS = tuple(name for name, one in RELAXABLE.items() if one.section == "limits" and name != DEEP)
 
 
 def told_with(trial: MovedKeys, found: Found, moves: Sequence[Move], ours: Found | None) -> WouldHold | None:

@@ -83,8 +83,8 @@ def eases(mission: Mission, missed: Iterable[str]) -> Iterator[Ease]:
     eases most, but takes longest: light is worked out anew.
     """
     wanted = {key for name in missed for key in (FOR_LIGHT if name == "light" else (name,))}
-    for name, (section, key, _) in RELAXABLE.items():
-        asked = asked_value(mission, section, key) if wanted.intersection((name, key)) else None
+    for name, (_, key, _) in RELAXABLE.items():
+        asked = asked_value(mission, name) if wanted.intersection((name, key)) else None
         if not asked:
             continue
         unit, above = mission.limits.currency if name == "cost" else split_unit(key)[1], is_from_above(name)
@@ -93,10 +93,8 @@ def eases(mission: Mission, missed: Iterable[str]) -> Iterator[Ease]:
         else:
             far = asked * FARTHEST if above else asked / FARTHEST
 
-        def with_value(
-            value: float, there: Mission = mission, section: str = section, key: str = key, asked: float = asked
-        ) -> Mission:
-            return with_limit(there, section, key, asked, value)
+        def with_value(value: float, there: Mission = mission, name: str = name, asked: float = asked) -> Mission:
+            return with_limit(there, name, asked, value)
 
         yield Ease(key, unit, asked, (far,), with_value)
     battery = (FARTHEST,) if OF_BATTERY in wanted else ()

@@ -53,7 +53,7 @@ def priced_keys(mission: Mission, winner: Design, *, every: bool = False) -> Ite
     rest = [name for name, (_, key, _) in RELAXABLE.items() if every and key not in binding]
     for name in [*(name for name, (_, key, _) in RELAXABLE.items() if key in binding), *rest]:
         section, key, _ = RELAXABLE[name]
-        asked = asked_value(mission, section, key)
+        asked = asked_value(mission, name)
         if asked and key not in NO_STEP:
             step = step_of(key, asked)
             yield Varied(key, section, key, (asked,)), asked, -step if is_from_above(name) else step
@@ -233,8 +233,8 @@ def without_each(
     goal = sought.goal
     mission, best = sought.problem.mission, sought.outcome.best[0].minimised
     relaxer, ceiling = Relaxer(mission, sought.selection.catalog, generic, sought), best - goal.step(SAME_REL, best)
-    for name, (section, key, _) in RELAXABLE.items():
-        weaker = without(mission, section, key) if key in keys else None
+    for name, (_, key, _) in RELAXABLE.items():
+        weaker = without(mission, name) if key in keys else None
         if weaker is None or deadline.passed():
             continue
         found = relaxer.seek(

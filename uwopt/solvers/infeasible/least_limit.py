@@ -12,7 +12,7 @@ from functools import cached_property, partial
 
 from uwopt.deadline import Deadline
 from uwopt.mission.mission import Mission
-from uwopt.mission.weakened import RELAXABLE, is_far, with_limit
+from uwopt.mission.weakened import DEEP, RELAXABLE, is_far, with_limit
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.infeasible.least_change import Change, Narrowing, less_of, rounded_away
 from uwopt.solvers.infeasible.reached import deepest, judged_by, miss, rated_depth, reached_value
@@ -48,7 +48,7 @@ class Relaxation:
     @property
     def is_of_use(self) -> bool:
         """Whether a person could live with it: any limit may give, but not an image many times over."""
-        if RELAXABLE[self.name][0] == "limits" or self.name == "min_snr" or not self.limit or not self.needed:
+        if RELAXABLE[self.name].section == "limits" or self.name == "min_snr" or not self.limit or not self.needed:
             return True
         return 1.0 / MOST_TIMES <= self.needed / self.limit <= MOST_TIMES
 
@@ -92,13 +92,13 @@ class LeastLimit:
     def step(self, turn: Deadline) -> None:
         """Draw the limit in once."""
         self.trials.say(0.5, f"the least change of {self.name}")
-        best = RELAXABLE[self.name][2]
+        best = RELAXABLE[self.name].best
         if self.narrowing is not None:
             if best is not None and not self.by_few:
                 self._draw_by_few(self.narrowing, Objective.of(best), turn)
             elif not (turn.left_s >= self.figure_s and self._by_figure(turn)):
                 self.narrowing.step(turn)
-        elif RELAXABLE[self.name][1] == "depth_rating_m":
+        elif self.name == DEEP:
             trials = self.trials
             self.found = deepest(
                 self.found, self.mission, trials.catalog, ANY, generic=trials.generic, deadline=turn
@@ -109,7 +109,7 @@ class LeastLimit:
 
     def _by_figure(self, turn: Deadline) -> bool:
         """Whether one search tells the least: it seeks the design with the best figure."""
-        self.figure_s, best = LONGER * turn.left_s, RELAXABLE[self.name][2]
+        self.figure_s, best = LONGER * turn.left_s, RELAXABLE[self.name].best
         if best is None or not self._is_what_counts():
             self.figure_s = math.inf
             return False
@@ -133,14 +133,13 @@ class LeastLimit:
         if needed is None:
             self.is_least = True
             return
-        section, key, _ = RELAXABLE[self.name]
-        relaxed = partial(with_limit, self.trials.mission, section, key, self.limit)
+        relaxed = partial(with_limit, self.trials.mission, self.name, self.limit)
         beyond = self.trials.relaxer.beyond(self.name, self.limit)
         self.narrowing = Narrowing(
             self.limit, Change(needed, self.found), relaxed, self._search, beyond=beyond
         )
         self.narrowing.step(turn)
-        best = RELAXABLE[self.name][2]
+        best = RELAXABLE[self.name].best
         if best is not None and not self.by_few and is_far(self.name, self.limit, self.narrowing.change.limit):
             self._draw_by_few(self.narrowing, Objective.of(best), turn, enough=False)
 
@@ -185,7 +184,7 @@ class LeastLimit:
 
     def _reached(self, found: Sought) -> float | None:
         """The limit that a design would keep, as it would be typed."""
-        if RELAXABLE[self.name][1] != "depth_rating_m":
+        if self.name != DEEP:
             return self.trials.typed(self.name, self.trials.judged(found))
         rated = rated_depth(found)
         return None if rated is None else rounded_away(rated / self.trials.mission.depth_factor, self.limit)

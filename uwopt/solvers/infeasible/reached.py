@@ -30,7 +30,7 @@ def judged_by(mission: Mission, found: Sought, objective: Objective) -> Design:
 def missed_by(design: Design, names: Collection[str]) -> set[str]:
     """Those requirements that a design does not meet."""
     missed = {margin.requirement for margin in design.missed}
-    return {name for name in names if RELAXABLE[name][1] in missed or name in missed}
+    return {name for name in names if RELAXABLE[name].key in missed or name in missed}
 
 
 def deepest(

@@ -16,6 +16,7 @@ from uwopt.forward.assembly import build_problem, selected
 from uwopt.forward.bars import MAY_SHOW
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
+from uwopt.mission.weakened import DEEP
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.account import NOT_REACHED
 from uwopt.solvers.exact.imagers import FittingPairs, Imagers, fitting_pairs, landscapes
@@ -184,7 +185,7 @@ class Relaxer(RelaxedImagers):
         """What stands in the way whatever a requirement or key is, as no part ever meets it; nothing where any may."""
         if name in (SHARP, *FEWER_PARTS) or not self.is_never_sharp:
             return ()
-        out = {"depth_rating_m": (DEPTH,), HOURS: OF_HOURS}.get(name, ())
+        out = {DEEP: (DEPTH,), HOURS: OF_HOURS}.get(name, ())
         has_more = any(one.kind == "complete" and one.rule in out for one in self.selection.excluded)
         return () if has_more else (SHARP,)
 

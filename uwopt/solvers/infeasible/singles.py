@@ -12,7 +12,7 @@ from functools import partial
 
 from uwopt.deadline import Deadline
 from uwopt.mission.mission import Mission
-from uwopt.mission.weakened import RELAXABLE, with_central_prices, without
+from uwopt.mission.weakened import DEEP, with_central_prices, without
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.infeasible.freed_rules import (
     MAY_PASS,
@@ -128,7 +128,7 @@ class Singles:
         for name in self._open(trials.limits):
             if phase.passed() or trials.interrupted:
                 return
-            relaxed = None if name == "depth_rating_m" else without(trials.mission, *RELAXABLE[name][:2])
+            relaxed = None if name == DEEP else without(trials.mission, name)
             if relaxed is None or self._may_keep_central(name):
                 continue
             found = same_hardware(known, relaxed)
@@ -189,7 +189,7 @@ class Singles:
 
     def take_for_helpful(self, name: str, found: Sought) -> None:
         """A design that misses this alone is known: the requirement helps."""
-        relaxed = without(self.trials.mission, *RELAXABLE[name][:2])
+        relaxed = without(self.trials.mission, name)
         if relaxed is not None:
             self._helps(name, relaxed, found)
 
@@ -207,7 +207,7 @@ class Singles:
     def _try_among(self, name: str, number: int, turn: Deadline) -> None:
         """Drop one and look among so many imagers."""
         trials = self.trials
-        relaxed = without(trials.mission, *RELAXABLE[name][:2])
+        relaxed = without(trials.mission, name)
         if relaxed is None or self.in_vain.get(name, 0) >= number:
             return
         found = trials.among_few(relaxed, goal_without(name), {name}, turn, number)
@@ -250,7 +250,7 @@ class Singles:
         if relaxer.is_soon_known():
             self._drop_at_once([
                 name for name in self.left
-                if name != "depth_rating_m" and relaxer.is_soon_known({name})
+                if name != DEEP and relaxer.is_soon_known({name})
             ])  # fmt: skip
         self._drop_each(trials.deadline.at_most(self.share(REST_SHARE) * trials.deadline.left_s))
         self.left = {**light, **self.left}
@@ -336,9 +336,8 @@ class Singles:
 
     def _is_known(self, name: str, turn: Deadline) -> bool:
         """Drop a requirement and see whether something fits then; whether that is known in the time for one."""
-        trials, (section, key, _) = self.trials, RELAXABLE[name]
-        by_depth = key == "depth_rating_m"
-        relaxed = trials.mission if by_depth else without(trials.mission, section, key)
+        trials, by_depth = self.trials, name == DEEP
+        relaxed = trials.mission if by_depth else without(trials.mission, name)
         if relaxed is None:
             self.useless[name] = ()
             return True
@@ -361,7 +360,7 @@ class Singles:
     def _of_any_depth(self, turn: Deadline) -> Sought:
         """A search for a design of parts rated for the depth alone, without its reserve; else for any depth."""
         trials = self.trials
-        seek = partial(trials.relaxer.seek, trials.mission, ANY, {"depth_rating_m"}, deadline=turn, enough=True)
+        seek = partial(trials.relaxer.seek, trials.mission, ANY, {DEEP}, deadline=turn, enough=True)
         if trials.mission.depth_factor > 1.0:
             deep = seek(depth_m=trials.mission.asked_depth_m)
             if deep.outcome.best:

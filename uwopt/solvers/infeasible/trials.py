@@ -21,9 +21,7 @@ from uwopt.solvers.infeasible.reached import judged_by, reached_value
 from uwopt.solvers.infeasible.relaxer import ANY, FEW_IMAGERS, Relaxer
 from uwopt.solvers.recommend import Sought
 
-BRIGHT = Objective.of(
-    "snr_db"
-)  # but without an SNR to ask for, where least power would try what is too dark first
+BRIGHT = Objective.of("snr_db")  # without an SNR to ask for, where least power would try what is too dark first
 FINEST = Objective.of("gsd_mm")
 TURN = 0.25  # of the time left: what one search may take of it
 
@@ -76,7 +74,7 @@ class Trials:
 
     def typed(self, name: str, design: Design) -> float | None:
         """The limit of a requirement that a design would keep, as it would be typed; None where that is no figure."""
-        key = RELAXABLE[name][1]
+        key = RELAXABLE[name].key
         value = reached_value(design, key)
         if value is None:
             return None
@@ -101,12 +99,12 @@ class Trials:
     @cached_property
     def limits(self) -> dict[str, float]:
         """What the mission asks for and can do without, with its limits."""
-        asked = {name: asked_value(self.mission, *RELAXABLE[name][:2]) for name in RELAXABLE}
+        asked = {name: asked_value(self.mission, name) for name in RELAXABLE}
         return {name: limit for name, limit in asked.items() if limit is not None}
 
     def is_own(self, name: str) -> bool:
         """Whether the mission states a requirement itself: what it does is likelier in the way than good practice."""
-        return not is_filled_in(self.mission, *RELAXABLE[name][:2])
+        return not is_filled_in(self.mission, name)
 
     def by_effort(self) -> dict[str, float]:
         """The same: first what takes least to try."""
@@ -121,7 +119,7 @@ class Trials:
         """The mission without all of these, as far as they can be dropped."""
         mission = self.mission
         for name in names:
-            mission = without(mission, *RELAXABLE[name][:2]) or mission
+            mission = without(mission, name) or mission
         return mission
 
     def few_without(self, names: Collection[str], turn: Deadline, number: int = FEW_IMAGERS) -> Sought | None:
@@ -157,9 +155,8 @@ class Trials:
     def with_limits(self, mission: Mission, limits: Mapping[str, float | None]) -> Mission:
         """A mission like this one with other limits; None: left out."""
         for name, limit in limits.items():
-            section, key, _ = RELAXABLE[name]
-            weaker = without(mission, section, key) if limit is None else None
-            if limit is not None:
-                weaker = with_limit(mission, section, key, self.limits[name], limit)
-            mission = weaker or mission
+            if limit is None:
+                mission = without(mission, name) or mission
+            else:
+                mission = with_limit(mission, name, self.limits[name], limit)
         return mission

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
-from uwopt.mission.weakened import RELAXABLE, without
+from uwopt.mission.weakened import DEEP, without
 from uwopt.results.basis import Excluded, Moved, NoHelp, Relaxed, WhyNothing
 from uwopt.results.design import Design
 from uwopt.results.result import Certificate
@@ -38,7 +38,6 @@ QUICK_SHARE = 0.2  # of the time left, likewise, where single changes are soon k
 KEPT_SHARE = 0.35  # of the time left, for changes together where none is known to help alone
 ONLY_SHARE = 0.75  # of what is left then, for these
 SOON_SHARE = 0.5  # of the time left, for a design that fits with changes together, where none is known to help alone
-DEEP = "depth_rating_m"
 GIVE_SHARE = 0.6  # of the time left, for requirements that give together, where none is known to help alone
 TOGETHER_SHARE = 0.6  # of the time left, for changes together; the rest is for what contradicts each other
 
@@ -232,8 +231,7 @@ def clash_of(trials: Trials, relaxations: list[Relaxation], unmet: Sequence[str]
 
 def fits_without_light(trials: Trials, names: list[str]) -> bool:
     """Whether something fits where nothing is asked, not even the SNR at which something is seen."""
-    section, key, _ = RELAXABLE["min_snr"]
-    dark = without(trials.without(names), section, key)
+    dark = without(trials.without(names), "min_snr")
     return dark is not None and bool(
         trials.relaxer.seek(dark, ANY, set(names), deadline=trials.turn(), enough=True).outcome.best
     )
