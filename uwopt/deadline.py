@@ -134,6 +134,10 @@ class Deadline:
         """This deadline, or one in so many seconds if that is sooner; what is left out is told to neither's caller."""
         return Deadline(min(self.end_s, self.clock() + seconds), self.clock)
 
+    def part(self, share: float) -> Deadline:
+        """This deadline after a share of the time left, as `at_most`."""
+        return self.at_most(share * self.left_s)
+
     def or_after(self, seconds: float, clock: Callable[[], float]) -> Deadline:
         """This deadline; where nobody has set one, one in so many seconds of a clock."""
         return Deadline.after(seconds, clock) if math.isinf(self.end_s) else self

@@ -207,15 +207,15 @@ DEFECTS = (
     Defect(
         name="a time that is given leaves no more for what gives way than none",
         file="uwopt/api/yielding.py",
-        old="        return deadline.at_most(GIVEN_SHARE * deadline.left_s)",
+        old="        return deadline.part(GIVEN_SHARE)",
         new="        return deadline.at_most(YIELD_S)",
         test=f"{YIELDING}::test_a_long_time_that_is_given_is_no_shorter_than_none",
     ),
     Defect(
         name="one dear proof takes all the time for what gives way",
         file="uwopt/api/yielding.py",
-        old="self.patience.at_most(part * self.patience.left_s)",
-        new="self.patience.at_most(self.patience.left_s)",
+        old="self.patience.part(part)",
+        new="self.patience.part(1.0)",
         test=f"{YIELDING}::test_no_question_takes_the_time_of_those_after_it_but_whether_anything_fits",
     ),
     Defect(

@@ -1256,8 +1256,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="the first requirement that is dropped takes all the time",
         file="uwopt/solvers/infeasible/trials.py",
-        old="self.deadline.at_most(TURN * self.deadline.left_s)",
-        new="self.deadline.at_most(self.deadline.left_s)",
+        old="self.deadline.part(TURN)",
+        new="self.deadline.part(1.0)",
         test="tests/test_deadline.py::test_one_requirement_takes_a_quarter_of_the_time_to_explain",
     ),
     Defect(

@@ -48,7 +48,7 @@ def counts_of(sought: Sought, watch: Watch, before: Counts | None = None) -> Cou
     others = leaves_out_generic(sought)
 
     def of_sold(patience: Deadline) -> Looked:
-        first = patience.at_most(SOLD_SHARE * patience.left_s) if others else patience
+        first = patience.part(SOLD_SHARE) if others else patience
         return look(sought, asked, first, watch.progress, with_room=others, like=like, known=known)
 
     seen = watch.within("certainty", of_sold, None)

@@ -80,7 +80,7 @@ def every_price(
         told = prices(sought, result.recommendation, (), deadline, every=True)
         keys = {price.name: place for place, price in enumerate(told)}
         progress(0.0, "what would be best without each requirement")
-        phase = deadline.at_most(WITHOUT_SHARE * deadline.left_s)
+        phase = deadline.part(WITHOUT_SHARE)
         for key, value in without_each(sought, list(keys), generic, phase):
             told[keys[key]] = replace(told[keys[key]], without=value)
         told = range_prices(

@@ -45,7 +45,7 @@ def raised(sought: Sought, seen: Looked, deadline: Deadline) -> tuple[list[Would
     patience = deadline.or_after(RAISED_S, effort_s).at_most(RAISED_S)
     mission = with_limits_far(problem)
     wider = problem.over(problem.parts, mission=mission, scenes=problem.scenes_for(mission))
-    looking = patience.at_most(SEARCH_SHARE * patience.left_s)
+    looking = patience.part(SEARCH_SHARE)
     try:
         found = Sought.of(sought.selection, wider, goal, top=sought.search.top, whole=True, deadline=looking)
         like = seen.scenarios.seen_by(mission, wider.scenes)

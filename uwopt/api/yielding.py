@@ -109,7 +109,7 @@ def _can_be_set(
 def patience_of(deadline: Deadline, work_s: float = YIELD_S) -> Deadline:
     """How long it may be asked what has to give way: with less time more gives way than has to."""
     if math.isfinite(deadline.left_s):
-        return deadline.at_most(GIVEN_SHARE * deadline.left_s)
+        return deadline.part(GIVEN_SHARE)
     return deadline.or_after(work_s, effort_s)
 
 
@@ -229,7 +229,7 @@ class YieldTrials:
         """Whether anything of all parts fits; None where that is not known in time."""
         if self.patience.passed():
             return None
-        patience = self.patience.at_most(part * self.patience.left_s)
+        patience = self.patience.part(part)
         sought = _anything(weaker, self.catalog, self.like, patience)
         self._take(sought)
         if sought.outcome.best:

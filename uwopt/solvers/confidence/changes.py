@@ -121,7 +121,7 @@ def other_changes(
             far = ease, far_of(ease)
             known = None if shares is None else shares.get((ease.key, far[1]))
             alone.append((far, trial.held(ours, [far]) if known is None else known))
-    joint = replace(trial, deadline=patience.at_most(JOINT_SHARE * patience.left_s))
+    joint = replace(trial, deadline=patience.part(JOINT_SHARE))
     made = joint_change(joint, ours, alone) or with_other_hardware(trial, ours, [move for move, _ in alone], others)
     return made, [InVain(moved(*move), held) for move, held in alone]
 

@@ -133,7 +133,7 @@ class Prover:
 
     def _glance_at(self, some: Sequence[Found]) -> None:
         """Count what seems better in some scenarios: the sooner the best is known, the less has to be counted."""
-        patience, best = self.deadline.at_most(GLANCE_SHARE * self.deadline.left_s), self.seen.best
+        patience, best = self.deadline.part(GLANCE_SHARE), self.seen.best
         assert best is not None
         compare(self.seen, some, patience, best)
 

@@ -146,7 +146,7 @@ def chosen(seen: Looked, deadline: Deadline, report: Progress) -> Certain | None
     count_near(seen, deadline, 1.0 - rest)
     proof = None
     if seen.complete and can_be_proven(problem, objective):
-        proof = Prover(seen, deadline.at_most(PROOF_SHARE * deadline.left_s), report).run()
+        proof = Prover(seen, deadline.part(PROOF_SHARE), report).run()
     ranked = seen.ranked
     if seen.scenarios.is_drawn and (proof is None or proof.left):
         ranked = without_luck(seen, ranked, deadline)
@@ -275,7 +275,7 @@ def candidates(
     if known and provable:
         yield waiting
         waiting = []  # else they are counted with the first that have room: light is worked out once
-    patience = deadline.at_most(PROOF_SHARE * deadline.left_s) if waiting else deadline
+    patience = deadline.part(PROOF_SHARE) if waiting else deadline
     try:
         more = searches.next(patience, done=done(), hopeful=hopeful(), once=bool(waiting))
     except OutOfTimeError:

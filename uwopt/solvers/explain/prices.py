@@ -237,9 +237,7 @@ def without_each(
         weaker = without(mission, name) if key in keys else None
         if weaker is None or deadline.passed():
             continue
-        found = relaxer.seek(
-            weaker, goal, {name}, deadline=deadline.at_most(TURN * deadline.left_s), ceiling=ceiling
-        ).outcome  # fmt: skip
+        found = relaxer.seek(weaker, goal, {name}, deadline=deadline.part(TURN), ceiling=ceiling).outcome
         if found.interrupted:
             raise KeyboardInterrupt
         if found.complete:

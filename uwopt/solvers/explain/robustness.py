@@ -108,7 +108,7 @@ def robustness(
     bad, bad_value = at_worst(problem, winner, objective, deadline)
     mixed = mixed_problem(problem, bad)
     slow = scenes_need_cells(problem.scenes, objective)
-    patience = deadline.at_most(SLOW_S if slow else TURN * deadline.left_s)
+    patience = deadline.at_most(SLOW_S) if slow else deadline.part(TURN)
     outcome = Search(mixed, objective, top=2, deadline=patience, ceiling=bad_value).whole()  # no better: no rival
     deadline.check()  # a rival of half a search is none
     rival = next((f for f in outcome.best if not same_parts(mixed, f, problem, winner)), None)

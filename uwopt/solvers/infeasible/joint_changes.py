@@ -148,7 +148,7 @@ class CommonShare:
         trials = self.trials
         if trials.over or self.phase.passed():
             return None
-        turn = self.phase.at_most((SOON_TURN if self.few else turn_share) * self.phase.left_s)
+        turn = self.phase.part(SOON_TURN if self.few else turn_share)
         try:
             mission = self.mission(self.weaker_by(share))
             if self.few:
@@ -173,7 +173,7 @@ class CommonShare:
         """What a design's hardware needs where all give by a share: of each in turn as little as will do."""
         asked = self.asked
         deadline = self.trials.deadline
-        phase = deadline.at_most(DRAW_SHARE * deadline.left_s) if self.few else self.phase
+        phase = deadline.part(DRAW_SHARE) if self.few else self.phase
         kept, found = self._without_what_is_kept({**self.weaker_by(share)}, found)
         changed = [name for name, value in asked.items() if kept[name] != value]
         for name in changed:
@@ -245,7 +245,7 @@ def least_set(trials: Trials, known: Giving | None = None) -> tuple[list[Relaxed
 def few_that_give(trials: Trials) -> Giving | None:
     """Requirements that give together, by searches of a few imagers; those last that the mission states itself."""
     names = sorted((name for name in trials.limits if name in MAY_PASS), key=trials.is_own)
-    found = trials.few_without(names, trials.deadline.at_most(FIRST_TURN * trials.deadline.left_s), VERY_FEW)
+    found = trials.few_without(names, trials.deadline.part(FIRST_TURN), VERY_FEW)
     if found is None or not found.outcome.best:
         return None
 

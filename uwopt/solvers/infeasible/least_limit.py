@@ -165,10 +165,7 @@ class LeastLimit:
 
     def _search(self, wanted: Mission, turn: Deadline) -> Sought:
         """A search of all hardware."""
-        found = self.trials.relaxer.seek(wanted, ANY, {self.name}, deadline=turn, enough=True, likely=True)
-        if found.outcome.interrupted:
-            raise KeyboardInterrupt
-        return found
+        return self.trials.seek(wanted, ANY, {self.name}, turn, enough=True, likely=True)
 
     def told(self) -> Relaxation:
         """As far as it is drawn in."""
@@ -201,7 +198,7 @@ class LeastLimit:
             return self._cheapest(turn)
         first = judged_by(self.mission, self.found, goal).objective_value
         ceiling = math.inf if first is None else goal.minimised(first)
-        soon = turn.at_most(SOON * turn.left_s)
+        soon = turn.part(SOON)
         self.by_few = True
         few = relaxer.among_few(self.mission, goal, {self.name}, soon, enough=False, ceiling=ceiling)
         if few is not None and few.outcome.best:

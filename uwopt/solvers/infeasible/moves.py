@@ -126,7 +126,7 @@ class Mover:
 
     def try_few(self) -> None:
         """Move each key far and look among a few imagers, as `Singles.try_few`: first those of few values to try."""
-        phase = self.trials.deadline.at_most(FEW_SHARE * self.trials.deadline.left_s)
+        phase = self.trials.deadline.part(FEW_SHARE)
         for one in sorted(self.left, key=lambda one: len(one.values)):
             for value in one.values:
                 if phase.left_s < LEAST_S or self.trials.interrupted:
@@ -152,7 +152,7 @@ class Mover:
 
     def try_all(self, share: float = SHARE, *, one_is_enough: bool = False) -> None:
         """Move each key far, as long as there is time, a share of what is left, or until one is known to help."""
-        phase = self.trials.deadline.at_most(share * self.trials.deadline.left_s)
+        phase = self.trials.deadline.part(share)
         for one in self.left:
             if self.trials.interrupted or phase.left_s <= LEAST_S or (one_is_enough and self.helpful):
                 break
@@ -181,7 +181,7 @@ class Mover:
         """Try a key far away, and keep what is known then of whether that helps."""
         known, rules = True, tuple[str, ...]()
         for value in one.values:
-            turn = phase.at_most(TURN * phase.left_s)
+            turn = phase.part(TURN)
             found = self._search(one.key, value, partial(self._seek, one.key, turn=turn, few_first=False))
             if self._take(one, value, found):
                 return
@@ -225,12 +225,7 @@ class Mover:
 
     def _seek(self, key: Varied, mission: Mission, turn: Deadline, *, few_first: bool = True) -> Sought:
         """A search for any design."""
-        found = self.trials.relaxer.seek(
-            mission, ANY, {what_moves(key)}, deadline=turn, enough=True, few_first=few_first
-        )
-        if found.outcome.interrupted:
-            raise KeyboardInterrupt
-        return found
+        return self.trials.seek(mission, ANY, {what_moves(key)}, turn, enough=True, few_first=few_first)
 
 
 def what_moves(key: Varied) -> str:

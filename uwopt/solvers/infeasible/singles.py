@@ -98,10 +98,10 @@ class Singles:
         trials = self.trials
         with trials.until_interrupted():
             if name in MAY_PASS:
-                self._try_among(name, FEW_IMAGERS, trials.deadline.at_most(share * trials.deadline.left_s))
+                self._try_among(name, FEW_IMAGERS, trials.deadline.part(share))
             is_asked = name in self.hopes and not trials.relaxer.is_soon_known()  # else there may be hardly more
             if name in self._open(trials.limits) and not (is_asked or trials.interrupted):
-                self._is_known(name, trials.deadline.at_most(share * trials.deadline.left_s))
+                self._is_known(name, trials.deadline.part(share))
 
     def _ask_all_but(self, name: str) -> None:
         """Drop all others at once, or those that leave the imagers as they are where else there are many to look at."""
@@ -143,7 +143,7 @@ class Singles:
         """
         trials = self.trials
         _ = trials.relaxer.broken  # takes longer than a turn, and all share it
-        phase = trials.deadline.at_most(self.share(FEW_SHARE) * trials.deadline.left_s)
+        phase = trials.deadline.part(self.share(FEW_SHARE))
         names = sorted(
             self._hopeful_of_light(number, phase),
             key=lambda name: (not trials.is_own(name), name not in OF_LIGHT, name == "min_snr"),
@@ -178,10 +178,8 @@ class Singles:
     def give_together(self, share: float) -> None:
         """Requirements that give together, of which a few imagers show that they do; if it is one, that helps alone."""
         trials = self.trials
-        whole = trials.deadline
-        trials.deadline = whole.at_most(share * whole.left_s)
-        self.together = few_that_give(trials)
-        trials.deadline = whole
+        with trials.within(trials.deadline.part(share)):
+            self.together = few_that_give(trials)
         if self.together is None or len(self.together[0]) != 1:
             return
         (name,), found = self.together
@@ -202,7 +200,7 @@ class Singles:
         deadline = self.trials.deadline
         names = sorted((name for name in self.hopes if self.hopes[name] > 0.0), key=lambda name: -self.hopes[name])
         self.left = self._open({name: self.trials.limits[name] for name in names})
-        self._drop_each(deadline.at_most(self.share(HOPE_SHARE) * deadline.left_s), HOPE_TURN)
+        self._drop_each(deadline.part(self.share(HOPE_SHARE)), HOPE_TURN)
 
     def _try_among(self, name: str, number: int, turn: Deadline) -> None:
         """Drop one and look among so many imagers."""
@@ -239,7 +237,7 @@ class Singles:
         self._drop_at_once([name for name in self.left if name != "min_snr"])
         suspects = self.suspects
         self.left = {name: self.left[name] for name in sorted(self.left, key=lambda name: name not in suspects)}
-        self._drop_each(trials.deadline.at_most(self.share(LIGHT_SHARE) * trials.deadline.left_s))
+        self._drop_each(trials.deadline.part(self.share(LIGHT_SHARE)))
 
     def drop_rest(self) -> None:
         """Drop the others, those that take least first."""
@@ -252,7 +250,7 @@ class Singles:
                 name for name in self.left
                 if name != DEEP and relaxer.is_soon_known({name})
             ])  # fmt: skip
-        self._drop_each(trials.deadline.at_most(self.share(REST_SHARE) * trials.deadline.left_s))
+        self._drop_each(trials.deadline.part(self.share(REST_SHARE)))
         self.left = {**light, **self.left}
 
     def drop_left(self) -> None:
@@ -309,7 +307,7 @@ class Singles:
                 break
             trials.say(0.5 * number / len(self.left), f"why nothing fits: without {name}")
             with trials.until_interrupted():
-                one = phase.at_most(share * phase.left_s if share else trials.turn().left_s)
+                one = phase.part(share) if share else phase.at_most(trials.turn().left_s)
                 if one.left_s < IMAGER_S * self._imagers_without(name):
                     if self._helps_among_few(name, one):  # all its imagers alone would take longer
                         known.append(name)
@@ -372,7 +370,7 @@ class Singles:
         trials = self.trials
         if name in self.dear:
             return False
-        central, turn = with_central_prices(trials.mission), trials.deadline.at_most(LONG_TURN * trials.deadline.left_s)
+        central, turn = with_central_prices(trials.mission), trials.deadline.part(LONG_TURN)
         found = trials.relaxer.seek(central, CHEAPEST, {name}, deadline=turn, enough=True)
         if found.outcome.best:
             self._helps(name, central, found, at_central_prices=True)
@@ -386,7 +384,7 @@ class Singles:
         """Draw in those that are known to help, in a share of the time left."""
         trials = self.trials
         with trials.until_interrupted():
-            in_rounds(self.helpful, trials.deadline.at_most(DRAW_SHARE * trials.deadline.left_s))
+            in_rounds(self.helpful, trials.deadline.part(DRAW_SHARE))
 
 
 def goal_without(name: str) -> Objective:

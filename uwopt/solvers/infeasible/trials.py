@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import ToBeMade
@@ -62,6 +63,15 @@ class Trials:
         except KeyboardInterrupt:
             self.interrupted = True
 
+    @contextmanager
+    def within(self, deadline: Deadline) -> Iterator[None]:
+        """What has another deadline than the rest."""
+        whole, self.deadline = self.deadline, deadline
+        try:
+            yield
+        finally:
+            self.deadline = whole
+
     def go_on(self) -> None:
         """Take the time that is left for who would else be told nothing."""
         self.deadline, self.more_s = replace(self.deadline, end_s=self.deadline.end_s + self.more_s), 0.0
@@ -82,7 +92,7 @@ class Trials:
 
     def turn(self) -> Deadline:
         """The time for one search among others."""
-        return self.deadline.at_most(TURN * self.deadline.left_s)
+        return self.deadline.part(TURN)
 
     @cached_property
     def lacks_energy(self) -> bool:
@@ -132,6 +142,13 @@ class Trials:
         """As `Relaxer.among_few`; that a person ends it is noted."""
         found = self.relaxer.among_few(mission, goal, freed, turn, number=number)
         self.interrupted |= found is not None and found.outcome.interrupted
+        return found
+
+    def seek(self, mission: Mission, goal: Objective, freed: Collection[str], deadline: Deadline, **how: Any) -> Sought:
+        """As `Relaxer.seek`; raises KeyboardInterrupt where a person ends it."""
+        found = self.relaxer.seek(mission, goal, freed, deadline=deadline, **how)
+        if found.outcome.interrupted:
+            raise KeyboardInterrupt
         return found
 
     def seek_without(self, names: Collection[str], *, few_first: bool = True) -> Sought | None:

@@ -53,17 +53,15 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
     try_hardware(singles, mover)
     soon = first_that_help(trials, singles, mover, is_quick=is_quick)
     draw_by_hardware(singles, mover)
-    whole = trials.deadline
-    if not singles.helpful and not mover.helpful:  # it may be that no single change helps
-        trials.deadline = whole.but_for(KEPT_SHARE)
-    if not is_quick:
-        singles.drop_hopeful()
-        drop_light_and_move(singles, mover)
-        singles.drop_rest()
-    fit = nearest_fit(trials.relaxer) if by_size and not trials.interrupted else None
-    if not mover.helpful:
-        singles.drop_others()
-    trials.deadline = whole
+    none_helps = not singles.helpful and not mover.helpful  # it may be that no single change does
+    with trials.within(trials.deadline.but_for(KEPT_SHARE) if none_helps else trials.deadline):
+        if not is_quick:
+            singles.drop_hopeful()
+            drop_light_and_move(singles, mover)
+            singles.drop_rest()
+        fit = nearest_fit(trials.relaxer) if by_size and not trials.interrupted else None
+        if not mover.helpful:
+            singles.drop_others()
     if soon is None and singles.together is None and not singles.helpful and not mover.helpful:
         trials.go_on()
         mover.try_all(one_is_enough=True)
@@ -101,7 +99,7 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
 def try_hardware(singles: Singles, mover: Mover) -> None:
     """With the hardware of each change that helps, ask of all others: what it does then needs no search to be known."""
     trials = singles.trials
-    phase = trials.deadline.at_most(HARDWARE_SHARE * trials.deadline.left_s)
+    phase = trials.deadline.part(HARDWARE_SHARE)
     for found in [one.found for one in (*singles.helpful, *mover.helpful)]:
         trials.say(0.0, "what the hardware of a change does beside")
         with trials.until_interrupted():
@@ -115,13 +113,11 @@ def first_that_help(trials: Trials, singles: Singles, mover: Mover, *, is_quick:
     is_quick : whether bounds tell of all imagers as soon as of a few
     """
     if is_quick:
-        whole = trials.deadline
-        trials.deadline = whole.but_for(QUICK_SHARE)
-        drop_light_and_move(singles, mover)
-        if mover.helpful:
-            trials.deadline = whole
-        singles.drop_rest()
-        trials.deadline = whole
+        soonest = trials.deadline.but_for(QUICK_SHARE)
+        with trials.within(soonest):
+            drop_light_and_move(singles, mover)
+        with trials.within(trials.deadline if mover.helpful else soonest):
+            singles.drop_rest()
     else:
         mover.try_few()
         draw_by_hardware(singles, mover)
@@ -146,7 +142,7 @@ def drop_light_and_move(singles: Singles, mover: Mover) -> None:
 def together_soon(trials: Trials, singles: Singles, mover: Mover) -> CommonFit | None:
     """Changes that help together, found among a few imagers; of one alone a single that helps is made."""
     trials.say(0.0, "changes that help together")
-    fit = CommonShare(trials, trials.deadline.at_most(SOON_SHARE * trials.deadline.left_s), few=True).of_all()
+    fit = CommonShare(trials, trials.deadline.part(SOON_SHARE), few=True).of_all()
     if fit is None or len(fit.changes) != 1:
         return fit
     (one,) = fit.changes
@@ -184,7 +180,7 @@ def draw_in(singles: Singles, mover: Mover, share: float = LEAST_SHARE) -> None:
     if trials.interrupted:
         return
     with trials.until_interrupted():
-        in_rounds(changes_of(singles, mover), trials.deadline.at_most(share * trials.deadline.left_s))
+        in_rounds(changes_of(singles, mover), trials.deadline.part(share))
 
 
 def changes_of(singles: Singles, mover: Mover) -> list[Stepwise]:
@@ -194,12 +190,11 @@ def changes_of(singles: Singles, mover: Mover) -> list[Stepwise]:
 
 def ask_open(singles: Singles, mover: Mover) -> None:
     """Ask once more what there was no time to know, before what helps is drawn in any further."""
-    trials, whole = singles.trials, singles.trials.deadline
-    trials.deadline = whole.but_for(DRAWN_SHARE)
-    singles.drop_left()
-    if not trials.interrupted:
-        mover.try_all(1.0)
-    trials.deadline = whole
+    trials = singles.trials
+    with trials.within(trials.deadline.but_for(DRAWN_SHARE)):
+        singles.drop_left()
+        if not trials.interrupted:
+            mover.try_all(1.0)
 
 
 def design_of(trials: Trials, relaxations: list[Relaxation]) -> Design | None:
@@ -252,7 +247,7 @@ def changes_together(
         return [], nearest
     trials.say(0.9, "smaller changes together")
     share = TOGETHER_SHARE if relaxations or moved else ONLY_SHARE
-    together = CommonShare(trials, trials.deadline.at_most(share * trials.deadline.left_s))
+    together = CommonShare(trials, trials.deadline.part(share))
     if relaxations:
         return together.smaller_than(relaxations[0].miss_rel), nearest
     fit = together.of_all()
