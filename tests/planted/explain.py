@@ -683,8 +683,8 @@ DEFECTS = (
     Defect(
         name="no slower vehicle comes to fewer images a second",
         file="uwopt/solvers/infeasible/freed_rules.py",
-        old='"speed_m_s": frozenset({"max_blur_px", "frame_rate", "data_rate_mb_s",',
-        new='"speed_m_s": frozenset({"max_blur_px",',
+        old='"speed_m_s": OF_RATE | {"max_blur_px"}',
+        new='"speed_m_s": STORED | {"max_blur_px"}',
         test="tests/solvers/test_relaxed.py::test_imagers_that_a_moved_key_frees_are_those_of_a_mission_that_has_it_so",
     ),
     Defect(

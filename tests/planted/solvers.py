@@ -1150,8 +1150,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="of limits that give together the first that was found is told",
         file="uwopt/solvers/infeasible/joint_changes.py",
-        old="change = with_its_hardware(limit, Change(far, found), wanted, trials.deadline)",
-        new="change = Change(far, found)",
+        old="least = with_its_hardware(asked[name], Change(limit, found), wanted, deadline)",
+        new="least = Change(limit, found)",
         test="tests/solvers/test_soon_known.py"
         "::test_limits_that_give_together_are_drawn_in_as_far_as_their_hardware_reaches",
     ),

@@ -16,49 +16,43 @@ from uwopt.solvers.recommend import Sought
 
 OTHER_WATER = "other water"  # of which no rule of an imager knows
 NO_REASONS = frozenset({"better_housing", "bound", "mount", "image_circle", "complete"})  # whatever is asked
-LATE_RULES = frozenset({*NODE_RULES, "cost", "mass_kg", "power_w", "energy_wh"}) - NO_REASONS  # that know of lamps
+BUDGETS = ("cost", "mass_kg", "power_w", "energy_wh")  # rules in the order of bounds, and the limits of which they are
+LATE_RULES = frozenset({*NODE_RULES, *BUDGETS}) - NO_REASONS  # that know of lamps
 HOURS, OF_HOURS = "duration_h", ("run time", "rated time")  # rules of parts that a shorter mission may have again
 SETTINGS = "settings"  # that none of a design's does: a reason, though no rule of a search
 MOST_REASONS = 2  # told
+SWITCHES = ("camera_between_images", "lamps_between_images")  # that may be off, which limits of power or energy know
+BATTERY = "battery_wh"  # that cost and mass know, too
 
+#: Requirements that no imager's rule or column knows.
+LIT = (
+    "min_snr", "max_white_balance", "max_skew_px", "max_airy_px", "max_gain_db", "mean_level", "min_contrast",
+    "min_uniformity", "min_mtf_half_nyquist", "peak_power_w",
+)  # fmt: skip
+OF_LIGHT = frozenset({*LIT, OTHER_WATER})
+#: Those that count of imagers alone: who fits without them and not with them breaks their rule.
+OF_IMAGERS = frozenset({"max_gsd_mm", "min_swath_m", "min_common_swath_m", "max_depth_error_mm", "data_rate_mb_s"})
+STORED = frozenset({"storage_gb", "card_gb"})
+OF_RATE = STORED | {"frame_rate", "data_rate_mb_s"}
 #: Rules of imagers that may pass what they fail once a requirement is dropped or weakened. Of requirements that are
 #: not named here anything may change, parts and their prices included.
 MAY_PASS: dict[str, frozenset[str]] = {
-    **dict.fromkeys(
-        (
-            "min_snr", "max_white_balance", "max_skew_px", "max_airy_px", "max_gain_db", "mean_level", "min_contrast",
-            "min_uniformity", "min_mtf_half_nyquist", "peak_power_w", "cost", "power_w", "mass_kg", "energy_wh",
-        ),
-        frozenset[str](),
-    ),
-    "max_gsd_mm": frozenset({"max_gsd_mm"}),
-    "min_swath_m": frozenset({"min_swath_m"}),
-    "min_common_swath_m": frozenset({"min_common_swath_m"}),
-    "max_depth_error_mm": frozenset({"max_depth_error_mm"}),
-    "data_rate_mb_s": frozenset({"data_rate_mb_s"}),
+    **dict.fromkeys((*LIT, *BUDGETS), frozenset[str]()),
+    **{name: frozenset({name}) for name in sorted(OF_IMAGERS)},
     "resolve_mm": frozenset({"max_gsd_mm"}),
     "min_dof_m": frozenset({"focus", "min_dof_m", "lens_stop_down"}),
     "max_blur_px": frozenset({"max_blur_px"}),
     "lens_stop_down": frozenset({"lens_stop_down", "min_dof_m"}),
-    "overlap": frozenset(
-        {"frame_rate", "data_rate_mb_s", "storage_gb", "card_gb", "max_blur_px", "min_swath_m"}
-    ),
-}  # fmt: skip
+    "overlap": OF_RATE | {"max_blur_px", "min_swath_m"},
+}
 #: The same of keys that are no requirements, where what they ask is less.
 MOVES_PASS: dict[str, frozenset[str]] = {
-    "speed_m_s": frozenset({"max_blur_px", "frame_rate", "data_rate_mb_s", "storage_gb", "card_gb"}),
-    "frame_interval_s": frozenset({"frame_rate", "data_rate_mb_s", "storage_gb", "card_gb"}),
-    HOURS: frozenset({"storage_gb", "card_gb"}),
+    "speed_m_s": OF_RATE | {"max_blur_px"},
+    "frame_interval_s": OF_RATE,
+    HOURS: STORED,
     OTHER_WATER: frozenset(),
 }
 FREES = MAY_PASS | MOVES_PASS
-#: Those that count of imagers alone: who fits without them and not with them breaks their rule.
-OF_IMAGERS = frozenset({"max_gsd_mm", "min_swath_m", "min_common_swath_m", "max_depth_error_mm", "data_rate_mb_s"})
-#: Those that no imager's rule or column knows.
-OF_LIGHT = frozenset({
-    "min_snr", "max_white_balance", "max_skew_px", "max_airy_px", "max_gain_db", "mean_level", "min_contrast",
-    "min_uniformity", "min_mtf_half_nyquist", "peak_power_w", OTHER_WATER,
-})  # fmt: skip
 
 
 def in_the_way(found: Sought, freed: str = "") -> tuple[str, ...]:
@@ -76,9 +70,6 @@ def in_the_way(found: Sought, freed: str = "") -> tuple[str, ...]:
 # ---------------------------------------------------------------- settled by bounds
 
 
-BUDGETS = ("cost", "mass_kg", "power_w", "energy_wh")  # rules in the order of bounds, and the limits of which they are
-FEEDING = ("camera_between_images", "lamps_between_images")  # keys that a limit of power or energy knows
-BATTERY = "battery_wh"  # and one that cost and mass know, too
 #: Requirements that only a design with its settings is asked about.
 OF_SETTINGS = ("max_skew_px", "max_airy_px", "min_uniformity", "peak_power_w")
 #: And those that bounds ask of a design's light and lens, each under its own rule.
@@ -103,7 +94,7 @@ def untouched(account: Account) -> Iterator[str]:
     # what an earlier budget discarded it did whatever the later ones are; what two do together the later one counts
     yield from (name for place, name in enumerate(BUDGETS) if are_idle(*BUDGETS[place:]))
     if are_idle("power_w", "energy_wh"):
-        yield from FEEDING
+        yield from SWITCHES
         if are_idle("cost", "mass_kg"):
             yield BATTERY
 

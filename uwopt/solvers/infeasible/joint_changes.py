@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 
 from uwopt.deadline import Deadline
 from uwopt.errors import UwoptError
@@ -22,9 +23,9 @@ from uwopt.mission.varying import Varied, VariedMission
 from uwopt.mission.weakened import is_from_above
 from uwopt.results.basis import Relaxed
 from uwopt.results.design import Design
-from uwopt.solvers.infeasible.freed_rules import MAY_PASS
+from uwopt.solvers.infeasible.freed_rules import BATTERY, MAY_PASS
 from uwopt.solvers.infeasible.least_change import Change, rounded_away, same_hardware, with_its_hardware
-from uwopt.solvers.infeasible.move_keys import BATTERY, shared_keys
+from uwopt.solvers.infeasible.move_keys import shared_keys
 from uwopt.solvers.infeasible.reached import UNKNOWN, judged_by, miss, missed_by
 from uwopt.solvers.infeasible.relaxer import ANY, FEW_IMAGERS
 from uwopt.solvers.infeasible.trials import BRIGHT, Trials
@@ -179,17 +180,9 @@ class CommonShare:
         for name in changed:
             if not phase.passed() and (less := self._fits(found, {**kept, name: asked[name]})) is not None:
                 kept[name], found = asked[name], less
-        for name in changed:
-            limit = kept[name]
-            if limit is not None and limit != asked[name]:
-                change = Change(limit, found)
-                least = with_its_hardware(asked[name], change, self._with_one(kept, name), phase)
-                kept[name], found = least.limit, least.found
-        told = [
-            Relaxed(name, asked[name], kept[name], miss(asked[name], kept[name]))
-            for name in asked if kept[name] != asked[name]
-        ]  # fmt: skip
-        return CommonFit(told, found)
+        far = {name: kept[name] for name in changed if kept[name] != asked[name]}
+        told, found = one_by_one(asked, kept, far, found, self.mission, phase)
+        return CommonFit([one for one in told if one.needed != one.limit], found)
 
     def _without_what_is_kept(
         self, kept: dict[str, float | None], found: Sought
@@ -216,9 +209,21 @@ class CommonShare:
         less = same_hardware(found, self.mission(values))
         return less if less.outcome.best else None
 
-    def _with_one(self, kept: Mapping[str, float | None], name: str) -> Callable[[float], Mission]:
-        """The mission with one key at another value."""
-        return lambda value: self.mission({**kept, name: value})
+
+def one_by_one(
+    asked: Mapping[str, float], kept: dict[str, float | None], far: Mapping[str, float | None], found: Sought,
+    mission: Callable[[Mapping[str, float | None]], Mission], deadline: Deadline,
+) -> tuple[list[Relaxed], Sought]:  # fmt: skip
+    """Values that give together, each in turn drawn back from `far` as its hardware allows, the others as `kept`."""
+    for name, limit in far.items():
+        if limit is not None:
+
+            def wanted(value: float, name: str = name) -> Mission:
+                return mission({**kept, name: value})
+
+            least = with_its_hardware(asked[name], Change(limit, found), wanted, deadline)
+            kept[name], found = least.limit, least.found
+    return [Relaxed(name, limit, kept[name], miss(limit, kept[name])) for name, limit in asked.items()], found
 
 
 # ---------------------------------------------------------------- all that give
@@ -277,17 +282,9 @@ def without_fewer(
 def drawn_in(trials: Trials, asked: dict[str, float], found: Sought) -> tuple[list[Relaxed], Design]:
     """What a design's hardware can keep of limits that give together: of each in turn as much as can be."""
     design = trials.judged(found)
-    kept: dict[str, float | None] = dict.fromkeys(asked)
-    for name, limit in asked.items():
-        far = trials.typed(name, design)
-        if far is not None:
-
-            def wanted(value: float, name: str = name) -> Mission:
-                return trials.with_limits(trials.mission, {**kept, name: value})
-
-            change = with_its_hardware(limit, Change(far, found), wanted, trials.deadline)
-            kept[name], found = change.limit, change.found
-    told = [Relaxed(name, limit, kept[name], miss(limit, kept[name])) for name, limit in asked.items()]
+    far = {name: trials.typed(name, design) for name in asked}
+    mission = partial(trials.with_limits, trials.mission)
+    told, found = one_by_one(asked, dict.fromkeys(asked), far, found, mission, trials.deadline)
     return told, trials.judged(found)
 
 

@@ -14,7 +14,7 @@ from uwopt.mission.duration import Duration
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Value, Varied, rounded
 from uwopt.mission.weakened import in_all_scenes
-from uwopt.solvers.infeasible.freed_rules import HOURS
+from uwopt.solvers.infeasible.freed_rules import BATTERY, HOURS, SWITCHES
 from uwopt.solvers.infeasible.least_change import rounded_away
 
 FARTHEST_SPEED = 0.1  # of the speed that is asked
@@ -25,10 +25,8 @@ CLEAREST = {"c_per_m": 0.055, "visibility_m": 80.0, "secchi_m": 80.0, "turbidity
 FARTHEST_TIME = 10.0  # times as long between images
 FARTHEST_ENERGY = (10.0, 100.0)  # times as short a mission, or as much in its battery
 SMALLER = (0.5, 0.2, 0.08)  # of the battery that is asked, which must still last as long
-BATTERY = "battery_wh"
 #: Jerlov types from the clearest on, by their attenuation at 530 nm.
 CLEAREST_FIRST = ("I", "IA", "IB", "II", "1C", "III", "3C", "5C", "7C", "9C")
-SWITCHES = ("camera_between_images", "lamps_between_images")  # that may be off, and draw less
 
 
 @dataclass(frozen=True)

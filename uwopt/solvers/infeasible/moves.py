@@ -15,9 +15,9 @@ from uwopt.errors import UwoptError
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Value, Varied, VariedMission, rounded
 from uwopt.results.basis import Moved
-from uwopt.solvers.infeasible.freed_rules import OTHER_WATER
+from uwopt.solvers.infeasible.freed_rules import OTHER_WATER, SWITCHES
 from uwopt.solvers.infeasible.least_change import Change, Narrowing, same_hardware
-from uwopt.solvers.infeasible.move_keys import CLEAREST_FIRST, SWITCHES, Try, tries_of
+from uwopt.solvers.infeasible.move_keys import CLEAREST_FIRST, Try, tries_of
 from uwopt.solvers.infeasible.relaxer import ANY
 from uwopt.solvers.infeasible.trials import Trials
 from uwopt.solvers.recommend import Sought
