@@ -127,7 +127,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="points of a front are dimmed to the least", file=SCENE,
-        old="away_db = np.abs(tried.snr_db - self.at_exact.snr_db)", new="away_db = tried.snr_db",
+        old="db_to_ratio(there - here)", new="db_to_ratio(there)",
         test=f"{TESTS}test_without_an_objective_rounding_stays_near_the_optimum",
     ),
     Defect(
@@ -162,5 +162,19 @@ DEFECTS: tuple[Defect, ...] = (
         old="doubts_of(sought, chosen.design, patience, choice)",
         new="doubts_of(sought, chosen.design, deadline, choice)",
         test="tests/api/test_patience.py::test_doubts_beyond_patience_are_left_out_and_told[0.0-True]",
+    ),
+    Defect(
+        name="what a front trades is not kept where its points are rounded",
+        file="uwopt/solvers/settable/scene.py",
+        old="for name in self.figures:",
+        new='for name in ("snr_db",):',
+        test="tests/solvers/test_rounding.py::test_rounding_stays_near_in_all_that_a_front_trades",
+    ),
+    Defect(
+        name="what settings to type in cost is told by exact values",
+        file="uwopt/report/text/front_tables.py",
+        old="value = as_set[objective.name]",
+        new="value = exact",
+        test="tests/report/test_front_tables.py::test_what_settings_to_type_in_cost_is_told_of_each_named_point",
     ),
 )  # fmt: skip

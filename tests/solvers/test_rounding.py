@@ -20,6 +20,7 @@ import uwopt
 from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.records import exact
 from uwopt.deadline import Deadline
+from uwopt.evaluation.design import evaluate_design
 from uwopt.evaluation.design_model import DesignModel, design_model
 from uwopt.evaluation.focus_marks import focus_distances_m
 from uwopt.forward.figures import SettingRows
@@ -29,13 +30,17 @@ from uwopt.report.text.console import print_blocks
 from uwopt.report.text.short import full_text_blocks
 from uwopt.results.design import SettableCheck
 from uwopt.solvers.recommend import SETTINGS_TO_SET, Sought, best_settable
-from uwopt.solvers.settable.rounding import exact_settings, rounded_design
-from uwopt.solvers.settable.scene import few_pixels
+from uwopt.solvers.settable.rounding import exact_settings, given_of, rounded_design
+from uwopt.solvers.settable.scene import Near, few_pixels
 from uwopt.solvers.settable.steps import rates_hz, stops, time_steps
 
 # Lamps that burn, pulse, flash; by steps or freely; one scene or two; full, auto, paper; every kind of requirement.
 HOLDING = (4, 5, 12, 23, 40, 46, 54, 62)
 FAILING = (41,)
+FLASH = rc.lamp(
+    "flash", kind="flash", flash_energy_j=20.0, flash_efficacy_lm_s_per_j=35.0, flash_duration_us=1_000.0,
+    recycle_s=0.2, charging_efficiency_frac=0.7,
+)  # fmt: skip
 BURNING = rc.lamp("burning", kind="continuous", flux_lm=20_000.0, power_w=200.0)
 STEPPED = rc.lamp(
     "stepped", kind="pulsed_led", flux_lm=20_000.0, power_w=200.0, dim_levels=(0.25, 0.5, 1.0), min_pulse_us=1.0,
@@ -192,11 +197,24 @@ def test_without_an_objective_rounding_stays_near_the_optimum() -> None:
     """A bright point of a front is not dimmed to the least that its mission asks for."""
     case = rc.planted("snr_db", (BURNING,), {"min_snr_db": 10.0, "max_blur_px": 1.0})
     problem, best = best_of(case)
-    made = rounded_design(problem, best.hardware, best.settings, None).design
+    made = rounded_design(problem, best.hardware, best.settings, Near()).design
     assert made.feasible
     assert made.scenes[0].figures["snr_db"] == pytest.approx(
         best.snr_db, abs=0.3
     )  # the optimum has 20 dB to spare
+
+
+def test_rounding_stays_near_in_all_that_a_front_trades() -> None:
+    """By power and noise alone f/3.6 became f/2, whose blur leaves 42 % of the information."""
+    asked = {"min_snr_db": 20.0, "max_blur_px": 1.0, "max_gsd_mm": 3.0, "min_dof_m": 0.3, "min_swath_m": 0.3}
+    case = rc.planted("information", (FLASH,), asked)
+    problem, best = best_of(case)
+    exact = evaluate_design(problem, best.hardware, given_of(problem, best.hardware, best.settings), case.objective)
+    made = rounded_design(problem, best.hardware, best.settings, Near(("snr_db", "information"))).design
+    assert made.feasible
+    there, here = (design.scenes[0].figures for design in (exact, made))
+    assert here["information_bit_per_m2"] == pytest.approx(there["information_bit_per_m2"], rel=0.02)
+    assert here["snr_db"] == pytest.approx(there["snr_db"], abs=0.3)
 
 
 def test_manual_lens_keeps_stop_and_ring_in_both_scenes() -> None:
@@ -245,7 +263,7 @@ def test_level_between_two_microseconds_is_not_offered() -> None:
     # the level is proportional to the exposure: 10 us give 4.8 % too little, 11 us 4.8 % too much, and 1.2 % count
     problem, best = best_of(between_two_microseconds())
     assert best.settings[0]["exposure_s"] == pytest.approx(10.5e-6, rel=1e-6)
-    made = rounded_design(problem, best.hardware, best.settings, None).design
+    made = rounded_design(problem, best.hardware, best.settings, Near()).design
     assert not made.feasible
     assert made.scenes[0].settings["exposure_ms"] in (pytest.approx(0.010), pytest.approx(0.011))
 

@@ -45,16 +45,18 @@ from uwopt.objectives.objective import Objective
 from uwopt.objectives.own import OwnFunction, OwnObjective
 from uwopt.results.basis import Assumption, UsedEffect
 from uwopt.results.design import Design, Note
-from uwopt.results.front import FrontObjective, FrontPoint, FrontResult, Peer
+from uwopt.results.front import FrontObjective, FrontPoint, FrontResult, Peer, values_of
 from uwopt.results.result import Result
 from uwopt.solvers.beside import side_by_side
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain.assumptions import assumptions
-from uwopt.solvers.front.designs import few, found_of, objectives_of, picks_of, values_of
+from uwopt.solvers.front.designs import few, found_of, objectives_of, picks_of
 from uwopt.solvers.front.search import FrontSearch
 from uwopt.solvers.recommend import with_rounded
 from uwopt.solvers.settable.rounding import given_of
+from uwopt.solvers.settable.scene import Near
+from uwopt.solvers.settings.cell_pool import QUALITIES
 
 EXACT_S = 120.0  # for the exact front, unless the call says otherwise
 PEER_S, PEER_ALONE_S = 2.0, 30.0  # for a population solver: a look beside the exact front, or the search itself
@@ -370,8 +372,9 @@ class ParetoCall:
         return [design for batch in side_by_side(works, begins=told) for design in batch]
 
     def rounded(self, sought: FrontSearched, point: FrontPoint, found: Found) -> FrontPoint:
-        """A point with the settings that a person can set, near its own: that is the trade-off it stands for."""
-        return replace(point, design=with_rounded(sought.problem, found, point.design, None))
+        """A point with the settings that a person can set, near its own in all that is traded and that they change."""
+        near = Near(tuple(name for name in QUALITIES if name in (*Near.figures, *self.objectives)))
+        return replace(point, design=with_rounded(sought.problem, found, point.design, near))
 
     def peers_of_result(self, sought: FrontSearched) -> list[Peer]:
         """Points of the population solvers beside an exact front."""

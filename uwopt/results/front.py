@@ -4,6 +4,7 @@ A front is a list of points, none of which is better than another in every objec
 whole design; those that share hardware lie on one curve of settings.
 """
 
+from collections.abc import Callable, Iterable
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
@@ -127,6 +128,11 @@ class FrontResult(Shown, FiledRecord):
         wanted = next((pick.point for pick in self.picks if pick.name == name), name)
         return next(point for point in self.points if point.id == wanted)
 
+    def values_as_set(self, point: FrontPoint) -> dict[str, float] | None:
+        """The built-in objectives of a point at the settings to type in; None where none are known or can be set."""
+        design = point.design.as_set
+        return None if design is point.design else values_of(design, self.objectives)
+
     def frame(self, name: str = "points") -> "pd.DataFrame":
         """A table of the front: points, picks, methods, assumptions or warnings."""
         return frame_of(
@@ -160,3 +166,18 @@ def point_row(point: FrontPoint, pick: str) -> dict[str, Any]:
         row |= {f"set: {key}{mark}": value for key, value in scene.settings.items()}
         row |= {f"margin: {m.requirement}{mark}": m.margin for m in scene.margins}
     return row
+
+
+def values_of(design: Design, objectives: Iterable[FrontObjective]) -> dict[str, float]:
+    """What a design's evaluation says of the built-in objectives, the worst scene's."""
+    figures = [scene.figures for scene in design.scenes]
+    known: dict[str, Callable[[], Any]] = {
+        "power": lambda: design.totals.power_w,
+        "cost": lambda: design.totals.cost.value,
+        "mass": lambda: design.totals.mass_kg,
+        "snr_db": lambda: min(f["snr_db"] for f in figures),
+        "gsd_mm": lambda: max(f["gsd_mm"] for f in figures),
+        "contrast": lambda: min(1.0 if f["contrast"] is None else f["contrast"] for f in figures),
+        "information": lambda: min(f["information_bit_per_m2"] for f in figures),
+    }
+    return {o.name: float(known[o.name]()) for o in objectives if o.name in known}

@@ -35,6 +35,7 @@ from uwopt.solvers.exact.lightings import Under
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.settable.rounding import given_of, rounded_design
+from uwopt.solvers.settable.scene import Near
 from uwopt.solvers.settable.steps import printed
 from uwopt.tolerances import AGREES_REL
 from uwopt.units import format_quantity, texts_apart
@@ -235,12 +236,11 @@ def check_feasible(design: Design, claimant: str) -> None:
 
 
 def with_rounded(
-    problem: Problem, found: Found, design: Design, objective: Objective | None, deadline: Deadline = NEVER
+    problem: Problem, found: Found, design: Design, objective: Objective | Near, deadline: Deadline = NEVER
 ) -> Design:
     """Add the settings a person can set, and how the design does with them; a warning where there are none.
 
-    What is ordered and warned of is then what belongs to the settings to set. Without an objective they are those
-    nearest to the design's own. Raises OutOfTimeError past the deadline.
+    What is ordered and warned of is then what belongs to the settings to set. Raises OutOfTimeError past the deadline.
     """
     again = rounded_design(problem, found.hardware, found.settings, objective, deadline).design
     missed = list(dict.fromkeys(m.requirement for m in again.missed))

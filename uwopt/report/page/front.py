@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from uwopt.quantities import BY_NAME, TERMS
+from uwopt.quantities import BY_NAME
 from uwopt.report.page.sections import DIGITS, Card, bar, cards, scene_value
 from uwopt.report.page.style import SCALE_DARK, SCALE_LIGHT
 from uwopt.report.text import formats, vocabulary, words
@@ -163,19 +163,17 @@ def beside(design: Design, name: str) -> float | None:
 
 def goal_texts(front: FrontResult, point: FrontPoint) -> list[str]:
     """The objectives of a pick as its cards have them: at the settings to type in, of a cost its range."""
-    return [goal_text(one, point) for one in front.objectives]
+    as_set = front.values_as_set(point) or {}
+    return [goal_text(one, point, as_set) for one in front.objectives]
 
 
-def goal_text(one: FrontObjective, point: FrontPoint) -> str:
-    """One of them, of several scenes the worst; of a user's own function there is the exact value alone."""
-    design = point.design.as_set
+def goal_text(one: FrontObjective, point: FrontPoint, as_set: Mapping[str, float]) -> str:
+    """One of them; of a user's own function there is the exact value alone."""
     if one.name == "power":
-        return formats.quantity(design.power_as_set_w, one.unit)
-    if one.name == "cost" or one.name not in TERMS or design is point.design:
+        return formats.quantity(point.design.power_as_set_w, one.unit)
+    if one.name == "cost" or one.name not in as_set:
         return words.axis_text(one, point, DIGITS)
-    known = (scene_value(scene.figures, scene.settings, TERMS[one.name].name) for scene in design.scenes)
-    worst = max((value for value in known if value is not None), key=lambda v: one.sign * v, default=None)
-    return formats.quantity(worst, one.unit)
+    return formats.quantity(as_set[one.name], one.unit)
 
 
 def currency(front: FrontResult) -> str:

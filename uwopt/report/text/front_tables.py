@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from uwopt.report.text import formats, words
 from uwopt.report.text.layout import Block, Text, block, columns, evenly, more_in_files, note_blocks, sentence
 from uwopt.report.text.nothing_fits import infeasible_block
 from uwopt.report.text.verdict import axis_name, verdict
 from uwopt.results.design import lamps_in_words
-from uwopt.results.front import FrontMethod, FrontPoint, FrontResult
+from uwopt.results.front import FrontMethod, FrontObjective, FrontPoint, FrontResult
 from uwopt.units import format_number
 
+SET_BY_HAND = ("power", "snr_db", "contrast", "information")  # what steps of settings move
+WHY_AS_SET = "Irises stand at marked stops; exposure, gain and light go by steps. In brackets: from the exact value."
+NONE_TO_SET = "no settings to type in were found"
 MOST_ROWS = 12  # of points; the files and the page hold all
 
 
@@ -22,6 +25,7 @@ def front_blocks(front: FrontResult) -> Iterator[Block | Text]:
     yield block(f"{name}: {front.status}", [sentence(words.as_sentence(text)) for text in (first, second)])
     if front.points:
         yield picks_block(front)
+        yield from as_set_blocks(front)
         yield points_block(front)
     if front.methods:
         yield methods_block(front)
@@ -48,6 +52,30 @@ def picks_block(front: FrontResult) -> Block:
     return block("Named points", [table, *notes])
 
 
+def as_set_blocks(front: FrontResult) -> Iterator[Block]:
+    """What the named points are at settings to type in, and how far that is from the exact ones of the front."""
+    objectives = [objective for objective in front.objectives if objective.name in SET_BY_HAND]
+    known = {pick.name: (point := front.point(pick.point), front.values_as_set(point)) for pick in front.picks}
+    if not objectives or all(values is None for _, values in known.values()):
+        return
+    table = columns(("pick", "left"), *((axis_name(objective), "right") for objective in objectives))
+    for name, (point, values) in known.items():
+        cells = [NONE_TO_SET] + [""] * (len(objectives) - 1)
+        if values is not None:
+            cells = [as_set_text(objective, point.values[objective.name], values) for objective in objectives]
+        table.add_row(Text(formats.one_line(name, 40)), *map(Text, cells))
+    yield block("The same at settings to type in", [sentence(WHY_AS_SET, "dim"), table])
+
+
+def as_set_text(objective: FrontObjective, exact: float, as_set: Mapping[str, float]) -> str:
+    """`59.92 kbit/m² (-0.94 %)`, `33.20 dB (-0.38 dB)`: a value at settings to type in, and how far from the exact."""
+    value = as_set[objective.name]
+    told = formats.quantity(value, objective.unit, 4)
+    if objective.unit == "dB":
+        return f"{told} ({round(value - exact, 2) + 0.0:+.2f} dB)"  # adding 0 makes +0 of -0
+    return f"{told} ({round(100.0 * (value / exact - 1.0), 1) + 0.0:+.1f} %)" if exact else told
+
+
 def points_block(front: FrontResult) -> Block:
     """Points evenly along the front."""
     shown = points_shown(front.points)
@@ -57,7 +85,7 @@ def points_block(front: FrontResult) -> Block:
     for point in shown:
         texts = [Text(text) for text in value_texts(front, point)]
         table.add_row(Text(point.id), *texts, Text(parts_text(point)), Text(names.get(point.id, "")))
-    return block("The front", [table, *more_in_files(len(front.points) - len(shown), "point")])
+    return block("The front, at exact settings", [table, *more_in_files(len(front.points) - len(shown), "point")])
 
 
 def points_shown(points: Sequence[FrontPoint]) -> list[FrontPoint]:

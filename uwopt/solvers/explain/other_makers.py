@@ -28,10 +28,9 @@ from uwopt.objectives.objective import Objective
 from uwopt.quantities import AT_LIKELIEST, TERMS
 from uwopt.results.basis import OtherMaker
 from uwopt.results.design import Design
-from uwopt.results.front import FrontObjective, FrontPoint, FrontResult
+from uwopt.results.front import FrontObjective, FrontPoint, FrontResult, values_of
 from uwopt.solvers.exact.account import RULES
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.front.designs import values_of
 from uwopt.solvers.one_hardware import KINDS, best_of_each, problem_of
 from uwopt.solvers.recommend import Sought, evaluated
 from uwopt.tolerances import TIE

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -13,7 +12,6 @@ from uwopt.objectives.axes import Axes, Frame
 from uwopt.objectives.dominance import NEAR, distinct
 from uwopt.objectives.objective import MAXIMISED, UNITS
 from uwopt.quantities import TERMS
-from uwopt.results.design import Design
 from uwopt.results.front import FrontObjective, FrontPoint, Pick
 from uwopt.solvers.exact.node_designs import WithLamps
 from uwopt.solvers.exact.ranking import Found
@@ -57,21 +55,6 @@ def few(values: Array, frame: Frame) -> Array:
 def knee(unit: Array) -> int:
     """The point nearest to the best corner."""
     return int(np.square(unit).sum(axis=1).argmin())
-
-
-def values_of(design: Design, objectives: Sequence[FrontObjective]) -> dict[str, float]:
-    """What a design's evaluation says of the built-in objectives, the worst scene's."""
-    figures = [scene.figures for scene in design.scenes]
-    known: dict[str, Callable[[], Any]] = {
-        "power": lambda: design.totals.power_w,
-        "cost": lambda: design.totals.cost.value,
-        "mass": lambda: design.totals.mass_kg,
-        "snr_db": lambda: min(f["snr_db"] for f in figures),
-        "gsd_mm": lambda: max(f["gsd_mm"] for f in figures),
-        "contrast": lambda: min(1.0 if f["contrast"] is None else f["contrast"] for f in figures),
-        "information": lambda: min(f["information_bit_per_m2"] for f in figures),
-    }
-    return {o.name: float(known[o.name]()) for o in objectives if o.name in known}
 
 
 def picks_of(points: Sequence[FrontPoint], objectives: Sequence[FrontObjective], frame: Frame) -> list[Pick]:

@@ -28,7 +28,7 @@ from uwopt.model.port import lens_dioptre_per_m, water_distance_m
 from uwopt.objectives.objective import Objective
 from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL
 from uwopt.results.design import Design
-from uwopt.solvers.settable.scene import SettableScene, Tried, terms_of
+from uwopt.solvers.settable.scene import Near, SettableScene, Tried, terms_of
 from uwopt.solvers.settable.steps import rates_hz, stops
 from uwopt.tolerances import SATISFIED_REL
 
@@ -46,12 +46,12 @@ class Rounded:
 
 
 def rounded_design(
-    problem: Problem, hardware: Hardware, exact: Sequence[dict[str, Any]], objective: Objective | None,
+    problem: Problem, hardware: Hardware, exact: Sequence[dict[str, Any]], objective: Objective | Near,
     deadline: Deadline = NEVER,
 ) -> Rounded:  # fmt: skip
     """The best design that can be set; feasible, or the nearest miss where none is. Raises OutOfTimeError.
 
-    `exact` : the optimum's settings by scene. Without an objective the design stays as near to it as it can.
+    `exact` : the optimum's settings by scene, to which the design stays as near as it can where that is the goal.
     What is asked for holds with lamps that lean as far as the mission's reserve as well, where settings are found with
     which it does: else, and past the deadline, with lamps as they should be.
     """
@@ -72,14 +72,15 @@ def rounded_design(
 
 
 def rounded_with(
-    problem: Problem, hardware: Hardware, optimum: Sequence[SettingRows], objective: Objective | None,
+    problem: Problem, hardware: Hardware, optimum: Sequence[SettingRows], objective: Objective | Near,
     heeded: Sequence[DesignModel], deadline: Deadline,
 ) -> Rounded:  # fmt: skip
     """The same, of which further models are heeded.
 
     Physics `auto` leaves effects out when the settings are evaluated; the requirements then hold with and without.
     """
-    goal, model = objective or BY_POWER, design_model(problem, hardware)
+    goal = BY_POWER if isinstance(objective, Near) else objective
+    model = design_model(problem, hardware)
     leaner: list[DesignModel] = []
     while True:
         given = settable(model, optimum, objective, [*heeded, *leaner], deadline)
@@ -97,7 +98,7 @@ def rounded_with(
 def settable(
     model: DesignModel,
     optimum: Sequence[SettingRows],
-    objective: Objective | None,
+    objective: Objective | Near,
     leaner: Sequence[DesignModel],
     deadline: Deadline = NEVER,
 ) -> list[SceneSettings]:
@@ -163,7 +164,7 @@ def typed_focus_m(model: DesignModel, index: int, dioptre_per_m: float) -> float
 
 
 def best_common(
-    model: DesignModel, scenes: Sequence[SettableScene], objective: Objective | None, *, between: bool
+    model: DesignModel, scenes: Sequence[SettableScene], objective: Objective | Near, *, between: bool
 ) -> tuple[float, list[SceneSettings]]:
     """The best settings with an f-number common to all scenes unless the iris has a motor, and what they miss."""
     fixed = model.problem.f_number
@@ -178,7 +179,7 @@ def best_common(
     over = mean_power_w / model.problem.duration.mean_power_limit_w - 1.0
     missed = np.maximum(missed, np.where(over > SATISFIED_REL, over, 0.0))
     value = np.max([one.value for one in tried], axis=0)
-    if objective is not None:
+    if isinstance(objective, Objective):
         value = np.where(missed == 0.0, objective.cost_to_minimise(terms_of(tried)), np.inf)
     in_hand = np.sort(np.concatenate([one.in_hand for one in tried], axis=1), axis=1)
     common = replace(tried[0], shortfall=missed, value=value, in_hand=in_hand, power_w=terms_of(tried).power)

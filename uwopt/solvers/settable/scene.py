@@ -65,6 +65,21 @@ OPEN_LONGER = (0.0, 0.5, 1.0)  # of the optimum's open shutter beyond the pulse,
 
 
 @dataclass(frozen=True)
+class Near:
+    """The goal of settings that stay as near to the optimum's own as can be set: in power, and in figures of images."""
+
+    figures: tuple[str, ...] = ("snr_db",)  # of snr_db, contrast and information
+
+    def away(self, tried: Tried, exact: Tried) -> Array:
+        """How far settings are from the optimum in all of these, the sum of their ratios as e-folds, (n,)."""
+        ratios = [tried.power_w / exact.power_w]
+        for name in self.figures:
+            there, here = getattr(tried, name), getattr(exact, name)
+            ratios.append(db_to_ratio(there - here) if name == "snr_db" else there / here)
+        return np.sum([np.abs(np.nan_to_num(np.log(ratio))) for ratio in ratios], axis=0)
+
+
+@dataclass(frozen=True)
 class Tried(Columns):
     """Settings and what the evaluation says of them."""
 
@@ -92,7 +107,7 @@ class SettableScene:
     """What can be set in one scene, tried by the thousand."""
 
     def __init__(
-        self, model: DesignModel, index: int, exact: SettingRows, objective: Objective | None, *,
+        self, model: DesignModel, index: int, exact: SettingRows, objective: Objective | Near, *,
         rate_hz: float, dioptre_per_m: float, leaner: Sequence[DesignModel] = (), deadline: Deadline = NEVER,
     ):  # fmt: skip
         """Trying raises OutOfTimeError past the deadline."""
@@ -314,7 +329,7 @@ class SettableScene:
         """Figures of the objective; information, which is dear, only where it matters."""
         count, nominal = len(settings.f_number), self.model.problem.scenes[self.index].nominal
         information = np.zeros(count)
-        if self.objective is not None and self.objective.weight("information") and feasible_so_far.any():
+        if counts(self.objective, "information") and feasible_so_far.any():
             some = self.model.figures(
                 self.index, settings.take(np.nonzero(feasible_so_far)[0]), information=True
             )
@@ -332,13 +347,16 @@ class SettableScene:
         return np.asarray(time + 2.0 * np.abs(np.log(settings.f_number / self.exact.f_number)))
 
     def _value(self, tried: Tried) -> Array:
-        """The objective; without one how far power and signal to noise are from the optimum's, as e-folds."""
-        if self.objective is not None:
-            return self.objective.cost_to_minimise(terms_of([tried]))
-        away_db = np.abs(tried.snr_db - self.at_exact.snr_db)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            folds = np.abs(np.log(tried.power_w / self.at_exact.power_w))
-        return np.asarray(away_db / _db(np.e) + np.nan_to_num(folds, nan=0.0))
+        """The objective, or how far settings are from the optimum's."""
+        if isinstance(self.objective, Near):
+            with np.errstate(divide="ignore", invalid="ignore"):
+                return self.objective.away(tried, self.at_exact)
+        return self.objective.cost_to_minimise(terms_of([tried]))
+
+
+def counts(goal: Objective | Near, name: str) -> bool:
+    """Whether a figure of images decides what settings are taken."""
+    return name in goal.figures if isinstance(goal, Near) else bool(goal.weight(name))
 
 
 def note_room(left: Array, margin: MarginRows) -> None:
