@@ -143,7 +143,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="rounding looks at the pixel that asks for most", file=SCENE,
-        old="between(asked[0], asked[1], lamp.may_miss)", new="between(asked[0], asked[1], 0)",
+        old="with_those_between(lamp, *asked)", new="with_those_between(replace(lamp, may_miss=0), *asked)",
         test=f"{TESTS}test_few_pixels_say_of_any_settings_whether_the_snr_holds",
     ),
     Defect(

@@ -632,8 +632,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="tangents are taken in the middle of cells, whatever the best settings so far",
         file="uwopt/solvers/settings/cell_tangent.py",
-        old="    if near is not None:\n        centre",
-        new="    if near is None:\n        centre",
+        old="    centre[:, :2] = np.where(",
+        new="    np.where(",
         test=f"{CELLS}test_bounds_of_cells_close_the_gap_soon[information under lamps]",
     ),
     Defect(

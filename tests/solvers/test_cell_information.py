@@ -80,8 +80,8 @@ def test_no_image_has_more_than_the_tangent_at_another(colour: str, far: float) 
     least = np.minimum(time_s, to_t)
     given = dict(centre_log_snr=np.log(snr), f_number=ends, factor=np.full(DRAWN, 1.1), blur_s=(least, time_s))
     information, truth = Information(some), by_model(some, to_n, to_t, to_snr)
-    for surely in (None, np.ones(DRAWN, bool)):
-        bound = information.bound(*column, **given, surely=surely)[:, 0]
+    for surely in (np.zeros(DRAWN, bool), np.ones(DRAWN, bool)):
+        bound = information.bound(*column, **given, wanted=np.ones((DRAWN, 1), bool), surely=surely)[:, 0]
         assert (truth <= bound * (1.0 + RULE_ERROR)).all()
     if far < 1.0:
         assert np.median(bound / truth) < 1.05, "a tangent lies near what it touches"
@@ -122,7 +122,7 @@ def test_transfers_that_end_early_stay_under_their_bound(end: str, step: float, 
     bound = information.bound(
         every, np.log(to_snr)[:, None], *shifts, centre_log_snr=np.log(snr),
         f_number=(np.minimum(f_number, to_n), f_number, np.maximum(f_number, to_n)), factor=np.full(n, 1.1),
-        blur_s=(np.minimum(still, to_s), still), surely=np.ones(n, bool),
+        blur_s=(np.minimum(still, to_s), still), wanted=np.ones((n, 1), bool), surely=np.ones(n, bool),
     )[:, 0]  # fmt: skip
     truth = by_model(some, to_n, to_s, to_snr)
     assert (truth <= bound * (1.0 + RULE_ERROR)).all()
@@ -144,7 +144,7 @@ def test_a_null_within_the_image_leaves_its_other_nodes_close() -> None:
         bound = Information(seen).bound(
             np.arange(n), np.tile(np.log(snr)[:, None], 2), np.tile([0.0, np.log(sharper)], (n, 1)), np.zeros((n, 2)),
             centre_log_snr=np.log(snr), f_number=(f_number / wide, f_number, f_number * wide), factor=np.full(n, 1.1),
-            blur_s=(still, still), surely=np.ones(n, bool),
+            blur_s=(still, still), wanted=np.ones((n, 2), bool), surely=np.ones(n, bool),
         )  # fmt: skip
         truth = np.stack([by_model(seen, to, still, snr) for to in (f_number, f_number * sharper)], axis=1)
         assert (truth <= bound * (1.0 + RULE_ERROR)).all()

@@ -31,7 +31,7 @@ from uwopt.objectives.objective import Objective, Terms
 from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL, MarginRows, depth_of_field_margins
 from uwopt.solvers.exact.ranking import told_apart
 from uwopt.solvers.settable.steps import EDGE, GAIN_STEP_DB, TIME_STEP_S, light_levels, time_steps
-from uwopt.solvers.settings.few_pixels import between
+from uwopt.solvers.settings.few_pixels import with_those_between
 from uwopt.tolerances import SATISFIED_REL
 from uwopt.units import db_to_ratio, ratio_to_db
 
@@ -449,13 +449,7 @@ def deciding_light(model: DesignModel, index: int, lamp: ImageLight, worst_e: Ar
         ))
         for noise_e2 in (always, most)
     ]  # fmt: skip
-    pick, may_miss = between(asked[0], asked[1], lamp.may_miss)
-    return replace(
-        lamp,
-        worst_e=np.take_along_axis(worst_e, pick, axis=2),
-        worst_veil_e=None if lamp.worst_veil_e is None else np.take_along_axis(lamp.worst_veil_e, pick, axis=2),
-        may_miss=may_miss,
-    )
+    return with_those_between(lamp, *asked)
 
 
 def means_alone(rows: DesignRows) -> DesignRows:

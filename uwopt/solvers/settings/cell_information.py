@@ -416,8 +416,8 @@ class Information:
 
     def bound(
         self, design: Array, log_snr: Array, shift_n: Array, shift_t: Array, *, centre_log_snr: Array,
-        f_number: tuple[Array, Array, Array], factor: Array, blur_s: tuple[Array, Array], wanted: Array | None = None,
-        surely: Array | None = None,
+        f_number: tuple[Array, Array, Array], factor: Array, blur_s: tuple[Array, Array], wanted: Array,
+        surely: Array,
     ) -> Array:  # fmt: skip
         """Bit per pixel at most, at vertices of cells (n, n_vertices): least convex majorant at hand.
 
@@ -430,12 +430,10 @@ class Information:
         log_snr, centre_log_snr = log_snr + log_gain[:, None], centre_log_snr + log_gain
         low, centre, high = f_number
         least, middle = (self.blur_px(design, b) for b in blur_s)
-        blur = np.minimum(middle, np.maximum(least, SHARP_PX))
-        at_n = np.clip(self.sharp.rms_disc_px[design, 1] / SHARP_PX, centre, high)
-        if surely is not None:
-            blur, at_n = np.where(surely, middle, blur), np.where(surely, centre, at_n)
+        blur = np.where(surely, middle, np.minimum(middle, np.maximum(least, SHARP_PX)))
+        at_n = np.where(surely, centre, np.clip(self.sharp.rms_disc_px[design, 1] / SHARP_PX, centre, high))
         apart = np.array([group.joined == "none" for group in self.groups])[self.group[design]]
-        most = log_snr.max(axis=1, initial=-600.0, where=True if wanted is None else wanted)
+        most = log_snr.max(axis=1, initial=-600.0, where=wanted)
         from_snr = np.where(apart, most, centre_log_snr)
         snr = np.exp(np.clip(from_snr, -600.0, 300.0))
         image, sharpest = Image(design, snr, at_n, at_n * factor, blur), Image(design, snr, high, low * factor, least)
@@ -456,7 +454,7 @@ class Information:
                 tangents = self._tangents(chunk, mine)
                 dark[chunk.rows] = tangents.dark
             for v in range(log_snr.shape[1]):
-                on = np.arange(len(chunk.rows)) if wanted is None else np.nonzero(wanted[chunk.rows, v])[0]
+                on = np.nonzero(wanted[chunk.rows, v])[0]
                 here = chunk.rows[on]
                 out[here, v] = tangents.at(on, shift_snr[here, v], shift_n[here, v], shift_t[here, v])
         if dark.any():

@@ -60,7 +60,7 @@ def typical_bit_per_px(
 
 def quality_bound(
     scene: SceneCells, information: Information | None, d: Array, box: Box, reach: Reach, weight: dict[str, float],
-    *, mixed: bool, by_ratio: bool = False, near: Array | None = None,
+    *, mixed: bool, by_ratio: bool, near: Array,
 ) -> tuple[Array, Array, Array]:  # fmt: skip
     """Information [bit/m2] at most; the least of power, SNR and information weighed together; where that would be.
 
@@ -84,11 +84,7 @@ def quality_bound(
     at = np.minimum(at, 700.0)
     bits = np.zeros_like(at)
     if information is not None:
-        bits = _information(
-            scene, information, d, box, at, shift[:, :, 0], shift[:, :, 1], inside, centre_log_snr=log_snr,
-            centre=centre, surely=None if near is None else np.asarray(np.isfinite(near).all(axis=1)),
-        )  # fmt: skip
-        bits = bits / area[:, None]
+        bits = _information(scene, information, d, box, at, shift, inside, log_snr, centre, near) / area[:, None]
     joint = -weight["snr_db"] * DB * at
     if mixed and weight["power"]:
         joint = joint + weight["power"] * power_tangent(scene, d, box, shift, np.exp(centre))
@@ -109,7 +105,7 @@ def quality_bound(
 
 
 def sunlit_bits(
-    scene: SceneCells, information: Information, d: Array, box: Box, reach: Reach, near: Array | None
+    scene: SceneCells, information: Information, d: Array, box: Box, reach: Reach, near: Array
 ) -> Array:
     """Information [bit per px] at most, (m,), under the sun.
 
@@ -125,16 +121,12 @@ def sunlit_bits(
     cap = np.log(np.maximum(light.signal_e, 1e-300))
     every, x, inside = polygon(low, high, by, constant, cap, None)
     x, centre = np.minimum(x, cap[:, None]), 0.5 * (low + high)
-    if near is not None:
-        np.copyto(centre, np.clip(near, low, high), where=np.isfinite(near))
+    np.copyto(centre, np.clip(near, low, high), where=np.isfinite(near))
     at = np.minimum(constant + (centre * by).sum(axis=1), cap)
     log_snr, slope = light.log_snr_and_slope(at)
     rising = np.minimum(log_snr[:, None] + slope[:, None] * (x - at[:, None]), 700.0)
     shift = every - centre[:, None, :]
-    bits = _information(
-        scene, information, d, box, rising, shift[:, :, 0], shift[:, :, 1], inside, centre_log_snr=log_snr,
-        centre=centre, surely=None if near is None else np.asarray(np.isfinite(near).all(axis=1)),
-    )  # fmt: skip
+    bits = _information(scene, information, d, box, rising, shift, inside, log_snr, centre, near)
     return np.asarray(np.where(inside, bits, -np.inf).max(axis=1))
 
 
@@ -172,32 +164,23 @@ def log_tangent(value: Array, at: Array) -> Array:
 
 
 def _information(
-    scene: SceneCells,
-    information: Information,
-    d: Array,
-    box: Box,
-    log_snr: Array,
-    shift_n: Array,
-    shift_t: Array,
-    wanted: Array | None = None,
-    *,
-    centre_log_snr: Array,
-    centre: Array,
-    surely: Array | None = None,
-) -> Array:
-    """Bit per px at vertices; `surely`: where the tangent is taken at the centre even of a smeared image.
+    scene: SceneCells, information: Information, d: Array, box: Box, log_snr: Array, shift: Array, wanted: Array,
+    centre_log_snr: Array, centre: Array, near: Array,
+) -> Array:  # fmt: skip
+    """Bit per px at vertices; where the best is known to be `near`, the tangent is that at the centre even if smeared.
 
     The blur of a flash that fades is a curve of its light, ln b convex in ln t: ln MTF, which falls with ln b and is
     concave in it, is concave in ln t too, with the slope of both.
     """
     least = box.open_lo if scene.sunlit else box.t_lo
-    f_number, middle = np.exp(centre[:, 0]), np.exp(centre[:, 1])
+    f_number, middle, shift_t = np.exp(centre[:, 0]), np.exp(centre[:, 1]), shift[:, :, 1]
     if not scene.sunlit and scene.flash.fade:
         shift_t = shift_t * scene.flash.take(d).blur_elasticity(middle)[:, None]
         least, middle = scene.blurred_s(d, least), scene.blurred_s(d, middle)
     return information.bound(
-        d, log_snr, shift_n, shift_t, centre_log_snr=centre_log_snr, f_number=(box.n_lo, f_number, box.n_hi),
-        factor=scene.rows.working_factor[d], blur_s=(least, middle), wanted=wanted, surely=surely,
+        d, log_snr, shift[:, :, 0], shift_t, centre_log_snr=centre_log_snr, f_number=(box.n_lo, f_number, box.n_hi),
+        factor=scene.rows.working_factor[d], blur_s=(least, middle), wanted=wanted,
+        surely=np.asarray(np.isfinite(near).all(axis=1)),
     )  # fmt: skip
 
 
@@ -220,7 +203,7 @@ def level_range(scene: SceneCells, d: Array, box: Box, reach: Reach, *, mixed: b
 
 
 def vertices(
-    scene: SceneCells, d: Array, box: Box, reach: Reach, *, mixed: bool, near: Array | None = None
+    scene: SceneCells, d: Array, box: Box, reach: Reach, *, mixed: bool, near: Array
 ) -> tuple[Array, Array, Array, Array, Array]:
     """Shifts from the centre (m, n_vertices, 3) in (n, t, u), light x there, and which are vertices of the part
     of the cell whose light is allowed; light at the centre, the centre: of the cell, or its point nearest to `near`."""
@@ -250,8 +233,7 @@ def vertices(
         inside &= light <= cap[:, None] + 1e-9
     light = np.minimum(light, cap[:, None])
     centre = 0.5 * (low + high)
-    if near is not None:
-        centre[:, :2] = np.where(np.isfinite(near), np.clip(near, low[:, :2], high[:, :2]), centre[:, :2])
+    centre[:, :2] = np.where(np.isfinite(near), np.clip(near, low[:, :2], high[:, :2]), centre[:, :2])
     x_centre = np.minimum(constant + (centre * by).sum(axis=1), cap)
     return every - centre[:, None, :], light, inside, x_centre, centre
 

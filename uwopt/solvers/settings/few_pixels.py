@@ -7,14 +7,18 @@ demanding, so that all but k reach the SNR, is then settled between a few of the
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 
 from uwopt.arrays import Array
+from uwopt.forward.lamp_light import ImageLight
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.model.image_mean import needed_by_most
 from uwopt.solvers.settings import windows
 from uwopt.tolerances import SLACK
+
+Lit = TypeVar("Lit", SceneRows, ImageLight)
 
 
 def deciding_pixels(rows: SceneRows) -> SceneRows:
@@ -28,11 +32,17 @@ def deciding_pixels(rows: SceneRows) -> SceneRows:
     if worst is None or worst.shape[2] == 1 or rows.worst_sun_signal_e_s is not None or rows.resolve_m > 0.0:
         return rows  # bars must arrive at other pixels than those that decide the SNR
     least, most = (_asked(replace(rows, dark_time_s=time)) for time in rows.lit_exposures_s)
-    pick, may_miss = between(least, most, rows.may_miss)
-    veil = rows.worst_veil_e
+    return with_those_between(rows, least, most)
+
+
+def with_those_between(light: Lit, least: Array, most: Array) -> Lit:
+    """Rows or light with those pixels alone of which one decides, where each asks for `least` to `most` of light."""
+    assert light.worst_e is not None
+    pick, may_miss = between(least, most, light.may_miss)
+    veil = light.worst_veil_e
     return replace(
-        rows,
-        worst_e=np.take_along_axis(worst, pick, axis=2),
+        light,
+        worst_e=np.take_along_axis(light.worst_e, pick, axis=2),
         worst_veil_e=None if veil is None else np.take_along_axis(veil, pick, axis=2),
         may_miss=may_miss,
     )
