@@ -18,6 +18,7 @@ from uwopt.report.text.console import print_blocks
 from uwopt.report.text.helps import notes_beside
 from uwopt.report.text.nothing_fits import helpful_lines, in_more_time, infeasible_block
 from uwopt.report.text.short import full_text_blocks, short_text_blocks
+from uwopt.report.text.verdict import verdict
 from uwopt.results.basis import Risk, WhyNothing
 from uwopt.results.design import Note
 from uwopt.results.result import PartsLeft, Result
@@ -299,6 +300,20 @@ def test_smaller_changes_together_stand_below_those_that_help_alone(make_result:
         made = make_result(infeasible=alone | {"together": together}, **nothing)
         shown = "".join(str(line) for line in helpful_lines(made))
         assert ("Or these together" in shown) == bool(together)
+
+
+def test_what_helps_in_the_water_as_it_is_is_told_beside_clearer_water(make_result: Make) -> None:
+    """Nobody can order water: that it would help alone is no answer."""
+    nothing = {"recommendation": None, "runners_up": [], "generic_alternative": None, "status": "infeasible"}
+    snr = {"name": "min_snr", "limit": 30.0, "needed": 9.0, "miss_rel": 0.7}
+    why = {"requirements": [], "relaxations": [], "nearest_miss": None, "together": [snr]}
+    for key, asked, needed, in_water in (("water", "9C", "I", True), ("visibility_m", 1.0, 9.0, True),
+                                         ("altitude_m", 3.0, 1.0, False)):  # fmt: skip
+        move = {"name": key, "asked": asked, "needed": needed, "unit": "", "nearest": False}
+        made = make_result(infeasible=why | {"moves": [move]}, **nothing)
+        shown = "".join(str(line) for line in helpful_lines(made))
+        assert ("In the water as it is" in shown) == in_water
+        assert ("signal to noise" in verdict(made)[1]) == in_water
 
 
 def test_where_no_change_helps_the_rules_that_exclude_most_are_told(make_result: Make) -> None:

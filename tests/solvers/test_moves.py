@@ -18,12 +18,15 @@ from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Moved
+from uwopt.results.result import Certificate
+from uwopt.solvers.exact.certificate import certificate
+from uwopt.solvers.infeasible import why_nothing as infeasible
 from uwopt.solvers.infeasible.joint_changes import CommonShare
 from uwopt.solvers.infeasible.least_change import CLOSER, in_rounds
 from uwopt.solvers.infeasible.move_keys import tries_of
 from uwopt.solvers.infeasible.moves import Mover, NearestType
 from uwopt.solvers.infeasible.trials import Trials
-from uwopt.solvers.infeasible.why_nothing import Contradiction, clash_of, contradiction
+from uwopt.solvers.infeasible.why_nothing import Contradiction, clash_of, contradiction, why_nothing
 from uwopt.solvers.recommend import seek
 
 POWER = Objective.of("power")
@@ -217,3 +220,60 @@ def test_what_is_known_of_a_contradiction_is_told_where_a_search_is_cut_short():
         return None if "c" in without else bool({"a", "b"} & set(without))
 
     assert contradiction(NAMES, {"a", "b"}, fits) == Contradiction(("a", "b", "c"))
+
+
+def of_murky_water(parts: Any, deadline: Deadline = NEVER) -> tuple[Trials, Certificate]:
+    """25 dB through 4 m of 7C: of all single changes only clearer water helps."""
+    murky = mission(parts, max_blur_px=0.25)
+    at = murky.to_dict()
+    wanted = murky.with_changes(scenes=[at["scenes"][0] | {"water": "7C"}], vehicle=at["vehicle"] | {"altitude_m": 4.0})
+    catalog = load_catalog(wanted)
+    like = seek(wanted, catalog, POWER, generic="never", top=1)
+    proof = certificate(like.selection, like.problem, like.outcome, POWER)
+    return Trials(wanted, catalog, POWER, "never", deadline, like=like), proof
+
+
+def test_changes_in_the_water_as_it_is_are_looked_for_soon_beside_clearer_water(parts, monkeypatch):
+    """Nobody can order water; where little time is left after it, what was found soon is told."""
+    trials, proof = of_murky_water(parts)
+    looked_for = []
+    soon = CommonShare(trials, NEVER).of_all()
+    assert soon is not None and {"altitude_m", "min_snr"} <= {one.name for one in soon.changes}
+
+    def found_soon(trials: Trials, singles: Any, mover: Mover) -> Any:
+        looked_for.append([move.name for move in mover.helpful])
+        trials.deadline = Deadline(0.0, lambda: 1.0)  # no time for more
+        return soon
+
+    monkeypatch.setattr(infeasible, "together_soon", found_soon)
+    monkeypatch.setattr(Mover, "try_few", Mover.try_all)  # of so few imagers no few are looked at
+    why = why_nothing(trials, proof)
+    assert looked_for == [["water"]]
+    assert [move.name for move in why.moves] == ["water"] and not why.relaxations
+    assert why.together == soon.changes
+
+
+def test_where_light_lacks_speed_and_height_give_from_the_first(parts, monkeypatch):
+    trials, moved = of_murky_water(parts)[0], []
+    monkeypatch.setattr(CommonShare, "_search", lambda self, *of: moved.append(set(self.moved)))
+    for lacks, expected in ((False, [set(), {"speed_m_s", "altitude_m"}]), (True, [{"speed_m_s", "altitude_m"}])):
+        trials.lacks_light = lacks
+        moved.clear()
+        CommonShare(trials, NEVER, few=True).of_all()
+        assert moved[: len(expected)] == expected and (set() in moved) is not lacks
+
+
+def test_a_value_at_which_nothing_fits_is_not_searched_again(parts):
+    wanted, asked = mission(parts, min_snr_db=60.0, max_blur_px=0.25), []
+    mover = Mover(Trials(wanted, None, POWER, "never"))
+    (one,) = (one for one in mover.tries if one.key.name == "altitude_m")
+
+    def found(key: Any, value: Any, how: Any) -> Any:
+        asked.append(value)
+        return SimpleNamespace(outcome=SimpleNamespace(best=[], complete=value != one.values[1]))
+
+    mover._search = found
+    mover.trials.relaxer.why_not = lambda *of: ()
+    mover._try_far(one, NEVER)
+    mover._try_far(one, NEVER)
+    assert asked == [*one.values, one.values[1]]

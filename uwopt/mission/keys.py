@@ -13,6 +13,7 @@ from uwopt.quantities import TERMS
 
 JERLOV_TYPES = ("I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C")
 CLARITY_KEYS = ("c_per_m", "visibility_m", "secchi_m", "turbidity_ntu")  # the best known first
+WATER_KEYS = ("water", *CLARITY_KEYS)  # how clear it is, which a person can wait for and not choose
 SEAFLOORS = ("sand", "hard", "coral", "organic", "benthic-average")
 OBJECTIVES = tuple(TERMS)
 BEST_IMAGE = "best_image"  # and the one that is no figure: of the most information for its price

@@ -256,8 +256,8 @@ class WhyNothing(Record):
     )
     together: list[Relaxed] = Field(
         default_factory=list,
-        description="changes that help together: where none does alone those of which all are needed at once, else "
-        "each a smaller share of what is asked than any that does",
+        description="changes that help together: where none but clearer water does alone those of which all are needed "
+        "at once, else each a smaller share of what is asked than any that does",
     )
     nearest_fit: NearestFit | None = Field(
         default=None,

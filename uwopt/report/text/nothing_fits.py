@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from uwopt.mission.keys import WATER_KEYS
 from uwopt.mission.reserves import REFUSED, refused_at
 from uwopt.mission.weakened import is_far
 from uwopt.mission.yielding import yields_named
@@ -37,6 +38,7 @@ AT_CENTRAL_PRICES = (
 HELPFUL = "Each of these changes alone would let a system through:"
 SMALLER = "Or these together, each a smaller share of what is asked than any of those:"
 TOGETHER = "All of these together would let a system through; less of some may do:"
+IN_THIS_WATER = "In the water as it is, all of these together would; less of some may do:"
 FAR = "Out of reach, though alone it would let a system through:"
 LESS, NO_LESS = "less may do", "no less will do"
 DEPTH = "depth rating"  # rule of parts that are not rated as deep as is needed
@@ -75,7 +77,8 @@ def helpful_lines(result: Result | FrontResult) -> list[Line]:
     if any(isinstance(item, Relaxed) and item.fits_at_central_prices for item in alone):
         lines.append(sentence(AT_CENTRAL_PRICES))
     if together := together_of(result):
-        lines += [sentence(SMALLER if alone else TOGETHER), relaxation_table(result, together)]
+        said = TOGETHER if not alone else IN_THIS_WATER if are_of_water(alone) else SMALLER
+        lines += [sentence(said), relaxation_table(result, together)]
     if far:
         lines += [sentence(FAR), change_table(result, far)]
     return [*lines, *practice_lines(result), *depth_lines(result)]
@@ -252,7 +255,14 @@ def what_helps(result: Result | FrontResult) -> tuple[str, list[Relaxed | Moved]
     """How changes help, each alone or else together, and these changes."""
     alone, far = changes_alone(result)
     together = together_of(result)
-    return (HELPFUL, alone) if alone else (TOGETHER, [*together]) if together else (FAR, far)
+    if together and are_of_water(alone):
+        return TOGETHER, [*together]
+    return (HELPFUL, alone) if alone else (FAR, far)
+
+
+def are_of_water(changes: Sequence[Relaxed | Moved]) -> bool:
+    """Whether none of these can be made, as clearer water can only be waited for."""
+    return all(one.name in WATER_KEYS for one in changes)
 
 
 def relaxations_of(result: Result | FrontResult) -> list[Relaxed]:

@@ -92,11 +92,15 @@ class CommonShare:
         return []
 
     def of_all(self) -> CommonFit | None:
-        """Changes that help together where none is known to alone, and what fits with them."""
+        """Changes that help together where none is known to alone, and what fits with them.
+
+        Limits alone before them with the vehicle's keys; soon, where light lacks, it is these that bring it.
+        """
         low, self.by_factor = 0.0, True
+        ways = [self.vehicle] if self.few and self.trials.lacks_light else [{}, self.vehicle]
         far = FARTHEST[-1:] if self.trials.relaxer.are_too_many else FARTHEST  # of all parts any share is as soon known
         for share in FARTHEST_SOON if self.few else far:
-            for moved in ({}, self.vehicle):
+            for moved in ways:
                 self.moved = moved
                 found = self._search(share, SOON_TURN) if len(self.asked) > 1 else None
                 if found is not None and found.outcome.best:

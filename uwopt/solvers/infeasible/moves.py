@@ -12,6 +12,7 @@ from functools import cached_property, partial
 
 from uwopt.deadline import Deadline
 from uwopt.errors import UwoptError
+from uwopt.mission.keys import WATER_KEYS
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Value, Varied, VariedMission, rounded
 from uwopt.results.basis import Moved
@@ -118,6 +119,7 @@ class Mover:
     trials: Trials
     helpful: list[Move] = field(default_factory=list)
     useless: dict[str, tuple[str, ...]] = field(default_factory=dict)  # known not to help: `freed_rules.in_the_way`
+    in_vain: set[tuple[str, Value]] = field(default_factory=set)  # values at which nothing fits
     base: VariedMission = field(init=False)
 
     def __post_init__(self) -> None:
@@ -165,6 +167,11 @@ class Mover:
         known = {one.name for one in self.helpful} | self.useless.keys()
         return [one for one in self.tries if one.key.name not in known]
 
+    @property
+    def helps_in_this_water(self) -> bool:
+        """Whether a key helps that a person can move: clearer water can only be waited for."""
+        return any(move.name not in WATER_KEYS for move in self.helpful)
+
     def tell_open(self) -> None:
         """Note what is not known."""
         self.trials.deadline.left_out.extend(f"whether another {one.key.name} would do" for one in self.left)
@@ -181,11 +188,16 @@ class Mover:
         """Try a key far away, and keep what is known then of whether that helps."""
         known, rules = True, tuple[str, ...]()
         for value in one.values:
+            if (one.key.name, value) in self.in_vain:
+                continue
             turn = phase.part(TURN)
             found = self._search(one.key, value, partial(self._seek, one.key, turn=turn, few_first=False))
             if self._take(one, value, found):
                 return
-            known = known and (found is None or found.outcome.complete)
+            if found is None or found.outcome.complete:
+                self.in_vain.add((one.key.name, value))
+            else:
+                known = False
             rules = rules if found is None else self.trials.relaxer.why_not(found, one.key.name)
         if known:
             self.useless[one.key.name] = rules

@@ -107,6 +107,12 @@ class Trials:
         return like is not None and not {"cost", "mass_kg"}.isdisjoint(in_the_way(like))
 
     @cached_property
+    def lacks_light(self) -> bool:
+        """Whether they fall for want of light."""
+        like = self.relaxer.like
+        return like is not None and "light" in in_the_way(like)
+
+    @cached_property
     def limits(self) -> dict[str, float]:
         """What the mission asks for and can do without, with its limits."""
         asked = {name: asked_value(self.mission, name) for name in RELAXABLE}

@@ -112,6 +112,9 @@ def first_that_help(trials: Trials, singles: Singles, mover: Mover, *, is_quick:
 
     is_quick : whether bounds tell of all imagers as soon as of a few
     """
+    soon = None
+    if trials.lacks_light and "min_snr" in singles.useless:  # nearer, slower and with less asked at once is what helps
+        soon = together_soon(trials, singles, mover)
     if is_quick:
         soonest = trials.deadline.but_for(QUICK_SHARE)
         with trials.within(soonest):
@@ -122,8 +125,7 @@ def first_that_help(trials: Trials, singles: Singles, mover: Mover, *, is_quick:
         mover.try_few()
         draw_by_hardware(singles, mover)
         singles.try_few()
-    soon = None
-    if not singles.helpful and not mover.helpful and not trials.over:
+    if soon is None and not singles.helpful and not mover.helps_in_this_water and not trials.over:
         soon = together_soon(trials, singles, mover)
     if not mover.helpful and not is_quick:
         singles.try_more()
@@ -238,19 +240,20 @@ def changes_together(
     """Changes that help together, and the design that comes nearest.
 
     known : requirements that give together
-    soon : changes that help together, where none is known to help alone
+    soon : changes that help together, where none but clearer water is known to help alone
     """
     nearest = design_of(trials, relaxations)
     if soon is not None and not relaxations and not moved:
         return soon.changes, trials.judged(soon.found)
     if trials.over:
-        return [], nearest
+        late = None if relaxations else soon
+        return ([], nearest) if late is None else (late.changes, trials.judged(late.found))
     trials.say(0.9, "smaller changes together")
     share = TOGETHER_SHARE if relaxations or moved else ONLY_SHARE
     together = CommonShare(trials, trials.deadline.part(share))
     if relaxations:
         return together.smaller_than(relaxations[0].miss_rel), nearest
-    fit = together.of_all()
+    fit = together.of_all() or soon
     if fit is not None and fit.changes:
         return fit.changes, trials.judged(fit.found)
     made, design = ([], None) if moved else least_set(trials, known)
