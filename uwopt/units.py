@@ -227,7 +227,18 @@ def format_at_most(low: float, high: float, currency: str = "") -> str:
     exponent = _exponent_within(high, low, high)
     if exponent is None:
         return format_money(high, currency)
-    return f"{_in_digits(-_down(-high, exponent), exponent)} {currency}".strip()
+    return f"{_in_digits(round_up(high, exponent), exponent)} {currency}".strip()
+
+
+def round_at_most(low: float, high: float) -> float:
+    """The high end that `format_at_most` tells; itself where there is no range."""
+    exponent = _exponent_within(high, low, high)
+    return high if exponent is None else round_up(high, exponent)
+
+
+def round_up(value: float, exponent: int) -> float:
+    """Rounded up at a power of ten, but for what sums of floats leave."""
+    return -_down(-value, exponent)
 
 
 def _down(value: float, exponent: int) -> float:

@@ -9,6 +9,7 @@ import pytest
 
 import uwopt
 from uwopt.api import searching
+from uwopt.api.common import beyond_cap
 from uwopt.evaluation.recompute import replay
 from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import load_mission
@@ -58,6 +59,10 @@ def test_a_cap_below_which_nothing_fits_is_lifted_with_a_warning() -> None:
     assert gain_db(held) == pytest.approx(gain_db(free))
     told = [note.message for note in held.warnings if note.code == "gain_cap"]
     assert told == [f"gain {gain_db(free):.3g} dB, beyond 20 dB, below which nothing fits: light is out of reach"]
+
+
+def test_a_gain_just_beyond_its_cap_does_not_look_like_it() -> None:
+    assert beyond_cap(12.0412, 12.0) == "gain 12.04 dB, beyond 12 dB"  # a ratio of 4
 
 
 def test_a_front_lifts_a_cap_below_which_nothing_fits() -> None:

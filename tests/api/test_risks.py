@@ -11,6 +11,7 @@ import pytest
 from uwopt.api.evaluating import evaluate
 from uwopt.api.risks import risks_of
 from uwopt.results.basis import Assumption, Risk
+from uwopt.results.certainty import Confidence
 from uwopt.results.design import AS_CENTRAL, PRACTICE_MISSED, BillRow, Design, Margin, Note, SceneResult
 from uwopt.results.result import Result
 
@@ -262,6 +263,25 @@ def test_housings_that_float_are_told_with_their_ballast(calm: Result) -> None:
     assert [risks_of(weighing(kg)) for kg in (-0.4, 0.0, 3.0, None)] == [[]] * 4
 
 
+@pytest.mark.parametrize(
+    ("used_wh", "what", "figure"),
+    [
+        (149.5, "the battery is nearly used up", "149.5 Wh of 150.0 Wh"),
+        (121.0, "the battery is nearly used up", "121 Wh of 150 Wh"),
+        (160.0, "the battery does not last", "160 Wh of 150 Wh"),
+        (120.0, "", ""), (None, "", ""),
+    ],
+)  # fmt: skip
+def test_a_battery_of_which_less_than_a_fifth_is_left_is_told(
+    calm: Result, used_wh: float | None, what: str, figure: str
+) -> None:
+    totals = replace(design_of(calm).totals, energy_wh=used_wh)
+    mission = {**calm.mission, "vehicle": {"battery_wh": 150.0}}
+    there = replace(calm, design=replace(design_of(calm), totals=totals), mission=mission)
+    assert [(risk.what, risk.figure) for risk in risks_of(there)] == ([(what, figure)] if what else [])
+    assert risks_of(replace(there, mission={**calm.mission, "vehicle": {}})) == []
+
+
 def test_rating_with_less_than_a_tenth_over_the_deepest_scene_is_told(calm: Result) -> None:
     at_100m = replace(calm, mission={**calm.mission, "scenes": [{**calm.mission["scenes"][0], "depth_m": 100.0}]})
     tight = only(with_margin(at_100m, margin("depth_rating_m (q)", 109.0, 100.0, ">=", "m")))
@@ -341,6 +361,10 @@ def test_scenarios_that_were_not_counted_are_the_first_risk(calm: Result) -> Non
     left_out = Note(AS_CENTRAL, "confidence", "this is the best with every estimate at its likeliest value: no time")
     late = with_figures(replace(calm, warnings=[left_out]), uniformity=0.05)
     assert [risk.what for risk in risks_of(late)] == [left_out.message, "part of the image is dark"]
+    enough = Confidence(0.9, True, 0.96, 0.95, 0.97, 1024, 0.96, 256, 1.0, 1.1, 2.5, [])
+    assert risks_of(replace(late, confidence=enough))[-1].what == left_out.message  # it is certain, however chosen
+    rare = replace(late, confidence=replace(enough, enough=False))
+    assert [risk.what for risk in risks_of(rare)][:2] == ["it may not do what is asked", left_out.message]
 
 
 @pytest.mark.parametrize(("kept", "weightier"), [(0.007, True), (0.099, False)])

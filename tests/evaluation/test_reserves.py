@@ -124,6 +124,16 @@ def test_a_lean_inward_and_one_outward_are_both_tried():
     assert told and all("evenness of the light (min_uniformity) would be missed; fix the" in one for one in told)
 
 
+def test_lamps_are_not_blamed_for_what_is_missed_however_they_stand():
+    start = margins(evaluated())["min_snr_db"].value
+    assert start is not None
+    missed = {"min_swath_m": 50.0, "max_airy_px": 0.01, "reserve": {"tilt_deg": 5}}
+    assert not margins(evaluated(**missed))["min_swath_m"].satisfied
+    assert "tilt_reserve" not in codes(evaluated(**missed, min_snr_db=0))
+    texts = [n.message for n in evaluated(**missed, min_snr_db=start - 0.01).warnings if n.code == "tilt_reserve"]
+    assert texts and "as they are, signal to noise (min_snr_db) would be missed" in texts[0]
+
+
 def test_a_lens_as_far_closed_as_asked_is_no_risk():
     # two stops and no more: the setting stands at its limit by choice, and nothing wears it out
     result = evaluated(settings={"f_number": 3.5}, lens_stop_down=2.0)

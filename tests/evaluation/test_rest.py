@@ -33,7 +33,18 @@ def design(
     vehicle: dict[str, Any] | None = None, limits: dict[str, Any] | None = None,
 ) -> Any:  # fmt: skip
     """What `evaluate` says of the system."""
-    mission = {
+    mission = mission_with(rest, cameras=cameras, basis=basis, vehicle=vehicle, limits=limits)
+    found = uwopt.evaluate(mission, {**PRICED, "camera_count": cameras, "light_count": lamps}).design
+    assert found is not None
+    return found
+
+
+def mission_with(
+    rest: str = "estimate", *, cameras: int = 1, basis: str = "central", vehicle: dict[str, Any] | None = None,
+    limits: dict[str, Any] | None = None,
+) -> dict[str, Any]:  # fmt: skip
+    """A mission that counts the rest."""
+    return {
         "practice": "bare", "name": "with the rest", "physics": "paper",
         "scene": {"water": "II", "seafloor": 0.2, "depth_m": 300.0},
         "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.0, "light_count": [1, 2], "camera_count": cameras,
@@ -42,9 +53,6 @@ def design(
         "limits": {"currency": "EUR", "rates": {"EUR": 1.25}, "cost": 2300.0, "cost_basis": basis, **(limits or {})},
         "catalog": {"rest": rest},
     }  # fmt: skip
-    found = uwopt.evaluate(mission, {**PRICED, "camera_count": cameras, "light_count": lamps}).design
-    assert found is not None
-    return found
 
 
 def cost_margin(found: Any) -> float:
@@ -64,6 +72,25 @@ def test_the_rest_counts_in_cost_and_bill() -> None:
         "rest-camera-connection": 1, "rest-lamp-connection": 2, "rest-lamp-control": 1, "rest-spares": 1,
         "rest-pressure-test": 1,
     }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("lamp", "cost", "wired"),
+    [  # 2 x 300 + 150 USD are 600 EUR less; what flashes must be fired by a cable, whatever feeds it
+        ({"kind": "continuous", "supply": "battery"}, 1600.0, False),
+        ({"kind": "continuous", "supply": "external"}, 2200.0, True),
+        ({"supply": "battery"}, 2200.0, True),
+    ],
+    ids=["torch", "fed", "fired"],
+)
+def test_torches_have_neither_cables_nor_electronics(lamp: dict[str, Any], cost: float, wired: bool) -> None:
+    system = {**PRICED, "light": {**PRICED["light"], **lamp}, "light_count": 2}
+    if lamp.get("kind"):
+        system["settings"] = {"f_number": 4.0, "exposure_ms": 50.0, "gain": 1.0}
+    found = uwopt.evaluate(mission_with(), system).design
+    assert found is not None and found.totals.cost.value == pytest.approx(cost)
+    assert found.scenes[0].figures["cost"] == pytest.approx(cost)  # of the columns that the search reads
+    assert {"rest-lamp-connection", "rest-lamp-control"}.isdisjoint(row.id for row in found.bom) is not wired
 
 
 def test_two_cameras_share_what_is_bought_once() -> None:

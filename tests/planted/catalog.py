@@ -236,4 +236,12 @@ DEFECTS = (
         new="corner * ports.rim_gap_m[port] <= 0.8 * ports.clear_radius_m[port]",
         test="tests/solvers/test_rules.py::test_a_rule_keeps_what_is_a_millionth_inside[view]",
     ),
+    Defect(
+        name="an older chip without figures is as quiet as the median of others",
+        file="uwopt/catalog/data/class_estimates.csv",
+        old="camera-read-noise-e-family-python-4-8,camera,read_noise_e",
+        new="camera-read-noise-e-family-python-4-9,camera,read_noise_e",
+        test="tests/catalog/test_load.py::test_a_chip_without_figures_is_not_taken_for_as_quiet_as_the_median_of_others"
+        "[basler-aca2500-60uc-9.6]",
+    ),
 )

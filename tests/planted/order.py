@@ -352,15 +352,22 @@ DEFECTS = (
     Defect(
         name="electronics switch lamps that are not there",
         file="uwopt/forward/problem.py",
-        old="return np.asarray(bought + self.burns[light] * self.control[name])",
+        old="return np.asarray(bought + self.wired[light] * self.control[name])",
         new="return np.asarray(bought + self.control[name])",
         test="tests/api/test_without_lamps.py::test_lamps_are_switched_by_electronics_only_where_there_are_some[6.0-False]",
     ),
     Defect(
         name="the bill lists electronics of lamps that are not there",
         file="uwopt/evaluation/bill.py",
-        old="int(not problem.unlit(hw.light))",
+        old="int(problem.wired[hw.light])",
         new="1",
         test="tests/api/test_without_lamps.py::test_lamps_are_switched_by_electronics_only_where_there_are_some[6.0-False]",
+    ),
+    Defect(
+        name="torches that the system names are fed by the vehicle",
+        file="uwopt/report/text/not_counted.py",
+        old="own_lamps = asked or has_own_battery(best.hardware.light.id)",
+        new="own_lamps = asked",
+        test="tests/report/order/test_bom_book.py::test_no_batteries_are_bought_where_the_vehicle_feeds_the_system",
     ),
 )

@@ -231,4 +231,18 @@ DEFECTS: tuple[Defect, ...] = (
         new="dict(reserve)",
         test="tests/mission/test_practice.py::test_what_a_mission_says_stays",
     ),
+    Defect(
+        name="lamps are blamed for what is missed however they stand",
+        file="uwopt/api/evaluating.py",
+        old="settings, [margin.requirement for margin in design.missed]),",
+        new="settings),",
+        test="tests/evaluation/test_reserves.py::test_lamps_are_not_blamed_for_what_is_missed_however_they_stand",
+    ),
+    Defect(
+        name="a gain just beyond its cap looks like it",
+        file="uwopt/api/common.py",
+        old='return f"gain {gain} dB',
+        new='return f"gain {gain_db:.3g} dB',
+        test="tests/api/test_gain_cap.py::test_a_gain_just_beyond_its_cap_does_not_look_like_it",
+    ),
 )

@@ -8,8 +8,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="the high end of a price is rounded down",
         file="uwopt/units.py",
-        old="_in_digits(-_down(-high, exponent), exponent)",
-        new="_in_digits(round(high, -exponent), exponent)",
+        old="{_in_digits(round_up(high, exponent), exponent)}",
+        new="{_in_digits(round(high, -exponent), exponent)}",
         test=(
             "tests/test_units.py::test_no_end_of_a_price_is_understated",
             "tests/test_units.py::test_a_price_has_no_digits_that_nobody_knows[2930.0-10494.0-2 900 to 11 000 USD]",

@@ -111,8 +111,8 @@ DEFECTS = (
     Defect(
         name="connectors of lamps cost nothing",
         file="uwopt/forward/problem.py",
-        old="lamp = self.burns * self.rest_price(",
-        new="lamp = 0.0 * self.burns * self.rest_price(",
+        old="lamp = self.wired * self.rest_price(",
+        new="lamp = 0.0 * self.wired * self.rest_price(",
         test=f"{REST}test_the_rest_counts_in_cost_and_bill",
     ),
     Defect(
@@ -149,5 +149,35 @@ DEFECTS = (
         old='["host", "rest", *(',
         new='["host", *(',
         test=f"{REST}test_good_practice_counts_the_rest_unless_extras_hold_it",
+    ),
+    Defect(
+        name="torches have cables",
+        file="uwopt/catalog/parts/light.py",
+        old='return not (self.supply == "battery" and self.kind == "continuous")',
+        new="return True",
+        test=f"{REST}test_torches_have_neither_cables_nor_electronics[torch]",
+    ),
+    Defect(
+        name="flashes with batteries are fired by nothing",
+        file="uwopt/catalog/parts/light.py",
+        old='return not (self.supply == "battery" and self.kind == "continuous")',
+        new='return self.supply != "battery"',
+        test=f"{REST}test_torches_have_neither_cables_nor_electronics[fired]",
+    ),
+    Defect(
+        name="a battery that is used up is no risk",
+        file="uwopt/api/risks.py",
+        old="BATTERY_IN_HAND = 0.2",
+        new="BATTERY_IN_HAND = 0.0",
+        test="tests/api/test_risks.py::test_a_battery_of_which_less_than_a_fifth_is_left_is_told"
+        "[121.0-the battery is nearly used up-121 Wh of 150 Wh]",
+    ),
+    Defect(
+        name="settings may use a battery up",
+        file="uwopt/solvers/settable/scene.py",
+        old="ENOUGH_ENERGY = 0.2",
+        new="ENOUGH_ENERGY = 0.0",
+        test="tests/solvers/test_middle_settings.py::test_enough_is_what_good_practice_keeps_in_reserve"
+        "[battery nearly out]",
     ),
 )

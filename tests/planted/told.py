@@ -337,4 +337,32 @@ DEFECTS: tuple[Defect, ...] = (
         old="            try_in(standing, path.absolute().relative_to(standing).parts)", new="            pass",
         test="tests/report/test_write.py::test_a_disk_that_takes_nothing_is_refused_beforehand",
     ),
+    Defect(
+        name="images of noise alone make it certain",
+        file="uwopt/solvers/confidence/eased.py",
+        old="least = USELESS_DB if asked > USELESS_DB else LEAST_SNR_DB",
+        new="least = LEAST_SNR_DB",
+        test="tests/solvers/test_confidence_deciding.py::test_images_of_noise_alone_are_no_way_to_be_certain[20.0-6.0]",
+    ),
+    Defect(
+        name="what is certain is told as the first risk for how it was chosen",
+        file="uwopt/api/risks.py",
+        old="weight = OTHER_NOTE  # it holds",
+        new="weight = NOTES[AS_CENTRAL]  # it holds",
+        test="tests/api/test_risks.py::test_scenarios_that_were_not_counted_are_the_first_risk",
+    ),
+    Defect(
+        name="a cost within its limit is rounded down",
+        file="uwopt/report/text/formats.py",
+        old="known = [round_at_most(cost.low, spent)]",
+        new="known = [round_within(spent, cost.low, cost.high)]",
+        test="tests/report/test_words.py::test_a_cost_in_a_margin_has_the_digits_that_its_range_leaves",
+    ),
+    Defect(
+        name="what is called a corner is not said",
+        file="uwopt/report/text/frame.py",
+        old="{formats.quantity(soft, 'px')} {AT_CORNER}",
+        new="{formats.quantity(soft, 'px')}",
+        test="tests/report/test_frame.py::test_mean_most_and_darkest_stand_side_by_side_in_text_and_page",
+    ),
 )

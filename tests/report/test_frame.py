@@ -43,7 +43,7 @@ def test_mean_most_and_darkest_stand_side_by_side_in_text_and_page(make_result: 
     for text in (text_of(result), report_html(result)):
         assert said in text
         assert "0.600 % of the mean: a spot, the rest is dark" in text
-        assert "16.9 px: soft corners" in text
+        assert "16.9 px at 80 % of the way from the middle: soft corners" in text
 
 
 @pytest.mark.parametrize(

@@ -141,8 +141,12 @@ def test_a_price_of_which_a_cheap_part_is_quoted_is_not_told_as_wholly_unquoted(
 def test_a_cost_in_a_margin_has_the_digits_that_its_range_leaves(make_margin: Callable[..., Any]) -> None:
     cost = Cost(13233.0, 8470.0, 27244.0, "USD", 13233.0, 8470.0, 27244.0)
     margin = make_margin("cost", 27244.0, 30000.0, "<=", "USD")
-    assert formats.margin_ends(margin, cost) == ("27 000 USD", "30 000 USD")
-    assert formats.margin_text(margin, cost) == "3 000 USD"  # 30 000 less 27 000, as both are told
+    assert formats.margin_ends(margin, cost) == ("28 000 USD", "30 000 USD")  # as 8 400 to 28 000 is told
+    assert formats.margin_text(margin, cost) == "2 000 USD"  # 30 000 less 28 000, as both are told
+    tight = make_margin("cost", 27244.0, 27500.0, "<=", "USD")
+    assert formats.margin_ends(tight, cost)[0] == "27 300 USD"  # 28 000 would look missed
+    likeliest = make_margin("cost", 13233.0, 30000.0, "<=", "USD")
+    assert formats.margin_ends(likeliest, cost)[0] == "13 000 USD"  # the middle of a range is no end of it
     missed = make_margin("cost", 27244.0, 27000.0, "<=", "USD")
     assert formats.margin_ends(missed, cost) == ("27 200 USD", "27 000 USD")  # else it would look met
     assert formats.margin_text(missed, cost) == "-200 USD"

@@ -148,6 +148,13 @@ def test_a_steadier_height_is_told_where_a_vehicle_leaves_its_band() -> None:
         assert bool(made.held.max() >= 0.9) is enough
 
 
+@pytest.mark.parametrize(("asked_db", "least_db"), [(20.0, 6.0), (26.5, 6.5), (7.0, 6.0), (5.0, 0.0)])
+def test_images_of_noise_alone_are_no_way_to_be_certain(asked_db: float, least_db: float) -> None:
+    mission = one(wanted={"min_snr_db": asked_db}).mission
+    (ease,) = [ease for ease in eases(mission, ["light"]) if ease.key == "min_snr_db"]
+    assert ease.values == pytest.approx((least_db,))
+
+
 def test_light_in_a_narrower_band_is_that_worked_out_there() -> None:
     """In murky water that is not known, within 0.4 of 0.9 m: by what is known of all of it, and worked out anew."""
     doubt = {"clarity": True, "lamp_leg": True}

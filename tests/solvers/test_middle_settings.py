@@ -83,8 +83,14 @@ def test_of_several_models_the_one_that_leaves_least_counts() -> None:
         (MarginRows("max_blur_px", np.array([0.9]), np.ones(1), "<=", "px"), 0.1),
         (MarginRows("max_blur_px", np.array([0.75]), np.array([0.8]), "<=", "px", reserve=0.2), 1.0625),
         (MarginRows("dof_near_m", np.array([1.0]), np.array([1.2]), "<=", "m"), 1.1667),
+        # of a battery of 150 Wh a fifth is to be left
+        (MarginRows("energy_wh", np.array([121.0]), np.array([150.0]), "<=", "Wh"), 0.1933),
+        (MarginRows("energy_wh", np.array([120.0]), np.array([150.0]), "<=", "Wh"), 1.2),
     ],
-    ids=["little light", "light with a reserve", "much blur", "blur with a reserve", "sharp ahead"],
+    ids=[
+        "little light", "light with a reserve", "much blur", "blur with a reserve", "sharp ahead", "battery nearly out",
+        "battery with a fifth left",
+    ],
 )
 def test_enough_is_what_good_practice_keeps_in_reserve(margin: MarginRows, noted: float) -> None:
     left = np.full((1, len(ROOMY)), FULL)

@@ -81,7 +81,7 @@ def with_confidence(
     if counts is None or certain is None:
         why = "no time was left to count other hardware; --seconds gives more"
         if not patient.deadline.left_out:
-            why = f"nothing that was counted meets every requirement {AT_LIKELIEST} as well"
+            why = f"of the hardware that was likely to hold none meets every requirement {AT_LIKELIEST} as well"
         return as_central(sought, winner, watch, counts, why)
     sought, proven = counts.sought, counts.sought.outcome
     with watch.stage("certainty"):
@@ -129,9 +129,10 @@ def as_central(
         lambda: confidence_of(problem, found.hardware, goal, asked, given, design, deadline), None,
     )  # fmt: skip
     held = "which alone are held" if counted is None else f"and holds in {100.0 * counted.held:.0f} % of the scenarios"
+    enough = ", as often as is asked, but was not chosen by that" if counted is not None and counted.enough else ""
     passed_over = any(note.code == BETTER_UNSETTABLE for note in winner.warnings)
     best = f"the best that can be set {AT_LIKELIEST}" if passed_over else f"the best {AT_LIKELIEST}"
-    text, counts = f"this is {best}, {held}: {why}", None if counted is None else counts
+    text, counts = f"this is {best}, {held}{enough}: {why}", None if counted is None else counts
     return Recommended(sought, proven, with_note(winner, Note(AS_CENTRAL, "confidence", text)), counted, False, counts)
 
 

@@ -25,6 +25,7 @@ from uwopt.results.basis import ObjectiveValue, UsedPhysics, UsedWater
 from uwopt.results.design import Note
 from uwopt.results.result import Result
 from uwopt.results.version import __version__
+from uwopt.units import texts_apart
 
 Source = str | Path | Mapping[str, Any]
 NOT_MODELLED = (
@@ -56,7 +57,8 @@ def halfway(held: float, asked: float | str) -> float:
 
 def beyond_cap(gain_db: float, cap_db: float) -> str:
     """A gain that is higher than good practice has it, in words."""
-    return f"gain {gain_db:.3g} dB, beyond {cap_db:g} dB"
+    gain, cap = texts_apart(gain_db, cap_db, text=lambda value, digits: f"{value:.{digits}g}")
+    return f"gain {gain} dB, beyond {cap} dB"
 
 
 def selection_warnings(selection: Selection) -> list[Note]:

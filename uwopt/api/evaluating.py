@@ -159,7 +159,7 @@ def evaluate(
         warnings=[
             *result.warnings,
             *design.warnings,
-            *tilt_notes(problem, hardware, settings),
+            *tilt_notes(problem, hardware, settings, [margin.requirement for margin in design.missed]),
             *gain_notes(as_written, design),
             *practice_notes(given, design),
             *accuracy_warnings(measured, allowed),

@@ -71,6 +71,7 @@ SEEN_PX = 2.0  # a blur, skew or coloured edge wider than this is seen
 STILL_MM_S = 10.0  # a hand, a line or a hovering vehicle drifts faster; a frame on the floor does not
 STEADY_DEG = 3.0  # as well as a lamp's direction is kept on a vehicle
 DEPTH_IN_HAND = 0.1
+BATTERY_IN_HAND = 0.2  # of its energy: lithium cells give a fifth less where they are old or cold (convention)
 BUOYANT_KG = 0.5  # that a mount and its screws weigh in water; beyond it ballast is needed (assumed)
 MOST_GAIN_DB = RECOMMENDED_RESERVE["max_gain_db"]
 MUCH_ESTIMATED = 0.3  # of the price
@@ -165,6 +166,19 @@ def shallow(result: Result, design: Design) -> Weighed:
             because = f"{part or 'a part'} is rated for little more than the depth of the mission"
             figure = " against ".join(format_quantity(depth_m, "m") for depth_m in (margin.value, deepest_m))
             yield 62.0, Risk("a part may not stand the pressure", because, figure)
+
+
+def drained(result: Result, design: Design) -> Weighed:
+    """A battery that the mission uses up, or nearly so; told as missed where a limit on energy says so."""
+    battery_wh = (result.mission.get("vehicle") or {}).get("battery_wh")
+    used_wh = design.totals.energy_wh
+    told = any(stem_of(margin.requirement) == "energy_wh" for margin in design.missed)
+    if battery_wh is None or used_wh is None or told or used_wh <= (1.0 - BATTERY_IN_HAND) * battery_wh:
+        return
+    what = "the battery is nearly used up" if used_wh <= battery_wh else "the battery does not last"
+    because = f"cells that are old or cold give less than their plate says: keep {100 * BATTERY_IN_HAND:.0f} % in hand"
+    of, all_of = texts_apart(used_wh, battery_wh, text=lambda value, digits: format_quantity(value, "wh", digits))
+    yield 58.0, Risk(what, because, f"{of} of {all_of}")
 
 
 def floats(result: Result, design: Design) -> Weighed:
@@ -424,12 +438,15 @@ def noted(result: Result, design: Design) -> Weighed:
         note.message or note.code: note for note in [*result.warnings, *design.warnings]
     }
     for message, note in messages.items():
-        if weight := NOTES.get(note.code, OTHER_NOTE):
+        weight = NOTES.get(note.code, OTHER_NOTE)
+        if note.code == AS_CENTRAL and result.confidence is not None and result.confidence.enough:
+            weight = OTHER_NOTE  # it holds as often as was asked, however it was chosen
+        if weight:
             yield weight, Risk(message, "", "")
 
 
 RULES: Sequence[Callable[[Result, Design], Weighed]] = (
-    missed, uncertain, at_bad_ends, nothing_in_hand, shallow, floats, in_other_water, lamps_off, noisy, uneven,
+    missed, uncertain, at_bad_ends, nothing_in_hand, shallow, drained, floats, in_other_water, lamps_off, noisy, uneven,
     lost_in_corners, seen_in_the_image, smeared_subjects, must_stand_still, weak_colours, wide_open, high_gain,
     held_back, price, to_be_made, maybe_withdrawn, idle_lamps, better_elsewhere, noted,
 )  # fmt: skip

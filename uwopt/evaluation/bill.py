@@ -184,7 +184,8 @@ def beside_parts(problem: Problem, hw: Hardware, spacer_m: float, disks_gb: floa
         made.append((RestItem("spacer-ring", name, "camera", spacer_price(), spacer_mass_g()), cameras))
     lamps = sum(count - owned for kind, _, count, owned in bought(problem, hw) if kind == "light")
     cables = cameras if problem.parts.cameras[hw.camera].tethered else 0
-    numbers = {"system": 1, "camera": cables, "lamp": lamps, "lighting": int(not problem.unlit(hw.light))}
+    wired = int(problem.wired[hw.light])
+    numbers = {"system": 1, "camera": cables, "lamp": wired * lamps, "lighting": wired}
     if disks_gb > 0.0:
         computers = problem.computers(problem.parts.cameras[hw.camera])
         made.append((disk_item(disks_gb / computers, computers), computers))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -107,11 +107,16 @@ def lost_when_leaning(model: LeaningModel, given: Sequence[SceneSettings]) -> li
     return list(dict.fromkeys(lost))
 
 
-def tilt_notes(problem: Problem, hardware: Hardware, given: Sequence[SceneSettings]) -> list[Note]:
-    """Warnings where lamps that lean as far as the mission's reserve lose what is asked for, at these settings."""
+def tilt_notes(
+    problem: Problem, hardware: Hardware, given: Sequence[SceneSettings], missed: Collection[str] = ()
+) -> list[Note]:
+    """Warnings where lamps that lean as far as the mission's reserve lose what is asked for, at these settings.
+
+    missed : what is missed without any leaning: no lamp's aim is to blame for it
+    """
     tilt_deg, notes = problem.mission.reserve.tilt_deg, []
     for way, model in leaning_models(problem, hardware).items():
-        lost = lost_when_leaning(model, given)
+        lost = [name for name in lost_when_leaning(model, given) if name not in missed]
         if lost:
             by_light = all(name.startswith(OF_LIGHT) for name in lost)
             text = (

@@ -298,7 +298,7 @@ class Problem:
         for name, end in ends.items():
             tethered = np.array([part.tethered for part in self.parts.cameras], float)
             camera = tethered * self.rest_price("camera", end) + share * self.rest_price("system", end)
-            lamp = self.burns * self.rest_price("lamp", end)
+            lamp = self.wired * self.rest_price("lamp", end)
             self.cameras = replace(self.cameras, **{name: getattr(self.cameras, name) + camera})
             self.lights = replace(self.lights, **{name: getattr(self.lights, name) + lamp})
 
@@ -446,6 +446,11 @@ class Problem:
         """Whether each light is a lamp, and not none at all, (n_lights,) of 1 and 0."""
         return np.array([part.id != NO_LAMP.id for part in self.parts.lights], float)
 
+    @cached_property
+    def wired(self) -> Array:
+        """Whether each light is a lamp with a cable, (n_lights,) of 1 and 0; neither none at all nor a torch is."""
+        return self.burns * np.array([part.wired for part in self.parts.lights], float)
+
     @property
     def illuminators(self) -> int:
         """Lights, each in all its numbers and mounts."""
@@ -460,7 +465,7 @@ class Problem:
     def lamps_cost(self, light: Array, count: Array, name: Literal["price", "limit_price"] = "price") -> Array:
         """What so many lamps cost that are not owned yet, with what switches them, (n,)."""
         bought = self.lamps_to_buy(light, count) * getattr(self.lights, name)[light]
-        return np.asarray(bought + self.burns[light] * self.control[name])
+        return np.asarray(bought + self.wired[light] * self.control[name])
 
     def lamps_to_buy(self, light: Array, count: Array) -> Array:
         """How many of `count` lamps are not owned yet."""

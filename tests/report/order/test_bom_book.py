@@ -209,6 +209,9 @@ def test_no_batteries_are_bought_where_the_vehicle_feeds_the_system(make_result:
     lit = {one.what: one for one in not_counted(torches, result.best)}
     assert lit["batteries"].bought
     assert "power from the vehicle" not in lit
+    named = replace(result.best.hardware, light=replace(result.best.hardware.light, id="sofirn-sd05"))
+    owned = {one.what: one.known for one in not_counted(result, replace(result.best, hardware=named))}
+    assert owned["batteries"].endswith("the lamps have their own, the vehicle feeds the rest")  # whoever asked for them
 
 
 def test_housings_that_float_need_ballast(make_result: Make) -> None:

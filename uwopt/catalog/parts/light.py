@@ -258,6 +258,11 @@ class Light(Part):
     supply_v_max: ClassVar[Annotated[float, Cell("", POSITIVE)]]
     mass_water_g: ClassVar[Annotated[float, Cell("", FROM_ZERO)]]
 
+    @property
+    def wired(self) -> bool:
+        """Whether a cable feeds it or fires it; a torch that burns on a battery of its own has none."""
+        return not (self.supply == "battery" and self.kind == "continuous")
+
 
 def _summary(light: Light) -> tuple[str, ...]:
     is_flash = light.kind == "flash"

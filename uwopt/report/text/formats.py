@@ -17,6 +17,8 @@ from uwopt.units import (
     format_number,
     format_price,
     format_quantity,
+    round_at_most,
+    round_up,
     round_within,
     split_unit,
     symbol,
@@ -133,13 +135,19 @@ def _rate(value_hz: float | None, digits: int) -> str:
 def told_cost(margin: Margin, cost: Cost | None) -> float | None:
     """A cost with no more digits than its range leaves it, unless it takes them to tell it from its limit.
 
+    A high end within its limit is rounded up, as in the price.
+
     None of other requirements, and where all digits are needed.
     """
     if cost is None or margin.requirement != "cost" or margin.value is None or margin.limit is None:
         return None
     spent, most = margin.value, margin.limit
-    known = [round_within(spent, cost.low, cost.high)]
-    known += [round(spent, -digits) for digits in (3, 2, 1) if spent > 10.0 ** (digits + 1)]
+    if spent >= cost.high and spent <= most:  # as the price's high end is told: never less than it is
+        known = [round_at_most(cost.low, spent)]
+        known += [round_up(spent, digits) for digits in (3, 2, 1) if spent > 10.0 ** (digits + 1)]
+    else:
+        known = [round_within(spent, cost.low, cost.high)]
+        known += [round(spent, -digits) for digits in (3, 2, 1) if spent > 10.0 ** (digits + 1)]
     return next((told for told in known if told != most and (told < most) == (spent < most)), None)
 
 

@@ -12,6 +12,7 @@ from uwopt.report.text import formats, words
 from uwopt.results.design import SceneResult
 
 SPOT_BELOW = 0.3  # least over mean light on the floor
+AT_CORNER = "at 80 % of the way from the middle"  # `views.CORNER_FIELD`, of the half diagonal
 SOFT_ABOVE_PX = 2.0  # blur of the corners by focus and port
 OF_SNR = (("mean", "snr_db"), ("95 % of the frame", "snr_db_p05"), ("darkest pixel", "snr_db_min"))
 
@@ -37,7 +38,7 @@ def facts_of(figures: Mapping[str, Any]) -> list[tuple[str, str]]:
         facts.append(("evenness of the light", f"the darkest floor has {formats.share(even)} of the mean{spot}"))
     if soft is not None:
         blurred = ": soft corners" if soft > SOFT_ABOVE_PX else ""
-        facts.append(("blur of the corners", f"{formats.quantity(soft, 'px')}{blurred}"))
+        facts.append(("blur of the corners", f"{formats.quantity(soft, 'px')} {AT_CORNER}{blurred}"))
     return facts
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from uwopt.catalog.interfaces import IN_HOUSING
 from uwopt.report.text import formats, words
 from uwopt.report.text.helps import factor_of_depth
-from uwopt.report.text.stated import supply_volts
+from uwopt.report.text.stated import has_own_battery, supply_volts
 from uwopt.results.design import BillRow, Design
 from uwopt.results.result import Result
 from uwopt.units import format_number
@@ -88,8 +88,9 @@ def brings_batteries(result: Result, best: Design) -> str:
     """What of a system feeds itself, though no battery is a line of its bill; empty where the vehicle feeds it all."""
     if best.hardware.complete is not None and best.totals.run_time_h is not None:
         return "the cameras have their own: spare ones"
-    own_lamps = (result.mission.get("vehicle") or {}).get("lamp_supply") == "battery" and best.hardware.light_count > 0
-    return "the lamps have their own, the vehicle feeds the rest" if own_lamps else ""
+    asked = (result.mission.get("vehicle") or {}).get("lamp_supply") == "battery"
+    own_lamps = asked or has_own_battery(best.hardware.light.id)
+    return "the lamps have their own, the vehicle feeds the rest" if own_lamps and best.hardware.light_count else ""
 
 
 def place_needed(names: Sequence[str], depth: str) -> str:

@@ -17,6 +17,11 @@ def cells_of(part_id: str) -> dict[str, str]:
     return {}
 
 
+def has_own_battery(part_id: str) -> bool:
+    """Whether the catalogue states that a lamp burns on a battery of its own."""
+    return cells_of(part_id).get("supply") == "battery"
+
+
 def supply_volts(part_id: str) -> str:
     """The voltage that a part is fed with in words, `12 to 24 V`; empty where the catalogue does not state it."""
     cells = cells_of(part_id)

@@ -17,6 +17,7 @@ from uwopt.mission.varying import Varied, VariedMission
 from uwopt.mission.weakened import (
     LEAST_SNR_DB,
     RELAXABLE,
+    USELESS_DB,
     asked_value,
     in_all_scenes,
     is_from_above,
@@ -89,7 +90,8 @@ def eases(mission: Mission, missed: Iterable[str]) -> Iterator[Ease]:
             continue
         unit, above = mission.limits.currency if name == "cost" else split_unit(key)[1], is_from_above(name)
         if unit == "db":
-            far = asked + FARTHEST_DB if above else max(asked - FARTHEST_DB, LEAST_SNR_DB)
+            least = USELESS_DB if asked > USELESS_DB else LEAST_SNR_DB  # nobody wants images of noise alone
+            far = asked + FARTHEST_DB if above else max(asked - FARTHEST_DB, least)
         else:
             far = asked * FARTHEST if above else asked / FARTHEST
 

@@ -47,6 +47,7 @@ MOST_PIXELS = 4_000_000  # figures at pixels that are held at a time
 ENOUGH_SNR = float(db_to_ratio(RECOMMENDED_RESERVE["snr_db"])) - 1.0
 ENOUGH_BLUR, ENOUGH_DOF = RECOMMENDED_RESERVE["blur"], RECOMMENDED_RESERVE["dof"]
 ENOUGH_ELSE = 0.1  # of what good practice knows no reserve for
+ENOUGH_ENERGY = 0.2  # as `api.risks` has it: a battery that is old or cold gives less than its plate says
 #: Requirements on images and power that settings may crowd, and how much in hand is enough of each, as a share of what
 #: is asked: what good practice keeps in reserve. The ends of what can be set are no room in hand.
 ENOUGH = {
@@ -54,6 +55,7 @@ ENOUGH = {
     "min_dof_m": ENOUGH_DOF, "min_snr_db": ENOUGH_SNR, "min_snr_mean_db": ENOUGH_SNR, "min_snr_red_db": ENOUGH_SNR,
     "min_contrast": ENOUGH_ELSE, "min_mtf_half_nyquist": ENOUGH_ELSE, "resolve_mm": ENOUGH_ELSE,
     "max_airy_px": ENOUGH_ELSE, "power_w": ENOUGH_ELSE, "peak_power_w": ENOUGH_ELSE,
+    "energy_wh": ENOUGH_ENERGY,
 }  # fmt: skip
 ROOMY = tuple(ENOUGH)
 PLENTY = 0.5  # of a limit: what is in hand beyond it decides nothing
