@@ -429,7 +429,7 @@ def test_a_table_with_certainty_lets_give_way_what_holds_as_often_not_only_what_
     monkeypatch.setattr(certain_points, "chosen_of", lambda *_: None)
     made = SimpleNamespace(given_way=first, to_hold=True, cut=False)
     monkeypatch.setattr(certain_points, "held_by_yielding", lambda *_: made)
-    assert gives_way_with_certainty(mission, NEVER) == (first, True)
+    assert gives_way_with_certainty(mission, NEVER) == (first, True, False)
     made.cut = True
     with pytest.raises(KeyboardInterrupt):
         gives_way_with_certainty(mission, NEVER)
@@ -446,7 +446,7 @@ def test_a_table_with_certainty_begins_again_with_what_gives_way_in_solve(monkey
         return WhatIfPoint(list(values), status, figures={"held": 0.5})
 
     monkeypatch.setattr(CertainPoints, "point", point)
-    monkeypatch.setattr(certain_points, "gives_way_with_certainty", lambda *_: ((frame,), True))
+    monkeypatch.setattr(certain_points, "gives_way_with_certainty", lambda *_: ((frame,), True, False))
     table = uwopt.whatif(in_doubt(), {"speed_m_s": [0.2, 0.3]}, confidence=0.9)
     assert asked == [0.0, 3.0, 3.0] and table.gave_way == ["requirements.snr_at_less_db"]
     assert "as often as is asked" in next(note.message for note in table.warnings if note.code == PRACTICE_YIELDS)
@@ -504,6 +504,23 @@ def test_where_the_mission_as_it_stands_has_no_system_a_table_lets_give_way_what
     assert table.gave_way == given_way(alone) == ["reserve.snr_db"]
     assert [point.status for point in table.points] == ["infeasible", "optimal"]
     assert table.points[1].objective == pytest.approx(alone.objective.value, rel=1e-3)
+    (told,) = (note.message for note in table.warnings if note.code == "practice_at")
+    assert f"uwopt solve relaxes at min_snr_db {asked_db:g}, for the mission as it stands has no system" in told
+
+
+def test_a_table_with_certainty_lets_give_way_what_a_point_needs_as_one_without(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """It held all of good practice at every point where the mission as it stands has no system."""
+    monkeypatch.setattr(search, "FRESH", 128)
+    asked_db = round(brightest_db() - 1.0, 2)
+    doubt = {"doubt": {"scenarios": 64}}
+    table = uwopt.whatif(survey(asked_db + 12.0) | doubt, {"min_snr_db": [asked_db + 12.0, asked_db]}, confidence=0.5)
+    alone = uwopt.solve(survey(asked_db) | doubt, confidence=0.5, top=1, quick=True)
+    assert table.gave_way == given_way(alone) == ["reserve.snr_db"]
+    (nothing, point), counted = table.points, alone.confidence
+    assert nothing.status == "infeasible" and point.status in ("optimal", "feasible") and counted is not None
+    assert point.objective == pytest.approx(counted.objective_p50, rel=1e-6) and point.figures["held"] == counted.held
     (told,) = (note.message for note in table.warnings if note.code == "practice_at")
     assert f"uwopt solve relaxes at min_snr_db {asked_db:g}, for the mission as it stands has no system" in told
 

@@ -41,6 +41,13 @@ DEFECTS = (
         "test_where_the_mission_as_it_stands_has_no_system_a_table_lets_give_way_what_a_point_needs",
     ),
     Defect(
+        name="a table with certainty holds all of good practice where the mission as it stands has no system",
+        file="uwopt/api/certain_points.py",
+        old="return found.given_way, False, found.proves_nothing_fits",
+        new="return found.given_way, False, False",
+        test=f"{YIELDING}::test_a_table_with_certainty_lets_give_way_what_a_point_needs_as_one_without",
+    ),
+    Defect(
         name="a mission that nothing meets is said to keep good practice",
         file="uwopt/api/whatif.py",
         old="if work.fits_nothing else",

@@ -75,8 +75,9 @@ class CertainPoints:
         )  # fmt: skip
 
 
-def gives_way_with_certainty(mission: Mission, deadline: Deadline) -> tuple[tuple[Yield, ...], bool]:
-    """What of good practice gives way in `solve`, and whether any of it did so that it holds as often as is asked.
+def gives_way_with_certainty(mission: Mission, deadline: Deadline) -> tuple[tuple[Yield, ...], bool, bool]:
+    """What of good practice gives way in `solve`; whether any of it did so that something holds as often as is asked;
+    and whether it is proven that nothing fits at likeliest values even so.
 
     Raises KeyboardInterrupt where a person wants no more: what had given way by then is not all.
     """
@@ -86,11 +87,11 @@ def gives_way_with_certainty(mission: Mission, deadline: Deadline) -> tuple[tupl
     if found.proves_nothing_fits:
         found = with_less_practice(found, searches, watch)
     if not (found.fits or found.cut):
-        return found.given_way, False
+        return found.given_way, False, found.proves_nothing_fits
     chosen = None if found.cut else held_by_yielding(mission, chosen_of(found, watch), searches, watch)
     if chosen is None or chosen.cut:
         raise KeyboardInterrupt
-    return chosen.given_way, chosen.to_hold
+    return chosen.given_way, chosen.to_hold, False
 
 
 def system_of(design: Design) -> WinningSystem:

@@ -179,33 +179,37 @@ class Work:
     def ask_practice(self, grid: VariedGrid) -> None:
         """What of good practice gives way for the mission as it stands, in a grid that begins again if any does."""
         self.given_way, mission = (), self.base.base
-        if not yields_of(mission):
-            return
-        self.say(0.0, "what of good practice has to be relaxed")
-        if self.certain:
-            from uwopt.api.certain_points import gives_way_with_certainty
-
-            self.given_way, self.to_hold = gives_way_with_certainty(mission, self.deadline)
-            if self.given_way:
-                grid.begin_again(self.given_way)
-            return
-        answer = grid.warm.best(mission)
-        if answer.interrupted:
-            raise KeyboardInterrupt
-        if answer.found is None and answer.complete:
-            self.given_way = gives_way_alone(mission, self.deadline).yields
-            self.fits_nothing = not self.given_way
-        if self.given_way:
-            grid.begin_again(self.given_way)
+        if yields_of(mission):
+            self.say(0.0, "what of good practice has to be relaxed")
+            self.fits_nothing = self.relax(grid, mission)
 
     def ask_practice_at(self, grid: VariedGrid, at: At, values: str) -> None:
         """What of good practice gives way at a point, in a grid that begins again if any does."""
         self.asked_at += 1
         self.say(0.0, f"what of good practice has to be relaxed at {values}")
-        self.given_way = gives_way_alone(grid.mission(at), self.deadline).yields
+        self.relax(grid, grid.mission(at))
         if self.given_way:
             self.relaxed_at = values
+
+    def relax(self, grid: VariedGrid, mission: Mission) -> bool:
+        """Let what gives way in `solve` of a mission do so in a grid, which begins again if any does.
+
+        Whether that mission has no system even so.
+        """
+        if self.certain:
+            from uwopt.api.certain_points import gives_way_with_certainty
+
+            self.given_way, self.to_hold, in_vain = gives_way_with_certainty(mission, self.deadline)
+        else:
+            answer = grid.warm.best(mission)
+            if answer.interrupted:
+                raise KeyboardInterrupt
+            nothing = answer.found is None and answer.complete
+            self.given_way = gives_way_alone(mission, self.deadline).yields if nothing else ()
+            in_vain = nothing and not self.given_way
+        if self.given_way:
             grid.begin_again(self.given_way)
+        return in_vain
 
     def switches(self, grid: VariedGrid) -> list[Switch]:
         """Where other systems take over."""
@@ -254,10 +258,6 @@ class Work:
         return SpiderLine(f"{key.section}.{key.name}", unit_of(key, self.base.base), float(key.values[0]), points)
 
 
-NOT_FOR_CERTAINTY = (
-    "every point is held to what is left of good practice in the mission as it stands; where something holds less "
-    "often than is asked, uwopt solve relaxes more of it"
-)
 
 
 def for_certainty(work: Work) -> bool:
@@ -267,14 +267,22 @@ def for_certainty(work: Work) -> bool:
 
 def full_practice_notes(points: Sequence[WhatIfPoint], work: Work) -> list[Note]:
     """That all of good practice is asked where nothing fits, though `solve` would let it give way there."""
-    if work.certain and any(point.status == "infeasible" and point.figures for point in points):
-        return [Note("practice_held", "practice", NOT_FOR_CERTAINTY)] if for_certainty(work) else []
+    relaxed = []
     if work.given_way and work.relaxed_at:
         text = (
             "what of good practice is relaxed at every point is what uwopt solve relaxes at "
             f"{work.relaxed_at}, for the mission as it stands has no system with less of it either"
         )
-        return [Note("practice_at", "practice", text)]
+        relaxed = [Note("practice_at", "practice", text)]
+    if work.certain and any(point.status == "infeasible" and point.figures for point in points):
+        where = f"at {work.relaxed_at}" if relaxed else "in the mission as it stands"
+        text = (
+            f"every point is held to what is left of good practice {where}; where something holds less often than is "
+            "asked, uwopt solve relaxes more of it"
+        )
+        return [*relaxed, Note("practice_held", "practice", text)] if for_certainty(work) else relaxed
+    if relaxed:
+        return relaxed
     if work.given_way or not yields_of(work.base.base) or all(point.status != "infeasible" for point in points):
         return []
     why = "with less of it the mission as it stands has no system either" if work.fits_nothing else (
