@@ -9,6 +9,7 @@ import pytest
 import uwopt
 from uwopt import deadline
 from uwopt.api import doubting, explaining
+from uwopt.api.search_notes import patience_warnings
 from uwopt.api.watch import Watch
 
 LIGHT = "deepsea-power-light-led-sealite-lsl-flood"
@@ -28,13 +29,33 @@ def test_doubts_beyond_patience_are_left_out_and_told(
     monkeypatch: pytest.MonkeyPatch, patience_s: float, told: bool
 ) -> None:
     monkeypatch.setattr(doubting, "DOUBTS_S", patience_s)
+    monkeypatch.setattr(doubting, "DOUBTS_SHARE", 0.0)
     result = uwopt.solve(MISSION, top=1)
     assert result.status == "optimal" and result.recommendation is not None
     notes = [note.message for note in result.warnings if note.code == "time"]
-    assert [text.startswith("not worked out in 0 s; --seconds gives more: ") for text in notes] == [True] * told
+    said = "the answer stands without what was not worked out beside it in 0 s; the same command with --seconds 30 has"
+    assert [text.startswith(f"{said} time for it: ") for text in notes] == [True] * told
     assert all("how firm the answer is; " in text for text in notes)
     assert (result.robustness is None) == told
     assert result.recommendation.rounded is not None  # settings to set are no doubt
+
+
+def test_doubts_have_a_quarter_of_what_a_long_answer_took(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Six seconds after minutes told nothing of most doubts."""
+    had_s = []
+    for spent_s in (0.0, 20.0, 24.0, 240.0):
+        monkeypatch.setattr(doubting, "processor_s", lambda spent_s=spent_s: 5.0 + spent_s)
+        had_s.append(doubting.doubts_s(Watch(since_s=5.0)))
+    assert had_s == pytest.approx([6.0, 6.0, 6.0, 60.0])
+
+
+def test_time_that_would_do_is_more_than_all_took(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Half as much again as 100 s, and 25 s: 175 s, which 300 s are the next of those told to give."""
+    monkeypatch.setattr("uwopt.api.search_notes.time.perf_counter", lambda: 107.0)
+    late = deadline.Deadline(left_out=["other waters", "other waters"])
+    (note,) = patience_warnings(late, 25.0, 7.0)
+    assert "in 25 s; the same command with --seconds 300 has time for it: other waters" in note.message
+    assert note.message.count("other waters") == 1 and note.message.count(": ") == 1  # pages take it apart there
 
 
 def test_what_stands_beside_an_answer_takes_no_patience_from_its_doubts(monkeypatch: pytest.MonkeyPatch) -> None:

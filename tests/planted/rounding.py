@@ -164,6 +164,20 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/api/test_patience.py::test_doubts_beyond_patience_are_left_out_and_told[0.0-True]",
     ),
     Defect(
+        name="doubts have six seconds after minutes, too",
+        file="uwopt/api/doubting.py",
+        old="DOUBTS_SHARE * (processor_s() - watch.since_s)",
+        new="0.0",
+        test="tests/api/test_patience.py::test_doubts_have_a_quarter_of_what_a_long_answer_took",
+    ),
+    Defect(
+        name="less time is told to be given than was taken",
+        file="uwopt/api/search_notes.py",
+        old="if one > MORE * spent_s + seconds",
+        new="if one > seconds",
+        test="tests/api/test_patience.py::test_time_that_would_do_is_more_than_all_took",
+    ),
+    Defect(
         name="what a front trades is not kept where its points are rounded",
         file="uwopt/solvers/settable/scene.py",
         old="for name in self.figures:",

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from uwopt.api.search_notes import cut_warnings, patience_warnings
 from uwopt.api.searching import leaves_out_generic, much_better_if_made
 from uwopt.api.watch import STAGES, Watch
-from uwopt.deadline import Deadline, PatientClock
+from uwopt.deadline import Deadline, PatientClock, processor_s
 from uwopt.results.basis import Opinion, Price
 from uwopt.results.design import Design
 from uwopt.results.result import Result
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from uwopt.api.choosing import Recommendation
     from uwopt.solvers.confidence.search import Certain
 
+DOUBTS_SHARE = 0.25  # of what the answer itself took, where that is more
 DOUBTS_S = 6.0  # of the processor, for how firm a proven answer is, where no time is given
 EQUAL = "which systems are equal within the estimates"
 
@@ -50,7 +51,8 @@ def doubted(made: Result, chosen: Recommendation, wanted: ToTell, watch: Watch) 
 
     sought, cut = chosen.sought, False
     clock = PatientClock()
-    patient = watch.until(watch.deadline.or_after(DOUBTS_S, clock))
+    seconds = doubts_s(watch)
+    patient = watch.until(watch.deadline.or_after(seconds, clock))
     try:
         if wanted.doubts and sought.goal.quality:
             made = replace(made, knee=watch.within("knee", lambda limit: knee(sought, limit), None))
@@ -62,8 +64,13 @@ def doubted(made: Result, chosen: Recommendation, wanted: ToTell, watch: Watch) 
         cut = True
     notes = cut_warnings() if cut else []
     if patient.deadline is not watch.deadline:
-        notes += patience_warnings(patient.deadline, DOUBTS_S)
+        notes += patience_warnings(patient.deadline, seconds, watch.began_s)
     return replace(made, warnings=[*made.warnings, *notes])
+
+
+def doubts_s(watch: Watch) -> float:
+    """Seconds of the processor for how firm an answer is, where no time is given: more where that took long itself."""
+    return max(DOUBTS_S, DOUBTS_SHARE * (processor_s() - watch.since_s))
 
 
 def told_together(

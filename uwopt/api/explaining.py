@@ -45,7 +45,7 @@ def priced(made: Result, sought: Sought, watch: Watch) -> Result:
         prices, complete = every_price(made, sought, patience, watch.progress)
     notes = [] if complete else cut_warnings()  # what is proven is not lost
     if patience is not watch.deadline:
-        notes += patience_warnings(patience, seconds)
+        notes += patience_warnings(patience, seconds, watch.began_s)
     return replace(made, prices=prices, warnings=[*made.warnings, *notes])
 
 
@@ -97,7 +97,7 @@ def infeasible_result(
         if trials.interrupted:
             notes += cut_warnings(NOT_TRIED)
         if patience is not watch.deadline:
-            notes += patience_warnings(patience, seconds)
+            notes += patience_warnings(patience, seconds, watch.began_s)
     return replace(
         base_result("solve", mission, goal, found.sought.problem),
         status="infeasible" if used.outcome.complete else "stopped",

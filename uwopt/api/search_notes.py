@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 
 from uwopt.api.common import beyond_cap
@@ -11,6 +12,9 @@ from uwopt.mission.mission import Mission
 from uwopt.results.design import Design, Note
 from uwopt.results.result import Certificate, Result
 from uwopt.solvers.recommend import Sought
+
+MORE_S = (30, 60, 120, 300, 600, 1200, 3600)  # that are told to be given
+MORE = 1.5  # times as long as it took
 
 
 def gain_warnings(mission: Mission, problem: Problem, designs: Sequence[Design]) -> list[Note]:
@@ -53,11 +57,20 @@ def cut_warnings(
     return [Note("interrupted", "", f"interrupted: {what}")]
 
 
-def patience_warnings(patience: Deadline, seconds: float) -> list[Note]:
-    """What an explanation left out that nobody gave a time."""
+def patience_warnings(patience: Deadline, seconds: float, began_s: float) -> list[Note]:
+    """What an explanation left out that nobody gave a time: that the answer stands, and how to have the rest told.
+
+    seconds : of the processor, that it had
+    began_s : when the whole call was asked, on the wall's clock
+    """
     if not patience.left_out:
         return []
-    text = f"not worked out in {seconds:.2g} s; --seconds gives more: "
+    spent_s = time.perf_counter() - began_s
+    more_s = next((one for one in MORE_S if one > MORE * spent_s + seconds), MORE_S[-1])
+    text = (
+        f"the answer stands without what was not worked out beside it in {seconds:.2g} s; the same command with "
+        f"--seconds {more_s} has time for it: "
+    )
     return [Note("time", "", text + "; ".join(dict.fromkeys(patience.left_out)))]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -142,6 +143,7 @@ class Work:
     asked_at: int = 0  # points of which that was asked instead
     relaxed_at: str = ""  # that of which it gives way, where it is not the mission as it stands
     to_hold: bool = False  # whether any of it gives way so that something holds as often as is asked
+    began_s: float = field(default_factory=time.perf_counter)
 
     def grid_of(self, keys: Sequence[Varied]) -> VariedGrid:
         """A grid over keys, with a sweep of its own."""
@@ -221,7 +223,7 @@ class Work:
         before = grid.warm.n_searches
         made = Switches(grid, patience, self.say).all()
         self.n_searches += grid.warm.n_searches - before
-        self.notes += [] if by_itself else patience_warnings(patience, SWITCHES_S)
+        self.notes += [] if by_itself else patience_warnings(patience, SWITCHES_S, self.began_s)
         return made
 
     def spider(self, lines: list[SpiderLine]) -> None:
