@@ -1,5 +1,7 @@
 """Mounts, image circles and the words that explain a misfit."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -93,6 +95,18 @@ def test_coarse_lens_is_a_warning_only():
     )
     assert (finding.rule, finding.severity) == ("lens rating", "warning")
     assert "rated for pixels of 5 um" in finding.message
+
+
+@pytest.mark.parametrize(
+    ("shutter", "rate", "told"),
+    [("rolling", None, True), ("global", None, False), ("rolling", exact(30.0), False)],
+)
+def test_a_rolling_shutter_of_unknown_speed_is_told_not_to_be_counted(shutter, rate, told):
+    # an action camera written out as rolling without a rate showed "rolling-shutter skew 0 px" as met
+    camera = replace(CAMERA, shutter=shutter, max_frame_rate_hz=rate, bandwidth_mb_s=None)
+    findings = explain_pair(camera, LENS)
+    assert [f.severity for f in findings if f.rule == "rolling shutter"] == ["warning"] * told
+    assert all("its skew is counted as 0" in finding.message for finding in findings)
 
 
 def test_interface_too_slow_names_the_rates():

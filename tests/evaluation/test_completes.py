@@ -48,6 +48,7 @@ def test_account_of_complete_cameras_adds_up(solved: Any) -> None:
     assert "1 complete camera, 1 light " in proof.scope
     assert asdict(proof.parts_left) == {
         "cameras": 0, "lenses": 0, "ports": 0, "lights": 1, "housings": 0, "complete_cameras": 1, "generic": 0,
+        "places": 1,
     }  # fmt: skip
 
 

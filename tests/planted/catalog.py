@@ -244,4 +244,11 @@ DEFECTS = (
         test="tests/catalog/test_load.py::test_a_chip_without_figures_is_not_taken_for_as_quiet_as_the_median_of_others"
         "[basler-aca2500-60uc-9.6]",
     ),
+    Defect(
+        name="a rolling shutter of unknown speed is told as fast",
+        file="uwopt/catalog/compatibility.py",
+        old='if camera.shutter != "rolling" or',
+        new='if camera.shutter == "rolling" or',
+        test="tests/catalog/test_compatibility.py::test_a_rolling_shutter_of_unknown_speed_is_told_not_to_be_counted",
+    ),
 )

@@ -565,4 +565,18 @@ DEFECTS: tuple[Defect, ...] = (
         new="for name, spent_s in {}.items():",
         test="tests/api/test_trading.py::test_a_front_does_not_tell_how_many_cores_worked_on_it",
     ),
+    Defect(
+        name="how it stands is no card",
+        file="uwopt/report/assets/page.html",
+        old='<div class="setting-card"><h3>How it stands</h3>',
+        new="<div><h3>How it stands</h3>",
+        test="tests/report/test_browser.py::test_settings_and_hardware_stand_side_by_side_in_cards",
+    ),
+    Defect(
+        name="names of facts take half of a card",
+        file="uwopt/report/assets/page.css",
+        old=".pair .facts > div { grid-template-columns: 6em minmax(0, 1fr); }",
+        new="",
+        test="tests/report/test_browser.py::test_settings_and_hardware_stand_side_by_side_in_cards",
+    ),
 )

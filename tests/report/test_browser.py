@@ -140,6 +140,18 @@ def test_real_result_is_drawn_whole(show: Callable[..., Any], tank: Any) -> None
     assert page.locator(".is-warn", has_text="Pictures are missing").count() == 0
 
 
+def test_settings_and_hardware_stand_side_by_side_in_cards(show: Callable[..., Any], make_result: Make) -> None:
+    page = show(make_result())
+    page.set_viewport_size({"width": 1200, "height": 900})
+    page.evaluate("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
+    tops, names, values = page.evaluate("""() => [
+      [...document.querySelectorAll('#buy .pair > .setting-card')].map((one) => one.getBoundingClientRect().top),
+      [...document.querySelectorAll('#buy .pair .facts dt')].map((one) => one.getBoundingClientRect().width),
+      [...document.querySelectorAll('#buy .pair .facts dd')].map((one) => one.getBoundingClientRect().width)]""")
+    assert len(tops) == 2 and tops[0] == tops[1]
+    assert names and max(names) < 100 < min(values)  # px: the words of how it stands have most of the card
+
+
 def test_recommendation_and_nearest_miss_open(
     show: Callable[..., Any], make_result: Make, make_design: Make
 ) -> None:

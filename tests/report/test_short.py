@@ -92,6 +92,29 @@ def test_a_search_that_was_stopped_tells_what_there_is_to_choose_from(make_resul
     assert "Give it more time (--seconds), or a mission with fewer combinations." in text_of(of_old)
 
 
+@pytest.mark.parametrize(
+    ("vehicle", "advice"),
+    [
+        ({"light_baseline_m": [0.3, 1.2], "light_tilt_deg": [-30.0, 30.0]}, ": narrow vehicle.light_baseline_m or "
+         "vehicle.light_tilt_deg."),
+        ({"light_baseline_m": [0.6, 0.6], "light_tilt_deg": [-30.0, 30.0]}, ": narrow vehicle.light_tilt_deg."),
+        ({"light_baseline_m": 0.6}, "."),
+    ],
+)  # fmt: skip
+def test_a_search_that_was_stopped_tells_in_how_many_places_lamps_are_tried(
+    make_result: Make, vehicle: dict[str, Any], advice: str
+) -> None:
+    """A quay wall with a free baseline and tilt: 475 places, no system in 420 s, and no word of why."""
+    parts = PartsLeft(cameras=121, lenses=6, ports=5, lights=5, places=475)  # 19 baselines, 25 tilts
+    made = make_result(status="stopped", recommendation=None, runners_up=[])
+    assert made.certificate is not None
+    made = replace(made, certificate=replace(made.certificate, best_value=None, parts_left=parts))
+    there = replace(made, mission={"name": "x", "vehicle": vehicle})
+    assert f"leave fewer parts; every lamp is tried in 475 places and tilts{advice}" in text_of(there)
+    few = replace(made.certificate, parts_left=replace(parts, places=2))
+    assert "places and tilts" not in text_of(replace(there, certificate=few))
+
+
 def test_a_front_that_was_stopped_tells_what_there_is_to_choose_from(make_front: Make) -> None:
     proof = {"scope": "the words of a proof are nobody's data: 9 lenses, 9 lights"}
     told = in_more_time(make_front(points=0, status="stopped", certificate=proof))
@@ -507,3 +530,19 @@ def test_a_battery_that_is_most_of_the_price_is_named(make_result: Make) -> None
     assert f"most of it {told}" in text and "50 % of the price; vehicle.battery_wh sets it" in text
     dear = replace(own, totals=replace(totals, cost=replace(cost, value=10_100.0)))
     assert told not in text_of(make_result(recommendation=dear))
+
+
+@pytest.mark.parametrize(("command", "told"), [("solve", "on purpose"), ("evaluate", "sharp farther away")])
+def test_a_focus_nearer_than_what_is_sharp_is_on_purpose_only_where_it_was_chosen(
+    doubtful: Result, command: str, told: str
+) -> None:
+    # a GoPro focused on the floor at 1 m behind a flat port is sharp to its corners from 1.21 m: nobody's purpose
+    assert doubtful.best is not None
+    scene = doubtful.best.as_set.scenes[0]
+    near = replace(
+        scene, settings={**scene.settings, "focus_distance_m": 1.0}, settings_to_set=None,
+        figures={**scene.figures, "dof_near_m": 1.21},
+    )  # fmt: skip
+    text = text_of(replace(doubtful, command=command, recommendation=replace(doubtful.best, scenes=[near])))
+    assert "nearer than what is sharp" in text and told in text
+    assert ("on purpose" in text) is (command == "solve")

@@ -103,6 +103,7 @@ def explain_pair(
         *_image_circle_findings(camera, lens),
         *_sharpness_findings(camera, lens),
         *_interface_findings(camera, frame_rate_hz),
+        *_shutter_findings(camera),
         *(_supply_findings(light) if light is not None else ()),
         *(f for part in (port, light) if part is not None for f in _depth_findings(part, required_depth_m)),
     ]
@@ -204,6 +205,17 @@ def _interface_findings(camera: Camera, frame_rate_hz: float | None) -> list[Fin
                 )
             )
     return findings
+
+
+def _shutter_findings(camera: Camera) -> list[Finding]:
+    """A rolling shutter of which nothing tells how fast it reads."""
+    if camera.shutter != "rolling" or camera.max_frame_rate_hz is not None or camera.bandwidth_mb_s is not None:
+        return []
+    text = (
+        f"{camera.id} has a rolling shutter, and nothing tells how long it reads an image (max_frame_rate_hz): its "
+        "skew is counted as 0, and lamps that pulse as if they lit all rows"
+    )
+    return [Finding("rolling shutter", text, "warning")]
 
 
 def _supply_findings(light: Light) -> list[Finding]:

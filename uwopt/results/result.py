@@ -52,6 +52,7 @@ class PartsLeft(Record):
     housings: Whole = Field(default=0, description="that a port of those left goes on; 0: none, or none is asked for")
     complete_cameras: Whole = Field(default=0, description="camera, lens and port bought as one")
     generic: Whole = Field(default=0, description="of all of these: to be made, as nobody sells such a part")
+    places: Whole = Field(default=1, description="ways in which lamps may stand and lean, each tried with every part")
 
     def by_kind(self) -> dict[str, int]:
         """Parts that are sold or made as such, in the order that light meets them; kinds that may lack only if any."""

@@ -116,7 +116,20 @@ def in_more_time(result: Result | FrontResult) -> str:
     asked = result.mission.get("catalog") or {}
     numbers = left.by_kind().items()
     few = [f"catalog.{kind}, which leaves {n}" for kind, n in numbers if asked.get(kind) and n <= HANDFUL]
-    return f"{told}. {said}, {f'or widen {words.listed(few)}' if few else 'or leave fewer parts'}"
+    helps = f"or widen {words.listed(few)}" if few else "or leave fewer parts"
+    if left.places <= HANDFUL:
+        return f"{told}. {said}, {helps}"
+    ranges = [f"vehicle.{key}" for key in LAMP_RANGES if is_range((result.mission.get("vehicle") or {}).get(key))]
+    narrow = f": narrow {words.listed(ranges, 'or')}" if ranges else ""
+    return f"{told}. {said}, {helps}; every lamp is tried in {left.places} places and tilts{narrow}"
+
+
+LAMP_RANGES = ("light_baseline_m", "light_tilt_deg")
+
+
+def is_range(value: float | Sequence[float] | None) -> bool:
+    """Whether a key of a mission is a range, least and most, that leaves a choice."""
+    return isinstance(value, Sequence) and len({*value}) == 2
 
 
 def no_change_helps(result: Result | FrontResult) -> str:

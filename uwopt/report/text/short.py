@@ -63,6 +63,7 @@ TOLD_FIRST = (SNR_INSTEAD, COLOUR_LEFT_OPEN)  # notes on what was chosen where t
 CUT_SHORT = ("time", "interrupted")  # notes on what was left out
 NUMBERS = ("", "The greatest risk", "The two greatest risks", "The three greatest risks")
 SHARED_FOCUS = "nearer than what is sharp, on purpose: middle and corners of a curved image share it"
+GIVEN_FOCUS = "nearer than what is sharp: the corners of a curved image are sharp farther away than its middle"
 BATTERY, MUCH = "rest-battery", 0.4  # its line of the bill, and of the price from which it is named
 FIGURES = ("gsd_mm", "swath_m", "snr_db", "dof_m", "frame_rate_hz")
 DEAR = 0.1  # a part's share of the doubt in the price from which a quote is worth asking for
@@ -322,7 +323,7 @@ def set_block(result: Result, design: Design) -> Block:
         ("lights", words.mounts_text(hardware.light_mounts)),
     ]
     if focused_before_the_sharp(design):
-        stands.insert(0, ("focus", SHARED_FOCUS))
+        stands.insert(0, ("focus", GIVEN_FOCUS if result.command == "evaluate" else SHARED_FOCUS))
     lines: list[Line] = [settings_table(scenes_to_set(design), exact=False), fact_lines(stands)]
     if design.rounded is None or not design.is_settable:
         lines += rounding_lines(result, design)

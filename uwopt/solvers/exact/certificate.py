@@ -92,6 +92,7 @@ def parts_left(problem: Problem) -> PartsLeft:
         housings=len({port.housing.id for port in parts.ports if port.housing is not None and not port.complete}),
         complete_cameras=len(whole),
         generic=sum(part.generic for part in all_parts(parts)),
+        places=len(problem.mounts),
     )
 
 
