@@ -94,6 +94,15 @@ def unheard(share: float, what: str) -> None:
     """Where nobody waits to be told how far it is."""
 
 
+#: Times that a person is told to give [s].
+TOLD_S = (60, 120, 300, 600, 1800, 3600)
+
+
+def longer_s(taken_s: float, more_s: float = 0.0) -> int:
+    """What `--seconds` are told to have time for more than was done: half as much again as that took, and some."""
+    return next((one for one in TOLD_S if one > 1.5 * taken_s + more_s), TOLD_S[-1])
+
+
 class OutOfTimeError(Exception):
     """The time that a caller gave is over; never leaves the package."""
 

@@ -318,6 +318,18 @@ def test_with_certainty_each_point_knows_what_was_recommended_at_the_last(monkey
     assert "Each holds in 90 % of the scenarios" in opening(table)[1]
 
 
+def test_a_table_that_time_cut_short_says_first_what_is_known():
+    """"Something fits at 0 of them" was said of points that nobody had looked at."""
+    table = uwopt.whatif(reef(), {"speed_m_s": [0.3, 0.6, 0.9]}, seconds=1e-9)
+    assert table.status == "stopped"
+    asked = "3 points over speed_m_s was known. Give it more time (--seconds 60)."
+    assert opening(table) == [f"Stopped by a limit before any of {asked}"]
+    points = [WhatIfPoint([0.3], "infeasible"), WhatIfPoint([0.6], "stopped")]
+    first, second = opening(replace(table, points=points, timing_s={"total": 90.0}))
+    assert first == "Stopped by a limit with 1 of 3 points over speed_m_s known. Give it more time (--seconds 300)."
+    assert second.startswith("1 point over speed_m_s, ") and "something fits at 0 of them" in second
+
+
 def test_with_certainty_an_interruption_keeps_what_is_known(monkeypatch):
     stub_points(monkeypatch, [found(), found(interrupted=True)], [chosen(0.93, enough=True)])
     table = uwopt.whatif(reef(), {"speed_m_s": [0.3, 0.6]}, confidence=0.9)

@@ -49,6 +49,13 @@ def test_writes_page_table_and_json(few: Path, tmp_path: Path) -> None:
     assert "cheapest" in done.stdout
 
 
+def test_a_time_that_is_over_before_the_search_begins_stops_it(few: Path) -> None:
+    """It was refused as "seconds = 0.0", which nobody had written."""
+    done = run(few, "--solver", "exact", "--seconds", "1e-6", "--quiet")
+    assert done.exit_code == 4, done.output
+    assert "Stopped by a limit before a system was found." in done.stdout
+
+
 def test_json_alone(few: Path) -> None:
     done = run(few, "--objectives", "power,cost", "--solver", "exact", "--physics", "paper", "--json")
     assert done.exit_code == 0

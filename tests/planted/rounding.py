@@ -172,9 +172,9 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="less time is told to be given than was taken",
-        file="uwopt/api/search_notes.py",
-        old="if one > MORE * spent_s + seconds",
-        new="if one > seconds",
+        file="uwopt/deadline.py",
+        old="if one > 1.5 * taken_s + more_s",
+        new="if one > more_s",
         test="tests/api/test_patience.py::test_time_that_would_do_is_more_than_all_took",
     ),
     Defect(

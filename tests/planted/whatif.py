@@ -48,6 +48,20 @@ DEFECTS = (
         test=f"{YIELDING}::test_a_table_with_certainty_lets_give_way_what_a_point_needs_as_one_without",
     ),
     Defect(
+        name="nothing fits at points that nobody has looked at",
+        file="uwopt/report/text/whatif_tables.py",
+        old='point.status != "stopped" or point.system is not None for point in table.points)',
+        new="True for point in table.points)",
+        test="tests/api/test_whatif.py::test_a_table_that_time_cut_short_says_first_what_is_known",
+    ),
+    Defect(
+        name="a front that was stopped without a system may have better ones",
+        file="uwopt/report/text/verdict.py",
+        old='if cut else vocabulary.STATUS_SENTENCES[result.status]',
+        new='if not cut else vocabulary.STATUS_SENTENCES[result.status]',
+        test="tests/report/test_front_tables.py::test_a_front_that_was_stopped_without_a_system_says_so_first",
+    ),
+    Defect(
         name="a mission that nothing meets is said to keep good practice",
         file="uwopt/api/whatif.py",
         old="if work.fits_nothing else",

@@ -65,3 +65,10 @@ def test_a_named_point_that_cannot_be_set_says_so(rounded: FrontResult, make_fro
     text = printed(replace(rounded, points=[replace(first, design=none), *others]))
     assert "cheapest no settings to type in were found" in text
     assert "The same at settings to type in" not in printed(make_front())  # of an earlier version
+
+
+def test_a_front_that_was_stopped_without_a_system_says_so_first(make_front: Make) -> None:
+    """It read "before the proof was complete, so better may exist and no system was found"."""
+    told = printed(make_front(points=0, status="stopped"))
+    assert "stopped Stopped by a limit before a system was found. Give it more time (--seconds 60), or" in told
+    assert "Interrupted before a system was found" in printed(make_front(points=0, status="interrupted"))

@@ -87,9 +87,9 @@ def test_a_search_that_was_stopped_tells_what_there_is_to_choose_from(make_resul
     left = "The mission leaves 121 cameras, 6 lenses, 5 ports, 12 housings, 1 light to choose from, and nothing"
     for lenses, helps in ((["zeiss"], "or widen catalog.lenses, which leaves 6."), ([], "or leave fewer parts.")):
         text = text_of(replace(made, mission={"name": "x", "catalog": {"lenses": lenses, "cameras": ["flir"]}}))
-        assert left in text and f"Give it more time (--seconds), {helps}" in text
+        assert left in text and f"(--seconds 60, or none: then it ends with its proof), {helps}" in text
     of_old = replace(made, certificate=replace(made.certificate, parts_left=None))
-    assert "Give it more time (--seconds), or a mission with fewer combinations." in text_of(of_old)
+    assert "then it ends with its proof), or a mission with fewer combinations." in text_of(of_old)
 
 
 @pytest.mark.parametrize(
@@ -118,7 +118,7 @@ def test_a_search_that_was_stopped_tells_in_how_many_places_lamps_are_tried(
 def test_a_front_that_was_stopped_tells_what_there_is_to_choose_from(make_front: Make) -> None:
     proof = {"scope": "the words of a proof are nobody's data: 9 lenses, 9 lights"}
     told = in_more_time(make_front(points=0, status="stopped", certificate=proof))
-    assert told == "Give it more time (--seconds), or a mission with fewer combinations"
+    assert told == "Give it more time (--seconds 60), or a mission with fewer combinations"  # it took 7 s
     proof |= {"parts_left": {"cameras": 1, "lenses": 2, "ports": 3, "lights": 4, "complete_cameras": 1}}
     told = in_more_time(make_front(points=0, status="stopped", certificate=proof))
     assert "leaves 1 camera, 2 lenses, 3 ports, 1 complete camera, 4 lights to choose from" in told

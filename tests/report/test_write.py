@@ -81,6 +81,8 @@ def test_bill_of_an_earlier_run_does_not_stay(tmp_path: Path, make_result: Make)
     write.write_results(make_result(status="infeasible", recommendation=None), tmp_path)
     assert (tmp_path / "bom.csv").read_text("utf-8").count("\n") == 1
     assert (tmp_path / "system.yaml").read_text("utf-8").startswith("# Nothing fits")
+    write.write_results(make_result(status="stopped", recommendation=None), tmp_path)
+    assert (tmp_path / "system.yaml").read_text("utf-8").startswith("# No system was found so far")
 
 
 def test_system_is_written_with_the_settings_to_type_in(make_result: Make) -> None:

@@ -6,15 +6,12 @@ import time
 from collections.abc import Sequence
 
 from uwopt.api.common import beyond_cap
-from uwopt.deadline import Deadline
+from uwopt.deadline import Deadline, longer_s
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.results.design import Design, Note
 from uwopt.results.result import Certificate, Result
 from uwopt.solvers.recommend import Sought
-
-MORE_S = (30, 60, 120, 300, 600, 1200, 3600)  # that are told to be given
-MORE = 1.5  # times as long as it took
 
 
 def gain_warnings(mission: Mission, problem: Problem, designs: Sequence[Design]) -> list[Note]:
@@ -65,11 +62,9 @@ def patience_warnings(patience: Deadline, seconds: float, began_s: float) -> lis
     """
     if not patience.left_out:
         return []
-    spent_s = time.perf_counter() - began_s
-    more_s = next((one for one in MORE_S if one > MORE * spent_s + seconds), MORE_S[-1])
     text = (
         f"the answer stands without what was not worked out beside it in {seconds:.2g} s; the same command with "
-        f"--seconds {more_s} has time for it: "
+        f"--seconds {longer_s(time.perf_counter() - began_s, seconds)} gives it more: "
     )
     return [Note("time", "", text + "; ".join(dict.fromkeys(patience.left_out)))]
 

@@ -18,6 +18,8 @@ from uwopt.cli.options import (
 from uwopt.cli.output import hand_over
 from uwopt.cli.status import command, front_status
 
+AT_ONCE_S = 1e-6  # where loading the program took all of a time: the search stops at once, and says so
+
 
 @command
 def pareto_command(
@@ -63,11 +65,12 @@ def pareto_command(
     with ProgressBar(quiet=quiet) as bar, cores():
         from uwopt.api.trading import pareto
 
+        left_s = time_to_answer(deadline, writes=out is not None)
         front = pareto(
             mission,
             objectives=objectives.split(","),
             solver=solver,
-            seconds=time_to_answer(deadline, writes=out is not None),
+            seconds=None if left_s is None else max(left_s, AT_ONCE_S),
             seed=seed,
             physics=physics and physics.value,
             alternatives=out is not None,

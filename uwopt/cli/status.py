@@ -25,7 +25,8 @@ Exit status:
   2    bad input or usage, or an output that cannot be written
   3    no feasible system, or none at the confidence asked for (the most certain is shown);
        evaluate --check: a requirement is missed, or the confidence
-  4    stopped by a limit; the gap in the certificate is valid
+  4    stopped by a limit; the gap in the certificate is valid, or no system
+       was found yet, as the first line says
   130  interrupted
 """
 

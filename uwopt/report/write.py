@@ -303,7 +303,8 @@ def system_yaml(result: Result) -> str:
     import yaml
 
     if result.best is None:
-        return "# Nothing fits: there is no system to write down.\n"
+        why = "Nothing fits" if result.status == "infeasible" else "No system was found so far"
+        return f"# {why}: there is no system to write down.\n"
     settable = result.best.is_settable
     told = "to type in" if settable and any(scene.settings_to_set for scene in result.best.scenes) else "exact"
     text = yaml.safe_dump(result.best.as_system(to_set=settable), sort_keys=False, allow_unicode=True)

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from uwopt.deadline import longer_s
 from uwopt.mission.reserves import depth_factor
 from uwopt.mission.weakened import is_far
 from uwopt.report.text import formats, words
@@ -18,7 +19,6 @@ from uwopt.results.result import Result
 if TYPE_CHECKING:
     from uwopt.results.front import FrontResult
 
-MORE_S = (60, 300, 1800)  # that are told to be given
 TOLD_AS_OPEN = ("whether it could be met without ", "whether another ", "whether less than that change of ")
 OF_DEPTH = ": depth rating"  # how what excludes a kind of part by its rating ends
 
@@ -83,8 +83,7 @@ def not_known_lines(result: Result | FrontResult) -> list[Line]:
     if not told:
         return []
     spent_s = result.timing_s.get("explanation", 0.0)
-    more_s = next((one for one in MORE_S if one > 1.5 * spent_s), MORE_S[-1])
-    return [sentence(f"Not known yet: {'; '.join(told)}. uwopt explain with --seconds {more_s} goes on.")]
+    return [sentence(f"Not known yet: {'; '.join(told)}. uwopt explain with --seconds {longer_s(spent_s)} goes on.")]
 
 
 def notes_beside(result: Result | FrontResult) -> list[Note]:

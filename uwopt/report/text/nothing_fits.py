@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from uwopt.deadline import longer_s
 from uwopt.mission.keys import WATER_KEYS
 from uwopt.mission.reserves import REFUSED, refused_at
 from uwopt.mission.weakened import is_far
@@ -28,6 +29,7 @@ from uwopt.units import split_unit
 
 if TYPE_CHECKING:
     from uwopt.results.front import FrontResult
+    from uwopt.results.whatif import WhatIf
 
 HANDFUL = 20  # parts of a kind
 MOST_RULES = 3  # told on the first page where no change alone helps
@@ -67,6 +69,8 @@ def infeasible_block(result: Result | FrontResult) -> Block:
         lines += [Text(""), table]
     if bounded:
         lines.append(sentence("* proven by a bound, before the settings were looked at", "dim"))
+    if stopped and not lines:
+        return block("What would help", [sentence(f"{in_more_time(result)}.")])
     return block("What stood in the way so far" if stopped else "Why nothing fits", lines)
 
 
@@ -109,7 +113,7 @@ def in_more_time(result: Result | FrontResult) -> str:
 
     A list of `catalog` that leaves a handful of a kind is named: more of them may hold one that is soon found to fit.
     """
-    said, left = "Give it more time (--seconds)", result.parts_left
+    said, left = more_time(result), result.parts_left
     if left is None:
         return f"{said}, or a mission with fewer combinations"
     told = f"The mission leaves {left.in_words()} to choose from, and nothing was found so far that fits"
@@ -130,6 +134,12 @@ LAMP_RANGES = ("light_baseline_m", "light_tilt_deg")
 def is_range(value: float | Sequence[float] | None) -> bool:
     """Whether a key of a mission is a range, least and most, that leaves a choice."""
     return isinstance(value, Sequence) and len({*value}) == 2
+
+
+def more_time(result: Result | FrontResult | WhatIf) -> str:
+    """What a command that was stopped may be given: a time, or as long as its proof takes."""
+    told = f"Give it more time (--seconds {longer_s(result.timing_s.get('total', 0.0))}"
+    return f"{told}, or none: then it ends with its proof)" if isinstance(result, Result) else f"{told})"
 
 
 def no_change_helps(result: Result | FrontResult) -> str:

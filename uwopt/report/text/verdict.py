@@ -81,9 +81,8 @@ def nothing(result: Result | FrontResult) -> tuple[str, str]:
     if isinstance(result, Result):
         first = words.status_sentence(result)
     else:
-        first = vocabulary.STATUS_SENTENCES.get(result.status, f"the search was {result.status}")
-        if result.status != "infeasible":
-            first = f"{first} and no system was found"
+        cut = {"stopped": "stopped by a limit", "interrupted": "interrupted"}.get(result.status)
+        first = f"{cut} before a system was found" if cut else vocabulary.STATUS_SENTENCES[result.status]
     miss = nearest_miss(result)
     if miss is not None:
         nearest = miss_text(result)

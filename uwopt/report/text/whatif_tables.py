@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from uwopt.report.text import formats, words
 from uwopt.report.text.layout import Block, Text, block, columns, evenly, more_in_files, note_blocks, sentence
+from uwopt.report.text.nothing_fits import more_time
 from uwopt.results.whatif import KeyValue, SpiderLine, Switch, WhatIf, WhatIfPoint, WinningSystem
 from uwopt.units import format_quantity
 
@@ -34,17 +36,26 @@ def opening(table: WhatIf) -> list[str]:
     """What was varied, and how many systems are best somewhere."""
     goal = f"{table.objective.direction} {formats.one_line(table.objective.name, 60)}"
     made = []
-    if table.points:
+    if table.keys:
         fits = sum(point.system is not None for point in table.points)
+        known = sum(point.status != "stopped" or point.system is not None for point in table.points)
+        every = math.prod(len(key.values) for key in table.keys)
         best = len({point.system for point in table.points} - {None})
         keys = " and ".join(formats.one_line(key.key, 60) for key in table.keys)
         proven = all(point.status in ("optimal", "infeasible") for point in table.points)
-        made.append(
-            f"{words.counted(len(table.points), 'point')} over {keys}, {goal}: something fits at {fits} of them, "
-            f"{words.counted(best, 'system')} win{'s' if best == 1 else ''} somewhere"
-            f"{'; each is proven over the whole catalogue' if proven else ''}."
-        )
-        if table.confidence != "central":
+        if known < every:
+            cut = "Interrupted" if table.status == "interrupted" else "Stopped by a limit"
+            some = f"with {known} of {every} points over {keys} known" if known else (
+                f"before any of {words.counted(every, 'point')} over {keys} was known"
+            )  # fmt: skip
+            made.append(f"{cut} {some}. {more_time(table)}.")
+        if known:
+            made.append(
+                f"{words.counted(known, 'point')} over {keys}, {goal}: something fits at {fits} of them, "
+                f"{words.counted(best, 'system')} win{'s' if best == 1 else ''} somewhere"
+                f"{'; each is proven over the whole catalogue' if proven else ''}."
+            )
+        if known and table.confidence != "central":
             share = table.confidence
             often = "at every end" if isinstance(share, str) else f"in {100.0 * share:g} % of the scenarios"
             made.append(f"Each holds {often} of what is uncertain; the objective is its median over them.")
