@@ -11,6 +11,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from few_messages import tell_less
 from hypothesis import HealthCheck, settings
 from thorough import THOROUGH, drawn
 
@@ -47,6 +48,7 @@ def pytest_configure(config: pytest.Config) -> None:
     gc.disable()  # until what is collected is known
     sys.dont_write_bytecode = False
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    tell_less(config)
     given = config.invocation_params
     spread = getattr(config.option, "numprocesses", None)
     if spread and not any(argument.startswith("--assert") for argument in given.args):
