@@ -797,4 +797,12 @@ DEFECTS = (
         new="if left.places <= 1000 * HANDFUL:",
         test="tests/report/test_short.py::test_a_search_that_was_stopped_tells_in_how_many_places_lamps_are_tried",
     ),
+    Defect(
+        name="hardware of a front that was stopped is all that is left",
+        file="uwopt/report/text/verdict.py",
+        old='left = "left" if front.status == "complete" else "found so far"',
+        new='left = "left"',
+        test="tests/report/test_short.py"
+        "::test_a_front_whose_search_was_stopped_does_not_call_its_hardware_what_is_left[stopped-are found so far]",
+    ),
 )

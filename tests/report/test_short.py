@@ -18,7 +18,7 @@ from uwopt.report.text.console import print_blocks
 from uwopt.report.text.helps import notes_beside
 from uwopt.report.text.nothing_fits import helpful_lines, in_more_time, infeasible_block
 from uwopt.report.text.short import full_text_blocks, short_text_blocks
-from uwopt.report.text.verdict import verdict
+from uwopt.report.text.verdict import front_sentence, verdict
 from uwopt.results.basis import Risk, WhyNothing
 from uwopt.results.design import Note
 from uwopt.results.result import PartsLeft, Result
@@ -122,6 +122,15 @@ def test_a_front_that_was_stopped_tells_what_there_is_to_choose_from(make_front:
     proof |= {"parts_left": {"cameras": 1, "lenses": 2, "ports": 3, "lights": 4, "complete_cameras": 1}}
     told = in_more_time(make_front(points=0, status="stopped", certificate=proof))
     assert "leaves 1 camera, 2 lenses, 3 ports, 1 complete camera, 4 lights to choose from" in told
+
+
+@pytest.mark.parametrize(
+    ("status", "said"), [("complete", "are left"), ("stopped", "are found so far"), ("interrupted", "are found so far")]
+)
+def test_a_front_whose_search_was_stopped_does_not_call_its_hardware_what_is_left(
+    make_front: Make, status: str, said: str
+) -> None:
+    assert front_sentence(make_front(status=status)).startswith(f"3 choices of hardware {said}, in 8 settings")
 
 
 def test_sharpness_without_end_is_told(make_result: Make, make_design: Any, make_scene: Any) -> None:

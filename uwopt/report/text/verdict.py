@@ -124,12 +124,13 @@ def front_sentence(front: FrontResult) -> str:
 
 
 def choices_text(front: FrontResult) -> str:
-    """How many choices are left."""
+    """How many choices are left, or found until the search was stopped."""
+    left = "left" if front.status == "complete" else "found so far"
     number = len({point.curve for point in front.points})
     ways = f"in {words.counted(len(front.points), 'setting')}"
     if number == 1:
-        return f"One choice of hardware is left, {ways} of which none is better than another in everything"
-    return f"{number} choices of hardware are left, {ways}, none better than another in everything"
+        return f"One choice of hardware is {left}, {ways} of which none is better than another in everything"
+    return f"{number} choices of hardware are {left}, {ways}, none better than another in everything"
 
 
 def picked_points(front: FrontResult) -> list[tuple[str, FrontPoint]]:
