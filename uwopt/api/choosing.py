@@ -182,13 +182,15 @@ def counted_with(
     Of what was counted, or where that does not hold as often, and yet at least half as far, of a search.
     """
     from uwopt.api.counting import CERTAINTY_S, counts_of
+    from uwopt.solvers.confidence.search import OF_CENTRAL
 
     counts, counted = first.counts, first.counted
     assert counts is not None and counted is not None
     with watch.stage("practice"):
         reached = most_held(counts, weaker, known)
     if halfway(counted.held, counted.asked) <= reached < share_to_hold(counts):  # other hardware may do better
-        found = searches.of(weaker, scenes_of=counts.sought.problem, fits=True)
+        no_list = replace(searches, top=OF_CENTRAL)  # a proof of the next best takes longer than of the best
+        found = no_list.of(weaker, scenes_of=counts.sought.problem, fits=True)
         if found.fits and found.sought.outcome.complete:
             patient = watch.until(watch.deadline.or_after(CERTAINTY_S, effort_s))
             counts = counts_of(found.sought, patient, counts) or counts
