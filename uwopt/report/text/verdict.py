@@ -9,13 +9,21 @@ from uwopt.quantities import TERMS
 from uwopt.report.text import formats, vocabulary, words
 from uwopt.report.text.doubts import NO_QUOTE_MATTERS, bad_ends_text, quote_text
 from uwopt.report.text.in_hand import fails_first
-from uwopt.report.text.nothing_fits import change_texts, in_more_time, miss_text, no_change_helps, what_helps
+from uwopt.report.text.nothing_fits import (
+    change_texts,
+    in_more_time,
+    miss_text,
+    more_time,
+    no_change_helps,
+    what_helps,
+)
 from uwopt.report.text.tables import nearest_miss
 from uwopt.results.design import PRACTICE_YIELDS, Design, lamps_in_words
 from uwopt.results.front import FrontObjective, FrontPoint, FrontResult
 from uwopt.results.result import Result
 from uwopt.units import format_number
 
+CUT = {"stopped": "stopped by a limit", "interrupted": "interrupted"}  # of a front, by its status
 OBJECTIVE_NAMES = {term: one.words for term, one in TERMS.items()}
 
 
@@ -23,6 +31,9 @@ def verdict(result: Result | FrontResult) -> tuple[str, str]:
     """What the result says, and how sure it is."""
     if isinstance(result, FrontResult):
         first, second = (front_sentence(result), front_trust(result)) if result.points else nothing(result)
+        if result.points and result.status in CUT:
+            first = f"{CUT[result.status]}, so better may exist. {first}"
+            second = f"{second}. {more_time(result)}" if result.status == "stopped" else second
     elif result.best is None:
         first, second = nothing(result)
     else:
@@ -81,7 +92,7 @@ def nothing(result: Result | FrontResult) -> tuple[str, str]:
     if isinstance(result, Result):
         first = words.status_sentence(result)
     else:
-        cut = {"stopped": "stopped by a limit", "interrupted": "interrupted"}.get(result.status)
+        cut = CUT.get(result.status)
         first = f"{cut} before a system was found" if cut else vocabulary.STATUS_SENTENCES[result.status]
     miss = nearest_miss(result)
     if miss is not None:
