@@ -97,7 +97,8 @@ SECOND_MODULES = {
     "pymoo": (
         "bench.pymoo_single",
         "one objective: a solver to compare with, no part of a front",
-    )
+    ),
+    "nlopt": ("bench.nlopt_peers", "algorithms to compare with, which no answer needs"),
 }
 
 

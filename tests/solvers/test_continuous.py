@@ -24,7 +24,6 @@ from uwopt.errors import SolverError
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective, Terms
-from uwopt.solvers.continuous import solve_settings as continuous
 from uwopt.solvers.continuous.optimality import derivatives
 from uwopt.solvers.continuous.pieces import SmoothDesign, SmoothScene, pieces_of
 from uwopt.solvers.continuous.program import Program, names_of_rules
@@ -371,7 +370,3 @@ def test_solvers_print_nothing(method: str, capfd: pytest.CaptureFixture[str]) -
     solved([scene()], method=method)
     solved(IMPOSSIBLE["full well below the need"][0], method=method)
     assert capfd.readouterr() == ("", "")
-
-
-def test_methods_have_a_proof_each() -> None:
-    assert set(continuous.PROOF) == {*METHODS, *continuous.ALGORITHMS}

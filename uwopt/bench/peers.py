@@ -28,7 +28,7 @@ from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.continuous.opinions import why_not_smooth
 from uwopt.solvers.continuous.pieces import SmoothDesign, SmoothSettings
-from uwopt.solvers.continuous.solve_settings import ALGORITHMS, FEASIBLE, Method, solve_settings
+from uwopt.solvers.continuous.solve_settings import FEASIBLE, solve_settings
 from uwopt.solvers.exact.imagers import Imagers
 from uwopt.solvers.exact.ranking import Ranking
 from uwopt.solvers.exact.search import Search
@@ -41,6 +41,7 @@ TIMES_TEXT = (
     "does not know it: only the exact search ends with a proof."
 )
 EXACT = "exact"
+OF_NLOPT = ("slsqp", "mma", "ccsaq", "lbfgs", "cobyla", "isres", "ags", "direct_l", "mlsl")
 PROVEN = "optimal"
 CANDIDATES = 8  # hardware open to Bonmin's choice at a time
 RANDOM_AT_ONCE = 100  # vectors
@@ -98,10 +99,13 @@ def exact(referee: Referee) -> str:
 # ---------------------------------------------------------------- hardware one by one, settings by a solver
 
 
-def by_settings(method: Method) -> Callable[[Referee, int], None]:
+def by_settings(name: str) -> Callable[[Referee, int], None]:
     """A continuous solver within a loop over hardware."""
 
     def run(referee: Referee, seed: int) -> None:
+        from uwopt.bench.nlopt_peers import OTHERS
+
+        method: Any = OTHERS.get(name, name)
         smooth_or_raise(referee)
         ground = LoopGround(referee)
         for built, rows in ground.batches(np.random.default_rng(seed)):
@@ -115,7 +119,7 @@ def by_settings(method: Method) -> Callable[[Referee, int], None]:
     return run
 
 
-def solve_one(ground: LoopGround, method: Method, built: Any, i: int, rows: list[Any]) -> None:
+def solve_one(ground: LoopGround, method: Any, built: Any, i: int, rows: list[Any]) -> None:
     """The settings of one hardware, claimed if the solver says that they are feasible."""
     referee = ground.referee
     found = solve_settings(
@@ -217,7 +221,7 @@ def random_search(referee: Referee, seed: int) -> None:
 PEERS: dict[str, Callable[[Referee, int], None]] = {
     "casadi-ipopt": by_settings("casadi"),
     "bonmin": bonmin,
-    **{f"nlopt-{name.replace('_', '-')}": by_settings(name) for name in ALGORITHMS},
+    **{f"nlopt-{name.replace('_', '-')}": by_settings(name) for name in OF_NLOPT},
     "pymoo-ga": genetic,
     "scipy-de": differential,
     "random": random_search,
@@ -226,9 +230,8 @@ PEERS: dict[str, Callable[[Referee, int], None]] = {
 
 def load_libraries() -> None:
     """Import what the peers need before any clock starts."""
-    for name in ("casadi_ipopt", "nlopt_algorithms"):
-        import_module(f"uwopt.solvers.continuous.{name}")
-    import_module("uwopt.bench.pymoo_single")
+    for name in ("uwopt.solvers.continuous.casadi_ipopt", "uwopt.bench.nlopt_peers", "uwopt.bench.pymoo_single"):
+        import_module(name)
     import_module("scipy.optimize")
 
 

@@ -16,7 +16,7 @@ import itertools
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
@@ -35,12 +35,11 @@ from uwopt.solvers.continuous.program import Goal, Program
 from uwopt.tolerances import TIE
 from uwopt.units import ratio_to_db
 
-Method = Literal[
-    "casadi", "global", "slsqp", "mma", "ccsaq", "lbfgs", "cobyla", "isres", "ags", "direct_l", "mlsl"
-]
+if TYPE_CHECKING:
+    from uwopt.solvers.continuous.nlopt_algorithms import Way
+
+Method = Literal["casadi", "slsqp", "cobyla", "global"]
 Status = Literal["optimal", "feasible", "infeasible", "failed"]
-#: Algorithms of NLopt one by one. Of these some only come near.
-ALGORITHMS: tuple[Method, ...] = get_args(Method)[2:]
 FEASIBLE = 1e-6  # relative, of any rule
 GAP = 1e-6  # of what is called optimal, in the program's objective: a logarithm of power or of SNR
 
@@ -53,9 +52,8 @@ class Proof:
     kkt_residual: float
 
 
-PROOF: dict[str, Proof] = dict.fromkeys(get_args(Method), Proof(1e-6, 1e-5)) | {
-    "casadi": Proof(1e-7, 1e-6), "cobyla": Proof(1e-6, 1e-4),
-}  # fmt: skip
+USUAL = Proof(1e-6, 1e-5)
+PROOF: dict[Method | Way, Proof] = {"casadi": Proof(1e-7, 1e-6), "cobyla": Proof(1e-6, 1e-4)}  # of others than `USUAL`
 
 
 @dataclass(frozen=True)
@@ -65,7 +63,7 @@ class Task:
     design: SmoothDesign
     objective: Objective
     power_limit_w: float
-    method: Method
+    method: Method | Way
     deadline: float
 
     @property
@@ -91,6 +89,11 @@ class Task:
             return self.objective.weight("snr_db") * float(ratio_to_db(np.e))
         light_w = worst_light_w(program.scenes, program.set_points(x))
         return (self.objective.weight("power") or 1.0) * light_w
+
+    @property
+    def proof(self) -> Proof:
+        """What its method must show."""
+        return PROOF.get(self.method, USUAL)
 
     def seconds_left(self) -> float:
         """Until the deadline; inf where there is none."""
@@ -128,7 +131,7 @@ def solve_settings(
     *,
     objective: Objective,
     power_limit_w: float,
-    method: Method,
+    method: Method | Way,
     max_seconds: float = np.inf,
 ) -> Verdict:
     """Best settings of one design in all its scenes by one method.
@@ -138,7 +141,7 @@ def solve_settings(
     design : in all its scenes
     objective : power, snr_db or a weighted sum; other terms are constants of the design
     power_limit_w : of camera and lights together; inf when there is none
-    method : casadi, global, or an algorithm of NLopt
+    method : by name, or another algorithm of NLopt
     max_seconds : after which the best so far counts
 
     Returns
@@ -147,8 +150,8 @@ def solve_settings(
     infeasible (shown that none are), failed (neither). Other settings may reach the same value: with SNR as
     the objective, time and level need not be those of least power.
     """
-    if method not in PROOF:
-        raise SolverError(f"method: {method!r} is not one of {', '.join(PROOF)}")
+    if isinstance(method, str) and method not in get_args(Method):
+        raise SolverError(f"method: {method!r} is not one of {', '.join(get_args(Method))}")
     if min(objective.weight("power"), objective.weight("snr_db")) < 0.0:
         raise SolverError("continuous solvers take no negative weight of power or snr_db")
     began = time.perf_counter()
@@ -251,7 +254,7 @@ def solve_program(task: Task, program: Program) -> Verdict:
     found = attempt(task, search, search.middle())
     spent = first.iterations + found.iterations
     least_violation = float(search.rules(list(found.x)).objective)
-    proven = found.kkt_residual <= PROOF[task.method].kkt_residual
+    proven = found.kkt_residual <= task.proof.kkt_residual
     if least_violation > FEASIBLE:
         if proven and not usable(first):
             message = f"some rule is missed by {least_violation:.3g} at least (relative, in logarithms)"
@@ -266,8 +269,8 @@ def solve_program(task: Task, program: Program) -> Verdict:
 def judged(task: Task, program: Program, found: Attempt) -> Verdict:
     """What an attempt is worth: rules in their own terms first, then the conditions of an optimum."""
     settings = program.set_points(found.x)
-    motorised, proof = program.motorised, PROOF[task.method]
-    missed = violations(program.scenes, settings, motorised=motorised, light_limit_w=program.light_limit_w)
+    proof = task.proof
+    missed = violations(program.scenes, settings, motorised=program.motorised, light_limit_w=program.light_limit_w)
     worst = max(missed, key=lambda name: missed[name])
     max_violation = max(missed[worst], 0.0)
     feasible = max_violation <= FEASIBLE

@@ -10,14 +10,15 @@ import pytest
 from hand_made_rows import FLASHES, STEPS, scene
 from thorough import drawn
 
+from uwopt.bench.nlopt_peers import OTHERS, Reduced
+from uwopt.bench.peers import OF_NLOPT
 from uwopt.forward.part_columns import CONTINUOUS, PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.continuous import nlopt_algorithms
-from uwopt.solvers.continuous.nlopt_algorithms import Reduced
 from uwopt.solvers.continuous.pieces import SmoothDesign, SmoothScene, pieces_of
 from uwopt.solvers.continuous.program import Program, names_of_rules
-from uwopt.solvers.continuous.solve_settings import ALGORITHMS, FEASIBLE, Verdict, solve_settings
+from uwopt.solvers.continuous.solve_settings import FEASIBLE, Verdict, solve_settings
 from uwopt.solvers.settings.best import best_settings
 from uwopt.solvers.settings.question import Question
 
@@ -72,7 +73,7 @@ def solved(
         SmoothDesign.of(
             rows, motorised=False, camera_power_w=CAMERA_W, cost=COST, mass_kg=MASS_KG, gsd_mm=GSD_MM
         ),
-        objective=objective, power_limit_w=np.inf, method=method, max_seconds=max_seconds,
+        objective=objective, power_limit_w=np.inf, method=OTHERS.get(method, method), max_seconds=max_seconds,
     )  # fmt: skip
 
 
@@ -92,12 +93,13 @@ def assert_honest(found: Verdict, value: float | None) -> None:
 @pytest.fixture
 def hurried(monkeypatch: pytest.MonkeyPatch) -> None:
     """Few evaluations for all that would go on for long."""
-    for name, how in nlopt_algorithms.WAYS.items():
-        monkeypatch.setitem(nlopt_algorithms.WAYS, name, replace(how, most=min(how.most, PATIENCE)))
+    for ways in (nlopt_algorithms.WAYS, OTHERS):
+        for name, how in ways.items():
+            monkeypatch.setitem(ways, name, replace(how, most=min(how.most, PATIENCE)))
 
 
 @pytest.mark.usefixtures("hurried")
-@pytest.mark.parametrize("method", ALGORITHMS)
+@pytest.mark.parametrize("method", OF_NLOPT)
 @pytest.mark.parametrize("name", ROWS)
 def test_each_algorithm_is_right_or_honest(name: str, method: str) -> None:
     value = closed_form(ROWS[name], POWER)
@@ -108,7 +110,7 @@ def test_each_algorithm_is_right_or_honest(name: str, method: str) -> None:
 
 
 @pytest.mark.usefixtures("hurried")
-@pytest.mark.parametrize("method", ALGORITHMS)
+@pytest.mark.parametrize("method", OF_NLOPT)
 def test_each_algorithm_is_right_or_honest_on_random_designs(method: str) -> None:
     for seed in range(drawn(2, 5)):
         for objective in (POWER, SNR):
