@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 import uwopt
+from uwopt.api.front_asked import checked_objectives
 from uwopt.api.front_found import check_claim, history, reference
 from uwopt.api.trading import ParetoCall, here_alone
 from uwopt.api.watch import Watch
@@ -70,6 +71,7 @@ def exact(unhurried: None) -> FrontResult:
         ({"solver": []}, r"solver: none is named"),
         ({"solver": ["exact", "exat"]}, r"solver 'exat' is not known; did you mean exact\?"),
         ({"objectives": ["snr_db", "information"], "solver": "exact"}, r"both depend on the settings.*nsga2"),
+        ({"objectives": ["cost", len, len]}, r"len stands twice"),
     ],
 )
 def test_bad_input_is_told_with_a_way_out(options, message):
@@ -387,7 +389,7 @@ def test_run_reads_names_as_axes_do():
     run = ParetoCall(
         uwopt.load_mission(MISSION),
         None,
-        [" Power", "SNR-dB"],
+        checked_objectives([" Power", "SNR-dB"]),
         Axes.of([" Power", "SNR-dB"]),
         ["exact"],
         0,

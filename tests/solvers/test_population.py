@@ -9,7 +9,7 @@ import random_cases as rc
 from thorough import drawn
 
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.population.coding import Coding, layers, resolved_axes
+from uwopt.solvers.population.coding import Coding, layers
 from uwopt.solvers.population.decoding import between, log_excess
 from uwopt.solvers.population.evaluator import Evaluator
 from uwopt.solvers.population.light_store import LightStore
@@ -20,7 +20,7 @@ SEEDS = drawn((8, 14, 22), cases.FEASIBLE)  # one scene and two, flashes, a mean
 
 def coded(seed, names=TRIPLE):
     search = cases.search_of(rc.case(seed), names)
-    axes = resolved_axes(names)
+    axes = list(names)
     return search, Coding(search, axes), axes
 
 
@@ -130,7 +130,7 @@ def test_lamps_that_burn_pulse_and_flash_are_judged_alike_together_and_apart():
     # a margin of pulses must not speak against a lamp that burns only because another one pulses
     case = rc.planted("power", tuple(cases.LAMPS.values()), {"min_snr_db": 10.0, "max_blur_px": 2.0})
     search = cases.search_of(case, TRIPLE)
-    axes = resolved_axes(TRIPLE)
+    axes = list(TRIPLE)
     coding = Coding(search, axes)
     vectors = coding.random(300, np.random.default_rng(10))
     light = coding.built(vectors).light

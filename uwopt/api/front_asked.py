@@ -14,17 +14,21 @@ from uwopt.solvers.front.points import quality_of
 EXACT, PEER = "exact", "nsga2"
 
 
-def split(
-    objectives: Sequence[str | OwnObjective | OwnFunction],
-) -> tuple[list[str], list[OwnObjective]]:
-    """Names of built-in objectives, and those of the user's own; a MissionError says what is wrong."""
+def checked_objectives(objectives: Sequence[str | OwnObjective | OwnFunction]) -> list[str | OwnObjective]:
+    """Built-in objectives by name, and those of the user's own; a MissionError says what is wrong."""
     if isinstance(objectives, str):
         objectives = [name for name in objectives.split(",") if name.strip()]
-    names = [item for item in objectives if isinstance(item, str)]
-    own = [OwnObjective.of(item) for item in objectives if not isinstance(item, str)]
-    if own and not FEWEST <= len(names) + len(own) <= MOST:
-        raise MissionError(f"objectives: {len(names) + len(own)} are named; a front has two or three.")
-    return (plain_names(names) if own else list(Axes.of(names).names)), own
+    made = [item if isinstance(item, str) else OwnObjective.of(item) for item in objectives]
+    own = [item.name for item in made if not isinstance(item, str)]
+    if not own:
+        return [*Axes.of([str(item) for item in made]).names]
+    if not FEWEST <= len(made) <= MOST:
+        raise MissionError(f"objectives: {len(made)} are named; a front has two or three.")
+    plain = plain_names([item for item in made if isinstance(item, str)])
+    if twice := sorted({name for name in own if (plain + own).count(name) > 1}):
+        raise MissionError([f"objectives: {name} stands twice; name each once." for name in twice])
+    built_in = iter(plain)
+    return [next(built_in) if isinstance(item, str) else item for item in made]
 
 
 def check_numbers(seconds: float | None, seed: int | None) -> None:
@@ -40,8 +44,8 @@ def check_numbers(seconds: float | None, seed: int | None) -> None:
         raise MissionError(faults)
 
 
-def checked_solvers(solver: str | Sequence[str], own: Sequence[OwnObjective]) -> list[str]:
-    """Solvers by name, once each; with own objectives no exact one."""
+def checked_solvers(solver: str | Sequence[str], *, is_plain: bool) -> list[str]:
+    """Solvers by name, once each; no exact one but for objectives that are all built in."""
     from uwopt.solvers.population.pymoo_front import ALGORITHMS
 
     asked = solver.split(",") if isinstance(solver, str) else list(solver)
@@ -56,7 +60,7 @@ def checked_solvers(solver: str | Sequence[str], own: Sequence[OwnObjective]) ->
     if faults or not plain:
         raise MissionError(faults or [f"solver: none is named; there are {', '.join(known.values())}."])
     found = [known[name] for name in plain]
-    if own and EXACT in found:
+    if not is_plain and EXACT in found:
         found.remove(EXACT)
         found = found or [PEER]
     return found

@@ -14,7 +14,14 @@ import numpy as np
 from uwopt.api import solving as api
 from uwopt.api.common import Source, base_result, central_notes, prepared, selection_warnings, time_warnings
 from uwopt.api.floats import own_float_rules
-from uwopt.api.front_asked import EXACT, PEER, check_numbers, checked_solvers, split, why_no_exact
+from uwopt.api.front_asked import (
+    EXACT,
+    PEER,
+    check_numbers,
+    checked_objectives,
+    checked_solvers,
+    why_no_exact,
+)
 from uwopt.api.front_found import (
     FrontSearched,
     certificate,
@@ -39,7 +46,7 @@ from uwopt.forward.assembly import build_problem, load_catalog, selected
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import Yield, with_yields, yields_of
-from uwopt.objectives.axes import DEFAULT, Axes, Frame, plain_names
+from uwopt.objectives.axes import DEFAULT, Axes, Frame
 from uwopt.objectives.dominance import hypervolume, nondominated
 from uwopt.objectives.objective import Objective
 from uwopt.objectives.own import OwnFunction, OwnObjective
@@ -94,9 +101,11 @@ def pareto(
     watch = Watch.begun(seconds, progress)
     deadline = watch.deadline
     wanted = prepared(mission, physics, None)
-    names, own = split(objectives)
-    solvers = checked_solvers(solver, own)
-    axes = Axes.of(names) if not own else None
+    asked_for = checked_objectives(objectives)
+    names = [item for item in asked_for if isinstance(item, str)]
+    is_plain = len(names) == len(asked_for)
+    solvers = checked_solvers(solver, is_plain=is_plain)
+    axes = Axes(tuple(names)) if is_plain else None
     check_numbers(seconds, seed)
     for name in names:  # requirements that one objective alone needs, such as information a footprint
         if name in ("information", "contrast"):
@@ -111,7 +120,7 @@ def pareto(
     held = with_yields(wanted, given_way)
 
     def searched(asked: Mission) -> tuple[ParetoCall, FrontSearched]:
-        run = ParetoCall(asked, catalog, objectives, axes, solvers, asked.seed if seed is None else seed, watch)
+        run = ParetoCall(asked, catalog, asked_for, axes, solvers, asked.seed if seed is None else seed, watch)
         sought = run.sought(asked.catalog.generic_at_first, known.like)
         if asked.catalog.generic == "fallback" and is_empty(sought):
             sought = run.sought(asked.catalog.generic_at_last, sought.problem)
@@ -152,18 +161,11 @@ class ParetoCall:
     """One call of `pareto`."""
 
     def __init__(
-        self, mission: Mission, catalog: Catalog, objectives: Sequence[Any], axes: Axes | None, solvers: list[str],
-        seed: int, watch: Watch,
+        self, mission: Mission, catalog: Catalog, objectives: list[str | OwnObjective], axes: Axes | None,
+        solvers: list[str], seed: int, watch: Watch,
     ):  # fmt: skip
-        self.mission, self.catalog, self.axes, self.solvers = mission, catalog, axes, solvers
-        self.objectives: list[str | OwnObjective] = (
-            [
-                plain_names([item])[0] if isinstance(item, str) else OwnObjective.of(item)
-                for item in objectives
-            ]
-            if axes is None
-            else list(axes.names)
-        )
+        self.mission, self.catalog, self.objectives = mission, catalog, objectives
+        self.axes, self.solvers = axes, solvers
         self.deadline, self.seed, self.left_out = watch.deadline, seed, ""
         self.alone = False  # of a catalogue too large for solvers that choose among all of its imagers
         self.figures_s = min(FIGURES_SHARE * self.deadline.left_s, FIGURES_S)

@@ -11,6 +11,7 @@ from typing import Any
 
 from uwopt.bench.machine import machine
 from uwopt.bench.suite import BenchRow, Budget, Suite
+from uwopt.deadline import Progress
 from uwopt.documents.faults import nearest
 from uwopt.errors import MissionError, UwoptError
 
@@ -20,8 +21,6 @@ MODULES = {  # suite: module of `uwopt.bench`, imported when it is run
     "scaling": "scaling",
 }  # fmt: skip
 QUICK_S = 48.0  # for all suites together; start, the page and what a suite is late by fit in a minute
-
-Progress = Callable[[float, str], None]
 
 
 @dataclass

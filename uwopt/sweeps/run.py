@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from uwopt.deadline import NEVER, Deadline
+from uwopt.deadline import NEVER, Deadline, Progress
 from uwopt.errors import OutputError, RangeError, SchedulerError
 from uwopt.mission.system import System
 from uwopt.mission.varying import Asked
@@ -29,7 +29,6 @@ from uwopt.sweeps.summary import SolvedMission, solved_keys, summary_of, with_po
 from uwopt.sweeps.work import SweepReply, labels_of
 from uwopt.sweeps.workers import Died, Workers, local_workers
 
-Progress = Callable[[float, str], None]
 MOST_KITS = 8  # tried in every mission, unless said otherwise
 BATCH_S = 2.0  # of a worker's time, before what it costs to send a batch counts
 OVERHEAD_S = (

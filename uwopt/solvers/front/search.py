@@ -16,7 +16,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from uwopt.arrays import Array
-from uwopt.deadline import NEVER, Deadline, OutOfTimeError, unheard
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError, Progress, unheard
 from uwopt.forward.lamp_light import ImageLight, Veils
 from uwopt.forward.problem import Problem
 from uwopt.objectives.axes import Axes, Frame
@@ -43,7 +43,6 @@ from uwopt.solvers.front.trade_curves import Answers, Trade
 from uwopt.solvers.settings import windows
 from uwopt.solvers.settings.mean_limit import MeanLimit
 
-Progress = Callable[[float, str], None]
 FIRST_NODES, LARGEST_NODES, GROWTH = 128, 16384, 6  # nodes taken together
 ROUGH_SEGMENT, FINEST_SEGMENT = 1e-3, 1e-8  # share of the box that a segment may add: at first, and ever
 FRONT_GAP = 5e-4  # of the hypervolume: what the sampled curves may miss
@@ -77,20 +76,14 @@ class FrontSearch:
     """State of one search for a front."""
 
     def __init__(
-        self,
-        problem: Problem,
-        axes: Axes,
-        *,
-        deadline: Deadline = NEVER,
-        progress: Progress | None = None,
+        self, problem: Problem, axes: Axes, *, deadline: Deadline = NEVER, progress: Progress = unheard
     ):
         self.problem, self.axes = problem, axes
         self.quality = quality_of(problem, axes)
         self.points = PointsFound(axes, self.quality)
         self.trade = Trade(self.quality, deadline)
         self.start = time.perf_counter()
-        self.deadline = deadline
-        self.progress = progress or (lambda share, what: None)
+        self.deadline, self.progress = deadline, progress
         self.search = Search(problem, axes.objective, top=1)
         self.stop_trying = False
         self.solved: dict[bytes, list[Array]] = {}  # by what decides a curve: axes that no setting changes
@@ -172,7 +165,7 @@ class FrontSearch:
             self.account.charge("bound", int(sizes[lighting[rows[beaten]]].sum()))
             left[rows[beaten]] = False
             rows = rows[~beaten]
-            if len(rows) == 0 or self._late():
+            if len(rows) == 0 or self.deadline.passed():
                 break
             wave = rows[in_layers(ideal[rows])[:batch]]  # none dominates those, then those next to them
             if not self._take(lighting[wave], imager[wave]):
@@ -196,9 +189,6 @@ class FrontSearch:
             if not done:
                 self.account.restore(before)
         return done
-
-    def _late(self) -> bool:
-        return self.deadline.passed()
 
     # ------------------------------------------------------------ one wave
 
@@ -366,7 +356,7 @@ class FrontSearch:
                 which, spans = which[first], spans[first]
             order = np.argsort(-spans, kind="stable")[:most]
             which, spans = which[order], spans[order]
-            if self._late():
+            if self.deadline.passed():
                 return False
             pieces = np.clip(np.ceil(np.sqrt(spans / largest)), 2, MOST_PIECES).astype(int)
             try:

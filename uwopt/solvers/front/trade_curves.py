@@ -95,7 +95,7 @@ class Trade:
 
     def least_power(self, some: Hopeful) -> Answers:
         """Settings of least power within the limit, and the quality that they have."""
-        best = self._best(some, POWER, some.power_limit_w)
+        best = best_settings(self._asked(some, POWER, some.power_limit_w))
         quality = np.zeros(len(some)) if self.quality is None else self._quality_of(some, best)
         return self._answers(some, np.arange(len(some)), best, quality, None, None)
 
@@ -111,19 +111,11 @@ class Trade:
         assert self.quality is not None
         mine = some.take(design)
         limit = np.minimum(limit_w * ABOVE, some.power_limit_w)
-        best = self._best(
-            mine, Objective({self.quality: 1.0}), limit, cutoff=-np.asarray(wanted, float), near=near
-        )
+        goal = Objective({self.quality: 1.0})
+        best = best_settings(self._asked(mine, goal, limit, cutoff=-np.asarray(wanted, float), near=near))
         bound = self._quality_bound(best)
         quality = np.asarray(getattr(best, self.quality))
         return self._answers(mine, design, best, quality, limit_w, bound)
-
-    def _best(
-        self, some: Hopeful, goal: Objective, limit_w: Array | float, cutoff: Array | float = np.inf,
-        near: Array | None = None,
-    ) -> Best:  # fmt: skip
-        """Best settings for one goal."""
-        return best_settings(self._asked(some, goal, limit_w, cutoff=cutoff, near=near))
 
     def _asked(self, some: Hopeful, goal: Objective, limit_w: Array | float, **more: Any) -> Question:
         """For which settings of designs one goal asks."""

@@ -14,47 +14,21 @@ from typing import Any
 import numpy as np
 
 from uwopt.arrays import Array
-from uwopt.documents.faults import nearest
-from uwopt.errors import MissionError
 from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.dominance import nondominated
-from uwopt.objectives.objective import UNITS
-from uwopt.objectives.own import OwnFunction, OwnObjective
+from uwopt.objectives.own import OwnObjective
 from uwopt.solvers.exact.node_designs import WithLamps
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.population.decoding import Decoded, Shares, log_excess, on_curve, one_by_one
 from uwopt.tolerances import ROUND
 
-Axis = str | OwnObjective | OwnFunction
 KINDS = (CONTINUOUS, PULSED, FLASH)
 BEST_UNITS = 500  # whose lamps are looked at one by one for the first population
 DRAWS = 20  # of each vector of the first population
 GRID = 1000  # steps of genes that are shares
 MOST_BOUNDED = 3_000_000  # imagers times lightings: bounding more of them takes longer than it saves
-
-
-def resolved_axes(axes: Sequence[Axis]) -> list[str | OwnObjective]:
-    """Names of built-in objectives and own ones."""
-    found: list[str | OwnObjective] = []
-    faults = []
-    for axis in axes:
-        if not isinstance(axis, str):
-            found.append(OwnObjective.of(axis))
-        elif axis in UNITS:
-            found.append(axis)
-        else:
-            near = nearest(axis, UNITS)
-            hint = f"; did you mean {near}?" if near else f"; known: {', '.join(UNITS)}"
-            faults.append(f"objective {axis!r} is not known{hint}")
-    names = [a if isinstance(a, str) else a.name for a in found]
-    faults += [
-        f"objective {name} is named twice" for name in sorted({n for n in names if names.count(n) > 1})
-    ]
-    if faults:
-        raise MissionError(faults)
-    return found
 
 
 # ---------------------------------------------------------------- hardware

@@ -18,15 +18,13 @@ import numpy as np
 from pymoo.config import Config
 
 from uwopt.arrays import Array
-from uwopt.deadline import Progress
-from uwopt.documents.faults import nearest
-from uwopt.errors import MissionError
+from uwopt.deadline import Progress, unheard
 from uwopt.objectives.axes import LOGARITHMIC, scale
 from uwopt.objectives.dominance import MARGIN, NEAR, distinct, in_box, nondominated
 from uwopt.objectives.own import OwnObjective
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.population.coding import Axis, Coding, layers, resolved_axes
+from uwopt.solvers.population.coding import Coding, layers
 from uwopt.solvers.population.evaluator import Evaluator
 
 Config.warnings["not_compiled"] = False  # a plain install has no compiled modules, and none are needed
@@ -75,7 +73,7 @@ class PopulationFront:
 
 
 def population_front(
-    search: Search, axes: Sequence[Axis], *, algorithm: str = "nsga2", seed: int = 0,
+    search: Search, axes: Sequence[str | OwnObjective], *, algorithm: str = "nsga2", seed: int = 0,
     seconds: float | None = None, pop_size: int | None = None, generations: int | None = None,
     progress: Progress | None = None,
 ) -> PopulationFront:  # fmt: skip
@@ -84,21 +82,17 @@ def population_front(
     Parameters
     ----------
     search : after `prepare()`; its objective should weigh every built-in axis, so that bounds know them
-    axes : names of `objectives.objective.UNITS`, functions or `OwnObjective`s
+    axes : names of `objectives.objective.UNITS`, or `OwnObjective`s
     algorithm : one of `ALGORITHMS`
     seconds : stop after as many
     generations : stop after as many; by default when the hypervolume stagnates
 
     With the same seed and no time limit the same front comes out. Ctrl-C keeps what was found.
     """
-    if algorithm not in ALGORITHMS:
-        near = nearest(algorithm, ALGORITHMS)
-        hint = f"; did you mean {near}?" if near else f"; known: {', '.join(ALGORITHMS)}"
-        raise MissionError(f"algorithm {algorithm!r} is not known{hint}")
-    run = PymooRun(search, resolved_axes(axes), algorithm, seed, pop_size or POP_SIZE)
+    run = PymooRun(search, list(axes), algorithm, seed, pop_size or POP_SIZE)
     status = "complete"
     if not run.coding.empty:
-        status = run.until(seconds, generations, progress or (lambda share, what: None))
+        status = run.until(seconds, generations, progress or unheard)
     return run.result(status)
 
 
