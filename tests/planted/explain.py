@@ -13,7 +13,7 @@ EVERY = "tests/solvers/test_every_price.py"
 
 ROUNDS = "tests/solvers/test_in_rounds.py"
 
-SIBLINGS, OF_SIBLINGS = "uwopt/solvers/explain/other_makers.py", "tests/solvers/test_siblings.py"
+SIBLINGS, OF_SIBLINGS = "uwopt/solvers/explain/same_sensor.py", "tests/solvers/test_siblings.py"
 
 DRAWN = "tests/solvers/test_drawn_in.py"
 SOON = "tests/solvers/test_soon_known.py"

@@ -183,21 +183,21 @@ DEFECTS = (
     ),
     Defect(
         name="better visibility counts as worse",
-        file="uwopt/solvers/explain/other_waters.py",
+        file="uwopt/solvers/explain/worse_water.py",
         old="else reading / WORSE[step]",
         new="else reading * WORSE[step]",
         test=f"{WORSE}::test_worse_is_more_attenuation_or_the_next_type",
     ),
     Defect(
         name="the vehicle goes lower before settings are tried",
-        file="uwopt/solvers/explain/other_waters.py",
+        file="uwopt/solvers/explain/worse_water.py",
         old="LOWER = tuple(1.0 - 0.1 * step for step in range(8))",
         new="LOWER = tuple(0.9 - 0.1 * step for step in range(7))",
         test=f"{WORSE}::test_the_altitude_is_lowered_only_where_settings_alone_do_not_help",
     ),
     Defect(
         name="a scene keeps its altitude while the vehicle goes lower",
-        file="uwopt/solvers/explain/other_waters.py",
+        file="uwopt/solvers/explain/worse_water.py",
         old='scenes.append({**scene, "vehicle": lower} if own else scene)',
         new="scenes.append(scene)",
         test=f"{WORSE}::test_altitudes_of_scenes_are_lowered_with_the_vehicle_s",
@@ -316,7 +316,7 @@ DEFECTS = (
     ),
     Defect(
         name="what keeps the vehicle from going nearer is not told",
-        file="uwopt/solvers/explain/other_waters.py",
+        file="uwopt/solvers/explain/worse_water.py",
         old='            obstacle = furthest_rule(outcome.account.discarded) or ""',
         new='            obstacle = ""',
         test=f"{WORSE}::test_what_stops_the_vehicle_on_its_way_down_is_told",

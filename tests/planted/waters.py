@@ -54,8 +54,8 @@ DEFECTS = (
     Defect(
         name="the clearest and the murkiest water of a reading are the likely one",
         file="uwopt/solvers/explain/other_waters.py",
-        old="fineness=scene.fineness, water_end=end,",
-        new="fineness=scene.fineness,",
+        old="in_water(mission, i, scene, water_end=end)",
+        new="in_water(mission, i, scene)",
         test=f"{OTHER_WATERS}::test_the_ends_of_a_reading_are_solved_again",
     ),
     Defect(
@@ -74,7 +74,7 @@ DEFECTS = (
     ),
     Defect(
         name="the card turns the iris behind a sealed port",
-        file="uwopt/solvers/explain/other_waters.py",
+        file="uwopt/solvers/explain/worse_water.py",
         old="    if problem.lenses.motorised[hardware.lens]:",
         new="    if True:",
         test="tests/solvers/test_worse_water.py::test_behind_a_sealed_port_the_iris_stays_as_it_is",

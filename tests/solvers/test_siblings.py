@@ -9,8 +9,8 @@ from one_of_each import one, with_parts
 
 from uwopt.catalog.records import exact
 from uwopt.deadline import Deadline, OutOfTimeError
-from uwopt.solvers.explain import other_makers as module
-from uwopt.solvers.explain.other_makers import siblings
+from uwopt.solvers.explain import same_sensor as module
+from uwopt.solvers.explain.same_sensor import siblings
 from uwopt.solvers.recommend import Sought
 
 FAST = {"max_blur_px": 1.0, "min_snr_db": 26.0}

@@ -10,7 +10,7 @@ from priced_system import PRICED
 from uwopt.api.evaluating import evaluate
 from uwopt.evaluation.recompute import given_settings, replay
 from uwopt.mission.mission import load_mission
-from uwopt.solvers.explain.other_waters import (
+from uwopt.solvers.explain.worse_water import (
     InWorseWater,
     flown,
     in_worse_water,

@@ -168,9 +168,9 @@ def doubts_of(
     """What the estimates, the choice of water table and the lamps' places could change: how to find out each."""
     from uwopt.solvers.confidence.search import tied_with_best
     from uwopt.solvers.explain.lamp_places import polished_mount, tilt_tolerance
-    from uwopt.solvers.explain.other_makers import UNREACHED, siblings
     from uwopt.solvers.explain.other_waters import in_other_waters
     from uwopt.solvers.explain.robustness import equals, robustness
+    from uwopt.solvers.explain.same_sensor import UNREACHED, siblings
 
     none = list[dict[str, Any]]()
     tied = None if choice is None else partial(tied_with_best, sought.problem, choice)

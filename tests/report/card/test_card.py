@@ -33,7 +33,7 @@ from uwopt.report.card.water import change_text, water_text
 from uwopt.report.text.layout import Facts, Grid
 from uwopt.report.write import json_text
 from uwopt.results.result import Result
-from uwopt.solvers.explain.other_waters import InWorseWater
+from uwopt.solvers.explain.worse_water import InWorseWater
 
 Make = Callable[..., Any]
 MISSION: dict[str, Any] = {

@@ -10,7 +10,7 @@ from uwopt.forward.designs import SceneSettings
 from uwopt.report.text import formats, vocabulary, words
 from uwopt.report.text.layout import Block, Text, block, columns, sentence
 from uwopt.results.design import Design
-from uwopt.solvers.explain.other_waters import InWorseWater, in_worse_water
+from uwopt.solvers.explain.worse_water import InWorseWater, in_worse_water
 
 CHANGED = ("f_number", "focus_distance_m", "exposure_ms", "pulse_ms", "gain_db", "dim_frac", "frame_rate_hz")
 #: Readings of how clear water is, as they are spoken of.

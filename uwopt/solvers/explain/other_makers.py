@@ -2,15 +2,10 @@
 
 Each maker gets its own exact search over the same tables, its parts alone in the place of all of that kind. What
 it finds is worse than the recommendation, or dominated by a point of the front; or nothing it sells fits.
-
-Why not the same sensor in another case or with another interface: a sensor is told by its chip, colour, shutter, pixel
-pitch and size. What each is put into is solved again at likeliest values, with all else as it is: one that meets the
-mission may be bought instead, whatever it draws.
 """
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
@@ -19,9 +14,8 @@ from typing import Any
 import numpy as np
 
 from uwopt.catalog.choose import Selection
-from uwopt.catalog.parts.camera import Camera
 from uwopt.catalog.records import Part
-from uwopt.deadline import NEVER, Deadline, OutOfTimeError, effort_s
+from uwopt.deadline import NEVER, Deadline, effort_s
 from uwopt.forward.problem import Problem
 from uwopt.objectives.axes import Axes
 from uwopt.objectives.objective import Objective
@@ -31,8 +25,7 @@ from uwopt.results.design import Design
 from uwopt.results.front import FrontObjective, FrontPoint, FrontResult, values_of
 from uwopt.solvers.exact.account import RULES
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.one_hardware import KINDS, best_of_each, problem_of
-from uwopt.solvers.recommend import Sought, evaluated
+from uwopt.solvers.recommend import evaluated
 from uwopt.tolerances import TIE
 
 OF_MAKERS = ("camera", "light")
@@ -182,48 +175,3 @@ def better_by(values: dict[str, float], point: FrontPoint, objectives: Sequence[
 def spoken(name: str) -> str:
     """An objective's name in a sentence."""
     return "SNR in dB" if name == "snr_db" else TERMS[name].words if name in TERMS else name
-
-
-# ---------------------------------------------------------------- the same sensor in another case
-
-
-COMPLETE = "complete camera"
-SAME_SIZE = 0.02  # of the pixels along a side: makers read out a few columns more or less of one chip
-UNREACHED = "whether other cameras with the same sensor would do"
-
-
-def siblings(sought: Sought, deadline: Deadline = NEVER) -> list[dict[str, Any]]:
-    """Other cameras of the search with the sensor of the first system's that meet the mission in its place, the best
-    first: `part`, `name`, `interface` and the objective's `value`."""
-    problem, objective, winner = sought.problem, sought.goal, sought.outcome.best[0]
-    own = problem.parts.cameras[winner.camera]
-    alike = [camera for camera in problem.parts.cameras if has_sensor_of(own, camera)]
-    if not alike:
-        return []
-    others = problem_of(problem, winner, lists={"camera": alike})
-    places = [dict.fromkeys(KINDS, 0) | {"camera": place} for place in range(len(alike))]
-    try:
-        values = best_of_each(others, objective, places, deadline)
-    except OutOfTimeError:
-        deadline.left_out.append(UNREACHED)
-        return []
-    able = sorted((value, place) for place, value in enumerate(values) if math.isfinite(value))
-    return [
-        {
-            "part": alike[place].id,
-            "name": f"{alike[place].manufacturer} {alike[place].model}".strip() or alike[place].id,
-            "interface": alike[place].interface,
-            "value": objective.reported(value),
-        }
-        for value, place in able
-    ]
-
-
-def has_sensor_of(own: Camera, other: Camera) -> bool:
-    """Whether another camera takes the same images: the same chip and colour, read out alike."""
-    if other.id == own.id or not own.chip or COMPLETE in (own.purpose, other.purpose):
-        return False
-    if (other.chip, other.colour, other.shutter) != (own.chip, own.colour, own.shutter):
-        return False
-    sides = ("resolution_x_px", "resolution_y_px", "pixel_pitch_um")
-    return all(math.isclose(getattr(own, side), getattr(other, side), rel_tol=SAME_SIZE) for side in sides)
