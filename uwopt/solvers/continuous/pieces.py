@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -28,12 +28,6 @@ Range = tuple[float, float]
 NUMBERS = ("f_number", "time_s", "level", "gain")  # that are set
 
 DIMMEST = 1e-9  # a lamp that dims to nothing has no logarithm there
-COPIED = (
-    "read_noise_e", "gain_dn_per_e", "full_scale_dn", "black_level_dn", "max_gain", "well_e", "prnu_frac",
-    "dark_current_e_s", "min_exposure_s", "exposure_offset_s", "readout_s", "time_min_s",
-    "time_max_s", "rate_hz", "light_lm", "full_power_w", "pulse_energy_j", "working_factor", "n_low",
-    "n_high",
-)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -96,28 +90,19 @@ class SmoothScene:
         def one(column: Array) -> float:
             return float(column[0])
 
-        signal = tuple(float(v) for v in rows.signal_e[0])
         free = bool(rows.dims_freely[0])
         top = min(one(rows.max_level), 1.0) if free else one(rows.max_level) * (1.0 + SLACK)
         steps = tuple(float(v) for v in rows.levels[0] if np.isfinite(v) and 0.0 < v <= top)
-        return SmoothScene(
-            signal_e=signal,
-            total_e=tuple(float(v) for v in rows.bright_e[0]),
+        made: dict[str, Any] = dict(
+            signal_e=tuple(float(v) for v in rows.signal_e[0]), total_e=tuple(float(v) for v in rows.bright_e[0]),
             wanted=(*wanted_pixels(rows), *wanted_of_mean(rows), *wanted_of_red(rows)),
-            flash_full_s=one(rows.flash.full_s),
-            flash_decay_s=one(rows.flash.decay_s),
-            flash_duration_s=one(rows.flash_duration_s),
-            nominal=rows.nominal,
-            kind=int(rows.kind[0]),
-            dims_freely=free,
-            levels=() if free else steps,
-            min_level=max(one(rows.min_level), DIMMEST),
-            max_level=top,
-            mean_level=rows.mean_level,
-            highlight_ratio=float(rows.highlight_ratio),
-            min_gain=float(rows.min_gain),
-            **{name: one(getattr(rows, name)) for name in COPIED},
-        )
+            flash_full_s=one(rows.flash.full_s), flash_decay_s=one(rows.flash.decay_s), nominal=rows.nominal,
+            kind=int(rows.kind[0]), dims_freely=free, levels=() if free else steps,
+            min_level=max(one(rows.min_level), DIMMEST), max_level=top, mean_level=rows.mean_level,
+            highlight_ratio=float(rows.highlight_ratio), min_gain=float(rows.min_gain),
+        )  # fmt: skip
+        made |= {f.name: one(getattr(rows, f.name)) for f in fields(SmoothScene) if f.name not in made}
+        return SmoothScene(**made)
 
     @property
     def draws(self) -> bool:
