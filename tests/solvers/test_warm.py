@@ -310,3 +310,11 @@ def test_a_ceiling_that_is_too_low_hides_nothing(monkeypatch):
     warm.best(varied(reef(), speed_m_s=0.5))
     monkeypatch.setattr(warm, "_reached", lambda stage: 0.5)
     agree(warm, murky)
+
+
+def test_who_ends_one_search_ends_the_row(monkeypatch):
+    honest = Search.run
+    monkeypatch.setattr(Search, "run", lambda search: replace(honest(search), interrupted=True, complete=False))
+    for search in (Warm().best, lambda mission: Warm().among(mission, {})):
+        with pytest.raises(KeyboardInterrupt):
+            search(reef())

@@ -34,16 +34,14 @@ NOT_MODELLED = (
 )  # fmt: skip
 
 
+def given(**asked: Any) -> dict[str, Any]:
+    """What a call changes of a mission: what is not None."""
+    return {key: value for key, value in asked.items() if value is not None}
+
+
 def prepared(mission: Source | Mission, physics: str | None, objective: Any, confidence: Any = None) -> Mission:
     """A mission with the physics, objective and confidence of the call."""
-    loaded = load_mission(mission)
-    changes: dict[str, Any] = {}
-    if physics is not None:
-        changes["physics"] = physics
-    if objective is not None:
-        changes["objective"] = objective
-    if confidence is not None:
-        changes["confidence"] = confidence
+    loaded, changes = load_mission(mission), given(physics=physics, objective=objective, confidence=confidence)
     made = loaded.with_changes(**changes) if changes else loaded
     check_physical(made)
     return made

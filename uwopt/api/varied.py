@@ -134,10 +134,7 @@ class VariedGrid:
                 sign and value != line[-1]
                 for value, line, sign in zip(at, self.lines, self.signs, strict=True)
             )
-            answer = self.warm.best(self.mission(at), ahead=ahead)
-            if answer.interrupted:
-                raise KeyboardInterrupt
-            self.points[at] = self.systems.point(at, answer)
+            self.points[at] = self.systems.point(at, self.warm.best(self.mission(at), ahead=ahead))
         return self.points[at]
 
     def changes(self) -> Iterator[tuple[int, At, At]]:
@@ -268,11 +265,6 @@ class Switches:
         while high - low > sharp:
             middle = 0.5 * (low + high)
             at = (*a[:k], middle, *a[k + 1 :])
-            answer = grid.warm.among(grid.mission(at), parts)
-            if answer.interrupted:
-                raise KeyboardInterrupt
-            if grid.systems.index(answer) == first:
-                low = middle
-            else:
-                high = middle
+            is_first = grid.systems.index(grid.warm.among(grid.mission(at), parts)) == first
+            low, high = (middle, high) if is_first else (low, middle)
         return (*a[:k], low, *a[k + 1 :]), (*a[:k], high, *a[k + 1 :])

@@ -7,7 +7,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from uwopt.api.common import Source, central_notes, time_warnings
+from uwopt.api.common import Source, central_notes, given, time_warnings
 from uwopt.api.floats import own_float_rules
 from uwopt.api.search_notes import patience_warnings
 from uwopt.api.varied import At, Switches, Systems, VariedGrid
@@ -65,9 +65,7 @@ def whatif(
     ------
     MissionError : a key does not exist, a range is empty, or values contradict the rest of the mission
     """
-    asked = {"objective": objective, "physics": physics, "confidence": confidence}
-    changes = {key: value for key, value in asked.items() if value is not None}
-    base = VariedMission(mission, changes)
+    base = VariedMission(mission, given(objective=objective, physics=physics, confidence=confidence))
     check_physical(base.base)
     keys = tuple(base.varied(key, values) for key, values in (vary or {}).items())
     check_keys(keys, spider=spider)
@@ -204,8 +202,6 @@ class Work:
             self.given_way, self.to_hold, in_vain = gives_way_with_certainty(mission, self.deadline)
         else:
             answer = grid.warm.best(mission)
-            if answer.interrupted:
-                raise KeyboardInterrupt
             nothing = answer.found is None and answer.complete
             self.given_way = gives_way_alone(mission, self.deadline).yields if nothing else ()
             in_vain = nothing and not self.given_way
@@ -253,8 +249,6 @@ class Work:
             except MissionError:
                 continue
             answer = warm.best(mission, ahead=factor == 1.0 or sign * (factor - 1.0) < 0.0)
-            if answer.interrupted:
-                raise KeyboardInterrupt
             points.append(self.systems.point((factor,), answer))
         points.sort(key=lambda point: float(point.values[0]))
         return SpiderLine(f"{key.section}.{key.name}", unit_of(key, self.base.base), float(key.values[0]), points)

@@ -44,8 +44,6 @@ def warm_row(mission: Mission, warm: Warm, known: PracticeKnown | None = None) -
         if given.yields:
             held = with_yields(wanted, given.yields)
             answer = warm.best(held)
-    if answer.interrupted:
-        raise KeyboardInterrupt
     if not answer.complete:
         return None
     if answer.found is None or answer.sought is None:

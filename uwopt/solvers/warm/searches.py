@@ -53,7 +53,6 @@ class WarmAnswer:
     generic: bool  # whether parts to be made were needed
     capped: bool  # whether the gain cap of the mission's reserve holds
     kept: bool  # proven by bounds of another mission
-    interrupted: bool = False
 
 
 @dataclass(frozen=True)
@@ -73,7 +72,7 @@ class WarmStage:
             return WarmAnswer(None, None, True, math.inf, *by)
         outcome = sought.outcome
         found = outcome.best[0] if outcome.best else None
-        return WarmAnswer(sought, found, outcome.complete, outcome.lower_bound, *by, outcome.interrupted)
+        return WarmAnswer(sought, found, outcome.complete, outcome.lower_bound, *by)
 
 
 class Warm:
@@ -93,6 +92,8 @@ class Warm:
 
     def best(self, mission: Mission, *, ahead: bool = True) -> WarmAnswer:
         """The optimum of a mission: of parts on sale, else with parts to be made, as `solve` has it.
+
+        Raises KeyboardInterrupt.
 
         ahead : missions that ask for more will follow, so that bounds pay
         """
@@ -348,9 +349,12 @@ class Warm:
         )
 
     def _run(self, selection: Selection, search: Search) -> Sought:
-        """What a search finds."""
+        """What a search finds; raises KeyboardInterrupt where a person ends it."""
         self.n_searches += 1
-        return Sought(selection, search.problem, search, search.run())
+        found = Sought(selection, search.problem, search, search.run())
+        if found.outcome.interrupted:
+            raise KeyboardInterrupt
+        return found
 
     def _family(self, stage: WarmStage) -> Family:
         """What is known of missions like this; of the families the last few are kept."""
