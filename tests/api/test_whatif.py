@@ -330,6 +330,16 @@ def test_a_table_that_time_cut_short_says_first_what_is_known():
     assert second.startswith("1 point over speed_m_s, ") and "something fits at 0 of them" in second
 
 
+def test_beside_a_point_that_time_left_unknown_nothing_is_told_to_take_over_or_end():
+    """"Between altitude_m 0.900 m and 1.10 m nothing fits" stood above "1.100 m not known"."""
+    base = VariedMission(reef(), {})
+    key = base.varied("speed_m_s", "0.3,0.6,0.9,1.2")
+    grid = api_varied.VariedGrid(base, (key,), api_varied.Systems(goal_of(reef())), Warm(NEVER))
+    statuses = {0.3: ("optimal", 0), 0.6: ("stopped", None), 0.9: ("stopped", 1), 1.2: ("infeasible", None)}
+    grid.points |= {(speed,): WhatIfPoint([speed], *told) for speed, told in statuses.items()}
+    assert [(a, b) for _, a, b in grid.changes()] == [((0.9,), (1.2,))]
+
+
 def test_with_certainty_an_interruption_keeps_what_is_known(monkeypatch):
     stub_points(monkeypatch, [found(), found(interrupted=True)], [chosen(0.93, enough=True)])
     table = uwopt.whatif(reef(), {"speed_m_s": [0.3, 0.6]}, confidence=0.9)

@@ -230,4 +230,12 @@ DEFECTS = (
         new="if not lines:",
         test=f"{TESTS}::test_interruption_keeps_what_is_solved",
     ),
+    Defect(
+        name="beside a point that is not known nothing fits",
+        file="uwopt/api/varied.py",
+        old='point.system is not None or point.status == "infeasible")',
+        new="True)",
+        test="tests/api/test_whatif.py"
+        "::test_beside_a_point_that_time_left_unknown_nothing_is_told_to_take_over_or_end",
+    ),
 )

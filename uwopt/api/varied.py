@@ -140,8 +140,13 @@ class VariedGrid:
     def changes(self) -> Iterator[tuple[int, At, At]]:
         """Neighbours along each numeric key of which the best systems differ: the key's index, and both."""
         for k, a, b in self.neighbours():
-            if a in self.points and b in self.points and self.points[a].system != self.points[b].system:
+            if self.is_told(a) and self.is_told(b) and self.points[a].system != self.points[b].system:
                 yield k, a, b
+
+    def is_told(self, at: At) -> bool:
+        """Whether it is known what is best at a point, or that nothing fits; time may have been over before."""
+        point = self.points.get(at)
+        return point is not None and (point.system is not None or point.status == "infeasible")
 
     def rims(self) -> Iterator[tuple[int, At, At]]:
         """Neighbours of which one is no mission, and the other has a system: the key's index, that one, the refused."""
