@@ -211,9 +211,9 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a reserve is no room for lamps that lean",
-        file="uwopt/solvers/explain/lamp_places.py",
-        old="if not holds_as_asked(m)]",
-        new="if not bool(m.satisfied[0])]",
+        file="uwopt/evaluation/leaning.py",
+        old="return [as_asked(margin) for margin in held",
+        new="return [margin for margin in held",
         test="tests/solvers/test_robustness.py::test_lamps_may_lean_until_the_reserve_is_used_up",
     ),
     Defect(

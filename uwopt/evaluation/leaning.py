@@ -73,11 +73,6 @@ def as_asked(margin: MarginRows) -> MarginRows:
     return replace(margin, limit=np.asarray(margin.limit + kept), reserve=0.0)
 
 
-def holds_as_asked(margin: MarginRows) -> bool:
-    """Whether what is asked for holds when the reserve on top may be used up."""
-    return bool(as_asked(margin).satisfied[0])
-
-
 def leaning_models(problem: Problem, hardware: Hardware) -> dict[str, LeaningModel]:
     """A design with every lamp as far outward, and inward, as the mission's reserve; made once a problem.
 

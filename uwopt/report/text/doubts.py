@@ -170,7 +170,8 @@ def tilt_facts(doubt: Mapping[str, Any]) -> list[tuple[str, str]]:
             return f"{out} outward, {inward} inward"
 
         broken = ", ".join(words.requirement_name(name) for name in tilt["first_to_break"])
-        facts.append(("tilt may be off", f"{ends('held')} as set" + (f" (then {broken})" if broken else "")))
+        then = f" (then {broken})" if broken else ""
+        facts.append(("tilt may be off", f"{ends('held')} with light and exposure as set{then}"))
         facts.append(("", f"{ends('readjusted')} if light, exposure and gain are set anew"))
     better = doubt.get("outside_certificate")
     if better and better["gain_rel"] > 1e-6:

@@ -15,12 +15,10 @@ from typing import Any
 import numpy as np
 
 from uwopt.deadline import NEVER, Deadline
-from uwopt.evaluation.design_model import DesignModel
-from uwopt.evaluation.leaning import holds_as_asked, leaning, settings_of
+from uwopt.evaluation.leaning import LeaningModel, leaning, lost_when_leaning, settings_of
 from uwopt.forward.lamps import Mount
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
-from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL
 from uwopt.results.design import Design
 from uwopt.solvers.exact.imagers import enumerate_imagers
 from uwopt.solvers.exact.ranking import Found
@@ -39,7 +37,7 @@ def tilt_tolerance(
 ) -> dict[str, Any] | None:
     """How far the lamps' tilt may be off, outward and inward, before a requirement breaks [deg].
 
-    Once with the settings held as they are to be set, once with light, exposure and gain set anew.
+    Once with the settings held as they are to be set but for the gain, once with light, exposure and gain set anew.
     """
     objective = sought.goal
     if sought.problem.paper:
@@ -91,20 +89,13 @@ def reach(holds: Callable[[float], bool], sign: float) -> float:
 def missed_when_leaning(own: Problem, found: Found, design: Design, by_deg: float) -> list[str]:
     """Requirements as asked for, their reserve used up, that break when the lamps lean and the settings stay as set.
 
+    But the mean level, which a gain sets anew.
+
     own : the problem over the design's parts alone
     """
     mount = leaning(found.lighting.mount, by_deg)
-    hardware = replace(found.hardware.alone, mount=mount)
-    model = DesignModel(own.standing_at(mount), hardware)
-    missed = []
-    for index, scene in enumerate(design.scenes):
-        shown = scene.settings_to_set or scene.settings
-        settings = model.settings(index, settings_of(shown))
-        margins = model.margins(
-            index, settings, model.figures(index, settings), level_tolerance_rel=LEVEL_TOLERANCE_REL
-        )
-        missed += [m.requirement for m in margins if not holds_as_asked(m)]
-    return missed
+    model = LeaningModel(own.standing_at(mount), replace(found.hardware.alone, mount=mount))
+    return lost_when_leaning(model, [settings_of(scene.settings_to_set or scene.settings) for scene in design.scenes])
 
 
 def by_mount(own: Problem, objective: Objective, deadline: Deadline) -> Callable[[Mount], float]:
