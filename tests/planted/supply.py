@@ -166,7 +166,7 @@ DEFECTS = (
     ),
     Defect(
         name="a battery that is used up is no risk",
-        file="uwopt/api/risks.py",
+        file="uwopt/mission/reserves.py",
         old="BATTERY_IN_HAND = 0.2",
         new="BATTERY_IN_HAND = 0.0",
         test="tests/api/test_risks.py::test_a_battery_of_which_less_than_a_fifth_is_left_is_told"
@@ -175,8 +175,8 @@ DEFECTS = (
     Defect(
         name="settings may use a battery up",
         file="uwopt/solvers/settable/scene.py",
-        old="ENOUGH_ENERGY = 0.2",
-        new="ENOUGH_ENERGY = 0.0",
+        old='"energy_wh": BATTERY_IN_HAND',
+        new='"energy_wh": 0.0',
         test="tests/solvers/test_middle_settings.py::test_enough_is_what_good_practice_keeps_in_reserve"
         "[battery nearly out]",
     ),

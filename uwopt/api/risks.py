@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from uwopt.evaluation.breathing import BREATHING
 from uwopt.mission.practice import ACCEPTABLE_SNR_DB
-from uwopt.mission.reserves import RECOMMENDED_RESERVE, REFUSED
+from uwopt.mission.reserves import BATTERY_IN_HAND, RECOMMENDED_RESERVE, REFUSED
 from uwopt.mission.weakened import LEAST_SNR_DB
 from uwopt.model.sharpness import RESOLVED_CONTRAST
 from uwopt.results.basis import Risk
@@ -71,7 +71,6 @@ SEEN_PX = 2.0  # a blur, skew or coloured edge wider than this is seen
 STILL_MM_S = 10.0  # a hand, a line or a hovering vehicle drifts faster; a frame on the floor does not
 STEADY_DEG = 3.0  # as well as a lamp's direction is kept on a vehicle
 DEPTH_IN_HAND = 0.1
-BATTERY_IN_HAND = 0.2  # of its energy: lithium cells give a fifth less where they are old or cold (convention)
 BUOYANT_KG = 0.5  # that a mount and its screws weigh in water; beyond it ballast is needed (assumed)
 MOST_GAIN_DB = RECOMMENDED_RESERVE["max_gain_db"]
 MUCH_ESTIMATED = 0.3  # of the price

@@ -20,6 +20,7 @@ RECOMMENDED_RESERVE: Mapping[str, float] = {
     "snr_db": 3.0, "blur": 0.20, "swath": 0.10, "dof": 0.10, "depth": 1.25, "tilt_deg": 3.0,
     "max_gain_db": 12.0,
 }  # fmt: skip
+BATTERY_IN_HAND = 0.2  # of its energy: lithium cells give a fifth less where they are old or cold (convention)
 IN_DB = ("min_snr_db", "min_snr_red_db")  # what the reserve of the signal-to-noise ratio is added to
 REFUSED_DEPTH = 1.1  # rating over depth: a margin below 10 %
 

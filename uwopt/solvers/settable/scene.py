@@ -25,7 +25,7 @@ from uwopt.forward.figures import DesignRows, Figures, SettingRows, figures_of
 from uwopt.forward.lamp_light import ImageLight
 from uwopt.forward.part_columns import FLASH, PULSED
 from uwopt.forward.pixels import worst_candidates
-from uwopt.mission.reserves import RECOMMENDED_RESERVE
+from uwopt.mission.reserves import BATTERY_IN_HAND, RECOMMENDED_RESERVE
 from uwopt.model.sensor import QUANTISATION_VARIANCE_DN2, light_for_snr
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL, MarginRows, depth_of_field_margins
@@ -47,15 +47,13 @@ MOST_PIXELS = 4_000_000  # figures at pixels that are held at a time
 ENOUGH_SNR = float(db_to_ratio(RECOMMENDED_RESERVE["snr_db"])) - 1.0
 ENOUGH_BLUR, ENOUGH_DOF = RECOMMENDED_RESERVE["blur"], RECOMMENDED_RESERVE["dof"]
 ENOUGH_ELSE = 0.1  # of what good practice knows no reserve for
-ENOUGH_ENERGY = 0.2  # as `api.risks` has it: a battery that is old or cold gives less than its plate says
 #: Requirements on images and power that settings may crowd, and how much in hand is enough of each, as a share of what
 #: is asked: what good practice keeps in reserve. The ends of what can be set are no room in hand.
 ENOUGH = {
     "max_blur_px": ENOUGH_BLUR, "max_skew_px": ENOUGH_BLUR, "dof_near_m": ENOUGH_DOF, "dof_far_m": ENOUGH_DOF,
     "min_dof_m": ENOUGH_DOF, "min_snr_db": ENOUGH_SNR, "min_snr_mean_db": ENOUGH_SNR, "min_snr_red_db": ENOUGH_SNR,
     "min_contrast": ENOUGH_ELSE, "min_mtf_half_nyquist": ENOUGH_ELSE, "resolve_mm": ENOUGH_ELSE,
-    "max_airy_px": ENOUGH_ELSE, "power_w": ENOUGH_ELSE, "peak_power_w": ENOUGH_ELSE,
-    "energy_wh": ENOUGH_ENERGY,
+    "max_airy_px": ENOUGH_ELSE, "power_w": ENOUGH_ELSE, "peak_power_w": ENOUGH_ELSE, "energy_wh": BATTERY_IN_HAND,
 }  # fmt: skip
 ROOMY = tuple(ENOUGH)
 PLENTY = 0.5  # of a limit: what is in hand beyond it decides nothing
