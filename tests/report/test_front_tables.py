@@ -76,6 +76,6 @@ def test_a_front_that_was_stopped_without_a_system_says_so_first(make_front: Mak
 
 def test_a_front_that_was_stopped_says_before_its_systems_that_better_may_exist(make_front: Make) -> None:
     told = printed(make_front(status="stopped"))
-    assert "stopped Stopped by a limit, so better may exist. 3 choices of hardware are left" in told
+    assert "stopped Stopped by a limit, so better may exist. 3 choices of hardware are found so far" in told
     assert "Give it more time (--seconds 60). Named points" in told
     assert "better may exist" not in printed(make_front()) and "--seconds" not in printed(make_front())

@@ -18,13 +18,13 @@ import small_catalogues as small
 from thorough import drawn
 
 from uwopt.catalog.records import exact
+from uwopt.deadline import Deadline
 from uwopt.forward.parts import Parts
 from uwopt.objectives.axes import Axes, Frame
 from uwopt.objectives.dominance import hypervolume, nondominated
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.front import search as front_module
 from uwopt.solvers.front.points import largest_left, quality_of
-from uwopt.solvers.front.search import FrontSearch
 from uwopt.solvers.front.trade_curves import Trade
 from uwopt.solvers.population.pymoo_front import population_front
 
@@ -374,15 +374,15 @@ def test_interrupted_anywhere_its_claims_hold(key, where, call, monkeypatch):
 @pytest.mark.usefixtures("small_waves")
 @pytest.mark.parametrize("key", drawn(["all"], ["all", "counts and mounts"]))
 @pytest.mark.parametrize("call", drawn((0, 2, 5), range(6)))
-def test_out_of_time_anywhere_its_claims_hold(key, call, monkeypatch):
+def test_out_of_time_anywhere_its_claims_hold(key, call):
     case, (_, full), calls = fc.case_of(key), fc.front_of(key, TRIPLE), []
 
-    def late(self):
-        calls.append(1)
-        return len(calls) > call
+    class Late(Deadline):
+        def passed(self):
+            calls.append(1)
+            return len(calls) > call
 
-    monkeypatch.setattr(FrontSearch, "_late", late)
-    search, front = fc.searched(case, TRIPLE)
+    search, front = fc.searched(case, TRIPLE, deadline=Late())
     assert front.complete == (len(calls) <= call)
     assert not front.interrupted
     claims_hold_when_cut_short(case, search, front, TRIPLE, full)
