@@ -10,7 +10,7 @@ SLACK < ROUND - 1 <= TIE << SATISFIED_REL = AGREES_REL = BEATS_REL << BINDING_RE
   AGREES_REL, and an audit calls a discarded design better from BEATS_REL on: both larger than TIE, or ties would
   be defects.
 - Medians of systems over the scenarios of a choice are a tie within TIED_MEDIANS_REL, about what luck makes of them
-  in 256.
+  in 256. What was chosen of counted shares is one time in twenty better than the truth by LUCK standard errors.
 - A margin below BINDING_REL is called binding. A proof whose gap is above PROVEN_GAP_REL is not called optimal.
 """
 
@@ -24,3 +24,4 @@ BEATS_REL = 1e-6
 BINDING_REL = 1e-4
 PROVEN_GAP_REL = 2e-4
 TIED_MEDIANS_REL = 0.02
+LUCK = 1.64

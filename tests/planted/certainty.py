@@ -332,6 +332,14 @@ DEFECTS = (
         test="tests/solvers/test_confidence_proof.py::test_what_further_scenarios_refute_comes_last_however_cheap",
     ),
     Defect(
+        name="a median between two steps is as sure as any",
+        file=f"{ROOM}/search.py",
+        old="        tied.append(sure)",
+        new="        pass",
+        test="tests/solvers/test_confidence_proof.py"
+        "::test_a_median_between_two_steps_of_light_is_compared_with_a_sure_one[6.5-True]",
+    ),
+    Defect(
         name="of what is refuted the cheapest comes first",
         file=f"{ROOM}/search.py",
         old="        key=lambda pair: rank(pair[1], share),",

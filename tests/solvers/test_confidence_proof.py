@@ -223,6 +223,28 @@ def test_what_further_scenarios_refute_comes_last_however_cheap(monkeypatch: pyt
         assert [id(one) for one in told] == [id(one) for one in expected]
 
 
+@pytest.mark.parametrize(("higher", "compared"), [(6.5, True), (4.8, False)])
+def test_a_median_between_two_steps_of_light_is_compared_with_a_sure_one(
+    higher: float, compared: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """4.7 W in half of the scenarios, 6.5 W in the other: a few more make it 6.5 W, where another takes 5.1 W."""
+
+    def one_(price: float, low: float, high: float) -> Any:
+        return SimpleNamespace(
+            held=1.0, quantile=lambda share: low if share <= 0.5 else high, outcomes=SimpleNamespace(price=price),
+            settings=None,
+        )  # fmt: skip
+
+    sought, certain = known()
+    steps, sure = one_(1.0, 4.7, higher), one_(2.0, 5.1, 5.3)
+    anew = {1.0: one_(1.0, 6.5, 6.5), 2.0: one_(2.0, 5.1, 5.3)}
+    monkeypatch.setattr(
+        search_module, "counted_anew", lambda seen, some, deadline: [anew[one.outcomes.price] for one in some]
+    )
+    told = search_module.without_luck(looked(sought, certain.scenarios, [steps, sure]), [steps, sure], NEVER)
+    assert [id(one) for one in told] == [id(one) for one in ([sure, steps] if compared else [steps, sure])]
+
+
 def test_what_there_is_no_time_to_compare_stays_as_it_is_ranked() -> None:
     sought, certain = known()
     pair = [certain.best, certain.best]

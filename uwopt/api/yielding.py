@@ -30,6 +30,7 @@ from uwopt.solvers.infeasible.relaxer import ANY
 from uwopt.solvers.one_hardware import best_of, problem_of
 from uwopt.solvers.recommend import Sought, design_of, leans, seek, within_reach
 from uwopt.solvers.warm.parts import PartIds
+from uwopt.tolerances import LUCK
 from uwopt.units import ratio_to_db
 
 if TYPE_CHECKING:
@@ -41,7 +42,6 @@ GIVEN_SHARE = 0.5  # of a time that is given
 A_QUESTION = 0.25  # of what is left of that, for one that need not be answered: else the first dear proof takes it all
 WITNESSES = 2  # hardware that fitted last, which is asked before all other
 SUREST = 2  # hardware of those counted, for which it is asked what would make it hold
-LUCK = 1.64  # standard errors: of a share that was chosen, one in twenty is as far above the truth
 MORE_SHARE = 0.25  # of what is open that is asked about first: that something fits takes a fifth of that nothing does
 TRIED_SET = 5  # of the best, of which one at least has to have settings
 KnownToHold = dict[tuple[Any, ...], float]  # in how many scenarios hardware holds in a mission, 0: in less than so many

@@ -34,7 +34,7 @@ from uwopt.solvers.exact.search import Search
 from uwopt.solvers.one_hardware import KINDS, as_set
 from uwopt.solvers.recommend import Sought
 from uwopt.solvers.settings.best import scenes_need_cells
-from uwopt.tolerances import TIE, TIED_MEDIANS_REL
+from uwopt.tolerances import LUCK, TIE, TIED_MEDIANS_REL
 
 OF_CENTRAL = 2  # of the central search
 ENOUGH = 3  # hardware that holds: no further search is made
@@ -173,15 +173,19 @@ def without_luck(seen: Looked, ranked: list[Counted], deadline: Deadline) -> lis
     """Hardware best first, where medians are as good as tied by those in further scenarios, if there is time.
 
     What these cannot tell from the best of them either is ranked by price. What does not hold as often as asked in
-    them is refuted: it comes after what is not, that which holds most often first.
+    them is refuted: it comes after what is not, that which holds most often first. Where the median of the best is
+    itself in doubt, as where light goes by steps, what is surest to be low is compared with it, too.
     """
     share, most = seen.share, ranked[0].quantile(0.5)
-    close = [
-        one for one in ranked
-        if one.held >= share and one.quantile(0.5) <= most + TIED_MEDIANS_REL * abs(most) and one.settings is None
-    ]  # fmt: skip
+    high = 0.5 + 0.5 * LUCK / math.sqrt(seen.scenarios.count)  # the true median may be as high a quantile of these
+    alike = [one for one in ranked if one.held >= share and one.settings is None]
+    close = [one for one in alike if one.quantile(0.5) <= most + TIED_MEDIANS_REL * abs(most)]
     cheap = sorted(close[TIED_BEST:], key=lambda one: one.outcomes.price)[:TIED_CHEAPEST]
     tied = [*close[:TIED_BEST], *cheap]
+    sure = min(alike, key=lambda one: one.quantile(high), default=ranked[0])
+    at_most = sure.quantile(high) + TIED_MEDIANS_REL * abs(sure.quantile(high))
+    if at_most < min((one.quantile(high) for one in tied), default=-math.inf):
+        tied.append(sure)
     if len(tied) < 2 or not np.isfinite(most):
         return ranked
     try:
