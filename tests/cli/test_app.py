@@ -634,7 +634,9 @@ def test_full_disk_behind_standard_output_is_told() -> None:
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals differ")
-def test_ctrl_c_ends_with_status_130(tmp_path: Path) -> None:
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["Ctrl-C", "timeout"])
+def test_ctrl_c_ends_with_status_130(number: signal.Signals) -> None:
+    """So does what `timeout`, a queue or a service sends: what is found by then is told."""
     waiting = (
         "import signal, sys, time\nfrom uwopt.api import solving as api\nfrom uwopt.cli import app as cli\n"
         "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # a shell's background has it ignored
@@ -646,7 +648,7 @@ def test_ctrl_c_ends_with_status_130(tmp_path: Path) -> None:
     )
     assert child.stderr is not None and "ready" in child.stderr.readline()
     time.sleep(0.05)
-    child.send_signal(signal.SIGINT)
+    child.send_signal(number)
     try:
         stdout, stderr = child.communicate(timeout=30)
     finally:

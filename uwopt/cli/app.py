@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import gc
 import os
+import signal
 import sys
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated, Any
@@ -303,6 +304,7 @@ def main() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # to find them it reads every installed package's list
     gc.set_threshold(GARBAGE_AFTER)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # `timeout` and queues end it as a person does: by Ctrl-C
     if not sys.warnoptions and os.environ.get("UWOPT_DEBUG") != "1":
         import warnings
 

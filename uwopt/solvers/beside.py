@@ -190,6 +190,7 @@ class _Copy:
         status = 1
         try:
             signal.signal(signal.SIGINT, signal.SIG_IGN)  # whom a person interrupts ends its copies
+            signal.signal(signal.SIGTERM, signal.SIG_DFL)
             os.close(self._source)
             _CORES.set(1)
             go_on_from(begun_s)
