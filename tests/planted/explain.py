@@ -605,6 +605,14 @@ DEFECTS = (
         test=f"{PRICED}::test_what_is_not_the_central_optimum_keeps_the_prices_of_its_own",
     ),
     Defect(
+        name="budgets are told as high as the brightest hardware spends",
+        file="uwopt/solvers/infeasible/joint_changes.py",
+        old="self._in_budget(share, found)) if self.few",
+        new="found) if self.few",
+        test="tests/solvers/test_moves.py"
+        "::test_the_brightest_hardware_spends_no_more_than_is_asked_where_less_fits",
+    ),
+    Defect(
         name="an image of no use is told as a way out",
         file="uwopt/solvers/infeasible/why_nothing.py",
         old=" if one.is_of_use]",

@@ -25,7 +25,7 @@ from uwopt.solvers.infeasible.joint_changes import CommonShare
 from uwopt.solvers.infeasible.least_change import CLOSER, in_rounds
 from uwopt.solvers.infeasible.move_keys import tries_of
 from uwopt.solvers.infeasible.moves import Mover, NearestType
-from uwopt.solvers.infeasible.trials import Trials
+from uwopt.solvers.infeasible.trials import BRIGHT, Trials
 from uwopt.solvers.infeasible.why_nothing import Contradiction, clash_of, contradiction, why_nothing
 from uwopt.solvers.recommend import seek
 
@@ -261,6 +261,28 @@ def test_where_light_lacks_speed_and_height_give_from_the_first(parts, monkeypat
         moved.clear()
         CommonShare(trials, NEVER, few=True).of_all()
         assert moved[: len(expected)] == expected and (set() in moved) is not lacks
+
+
+def test_the_brightest_hardware_spends_no_more_than_is_asked_where_less_fits(parts, monkeypatch):
+    """Four lamps take 800 W and 2 800 USD beside 1 000 for the rest; one of 200 W and 700 USD has light enough."""
+    murky = of_murky_water(parts)[0].mission
+    at, limits = murky.to_dict()["vehicle"], {"cost": 2000.0, "power_w": 300.0}
+    wanted = murky.with_changes(vehicle=at | {"light_count": [1, 4]}, limits=limits)
+    catalog, asked = load_catalog(wanted), []
+
+    def brightest(self: CommonShare, mission: Mission, turn: Deadline) -> Any:
+        asked.append((mission.limits.cost, mission.limits.power_w))
+        return self.trials.relaxer.seek(mission, BRIGHT, set(self.asked), few_first=False)
+
+    monkeypatch.setattr(CommonShare, "_among_few", brightest)
+    fit = CommonShare(Trials(wanted, catalog, POWER, "never"), NEVER, few=True).of_all()
+    assert fit is not None and {"cost", "power_w"}.isdisjoint(one.name for one in fit.changes)
+    assert asked[0] == (8000.0, 1200.0) and asked[-1] == (2000.0, 300.0)
+    possible = {one.name: one.needed for one in fit.changes}
+    limits_told = {name: value for name, value in possible.items() if name not in at}
+    trials = Trials(wanted, catalog, POWER, "never")
+    moved = at | {name: value for name, value in possible.items() if name in at}
+    assert fits(trials.with_limits(wanted, limits_told).with_changes(vehicle=moved | {"light_count": 1}), catalog)
 
 
 def test_a_value_at_which_nothing_fits_is_not_searched_again(parts):

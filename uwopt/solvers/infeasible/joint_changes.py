@@ -4,7 +4,8 @@
     for want of energy also hours (1 - s) and battery (1 + s)
 
 or, where nothing is known to help alone, limits from above by as large a factor, limit_i / (1 - s); with the least
-common share s at which something fits: s is halved between what fits and what does not; of the hardware that is left
+common share s at which something fits: s is halved between what fits and what does not (among a few imagers, the
+brightest first, it is not halved, but budgets stay as asked if something then fits too); of the hardware that is left
 each key is drawn back towards what was asked as far as it can be, one after another. Whatever is told has been solved
 with all the others as they are told.
 """
@@ -23,7 +24,7 @@ from uwopt.mission.varying import Varied, VariedMission
 from uwopt.mission.weakened import is_from_above
 from uwopt.results.basis import Relaxed
 from uwopt.results.design import Design
-from uwopt.solvers.infeasible.freed_rules import BATTERY, MAY_PASS
+from uwopt.solvers.infeasible.freed_rules import BATTERY, BUDGETS, MAY_PASS
 from uwopt.solvers.infeasible.least_change import Change, rounded_away, same_hardware, with_its_hardware
 from uwopt.solvers.infeasible.move_keys import shared_keys
 from uwopt.solvers.infeasible.reached import UNKNOWN, judged_by, miss, missed_by
@@ -104,7 +105,7 @@ class CommonShare:
                 self.moved = moved
                 found = self._search(share, SOON_TURN) if len(self.asked) > 1 else None
                 if found is not None and found.outcome.best:
-                    known = (share, found) if self.few else self._halved(low, share, found)
+                    known = (share, self._in_budget(share, found)) if self.few else self._halved(low, share, found)
                     return None if known is None else self._drawn_back(*known)
                 if found is None and len(self.asked) > 1 and not self.few:
                     self.trials.deadline.left_out.append("whether changes together would do")
@@ -148,14 +149,16 @@ class CommonShare:
             mission, {name: values[name] for name in values if name in self.limits}
         )
 
-    def _search(self, share: float, turn_share: float = TURN) -> Sought | None:
-        """A search with everything weaker by a share; None where it ends before it knows, or is no mission."""
+    def _search(self, share: float, turn_share: float = TURN, kept: Collection[str] = ()) -> Sought | None:
+        """A search with everything weaker by a share but what is `kept`; None where it ends before it knows, or is no
+        mission.
+        """
         trials = self.trials
         if trials.over or self.phase.passed():
             return None
         turn = self.phase.part(SOON_TURN if self.few else turn_share)
         try:
-            mission = self.mission(self.weaker_by(share))
+            mission = self.mission(self.weaker_by(share) | {name: self.limits[name] for name in kept})
             if self.few:
                 found = self._among_few(mission, turn)
             else:
@@ -166,6 +169,16 @@ class CommonShare:
             return None
         trials.interrupted |= found.outcome.interrupted
         return found if found.outcome.best or found.outcome.complete or self.few else None
+
+    def _in_budget(self, share: float, found: Sought) -> Sought:
+        """What fits with the budgets as they are asked, as many as can be, where the brightest hardware passes them."""
+        mission = self.mission(self.weaker_by(share) | self.limits)
+        missed = missed_by(judged_by(mission, found, self.trials.objective), BUDGETS)
+        for kept in [missed, *({name} for name in missed)] if len(missed) > 1 else [missed]:
+            less = self._search(share, kept=kept) if kept else None
+            if less is not None and less.outcome.best:
+                return less
+        return found
 
     def _among_few(self, mission: Mission, turn: Deadline) -> Sought | None:
         """A search of a few imagers, the brightest first: what needs little power is seldom bright enough."""
