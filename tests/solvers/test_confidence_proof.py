@@ -245,6 +245,23 @@ def test_a_median_between_two_steps_of_light_is_compared_with_a_sure_one(
     assert [id(one) for one in told] == [id(one) for one in ([sure, steps] if compared else [steps, sure])]
 
 
+@pytest.mark.parametrize(("higher", "is_tied"), [(4.8, True), (6.5, False)])
+def test_a_median_between_two_steps_of_light_is_not_tied_with_a_sure_one(
+    higher: float, is_tied: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """4.7 W in half of the scenarios and 6.5 W in the other is not as good as 4.7 W and 4.8 W."""
+    sought, certain = known()
+
+    def one_(name: str, high: float) -> Any:
+        return SimpleNamespace(found=name, held=1.0, quantile=lambda share: 4.7 if share <= 0.5 else high)
+
+    monkeypatch.setattr(search_module, "names", lambda problem, found: found)
+    best, other = one_("best", 4.8), one_("other", higher)
+    choice = replace(certain, best=best, tried=[best, other])
+    assert search_module.tied_with_best(sought.problem, choice, "other") == is_tied
+    assert not search_module.tied_with_best(sought.problem, choice, "best")
+
+
 def test_what_there_is_no_time_to_compare_stays_as_it_is_ranked() -> None:
     sought, certain = known()
     pair = [certain.best, certain.best]

@@ -177,7 +177,7 @@ def without_luck(seen: Looked, ranked: list[Counted], deadline: Deadline) -> lis
     itself in doubt, as where light goes by steps, what is surest to be low is compared with it, too.
     """
     share, most = seen.share, ranked[0].quantile(0.5)
-    high = 0.5 + 0.5 * LUCK / math.sqrt(seen.scenarios.count)  # the true median may be as high a quantile of these
+    high = high_median(seen.scenarios)
     alike = [one for one in ranked if one.held >= share and one.settings is None]
     close = [one for one in alike if one.quantile(0.5) <= most + TIED_MEDIANS_REL * abs(most)]
     cheap = sorted(close[TIED_BEST:], key=lambda one: one.outcomes.price)[:TIED_CHEAPEST]
@@ -208,6 +208,11 @@ def without_luck(seen: Looked, ranked: list[Counted], deadline: Deadline) -> lis
     )
     hold = sum(one.held >= share for one in rest)  # these come first
     return [*(one for one, _ in sorted(held, key=order)), *rest[:hold], *(one for one, _ in refuted), *rest[hold:]]
+
+
+def high_median(scenarios: Scenarios) -> float:
+    """The quantile of what is counted in these scenarios that the true median may be as high as."""
+    return 0.5 + (0.5 * LUCK / math.sqrt(scenarios.count) if scenarios.is_drawn else 0.0)
 
 
 def counted_anew(seen: Looked, some: Sequence[Counted], deadline: Deadline) -> list[Counted]:
@@ -300,12 +305,17 @@ def candidates(
 
 
 def tied_with_best(problem: Problem, choice: Certain, other: Found) -> bool:
-    """Whether other hardware was counted, holds as often as is asked, and is no worse than luck makes of the best."""
-    ours, name = choice.best.quantile(0.5), names(problem, other)
+    """Whether other hardware was counted, holds as often as is asked, and is no worse than luck makes of the best.
+
+    Neither in its median, nor where light goes by steps in what the true median may be.
+    """
+    name = names(problem, other)
     if name == names(problem, choice.best.found):
         return False
+    ours = {share: choice.best.quantile(share) for share in (0.5, high_median(choice.scenarios))}
     return any(
-        one.held >= choice.asked and one.quantile(0.5) <= ours + TIED_MEDIANS_REL * abs(ours)
+        one.held >= choice.asked
+        and all(one.quantile(share) <= at + TIED_MEDIANS_REL * abs(at) for share, at in ours.items())
         for one in choice.tried
         if names(problem, one.found) == name
     )
