@@ -152,6 +152,20 @@ def test_an_end_of_the_depth_of_field_that_is_missed_says_what_is_sharp(
     assert (risk.what, risk.figure) == ("depth of field is not as asked for", figure)
 
 
+@pytest.mark.parametrize(("physics", "dof_at", "figure"), [
+    ("auto", "corner", "sharp to the corners only from 1.42 m, not from 1.00 m"),
+    ("auto", "axis", "sharp only from 1.42 m, not from 1.00 m"),
+    ("paper", "corner", "sharp only from 1.42 m, not from 1.00 m"),  # which knows no corners
+])  # fmt: skip
+def test_what_must_be_sharp_to_the_corners_is_told_to_be(calm: Result, physics: str, dof_at: str, figure: str) -> None:
+    """A lens was "sharp only from 1.21 m" whose middle was sharp from far nearer."""
+    asked = {**calm.mission, "requirements": {**calm.mission["requirements"], "dof_at": dof_at}}
+    wanted = replace(calm, mission=asked, physics=replace(calm.physics, name=physics))
+    assert only(with_margin(wanted, margin("dof_near_m", 1.42, 1.0, "<=", "m"))).figure == figure
+    tight = only(with_margin(wanted, margin("dof_near_m", 0.15, 0.15, "<=", "m")))
+    assert tight.because.endswith(f"is not sharp{figure.removeprefix('sharp').partition(' only')[0]}")
+
+
 def test_images_that_are_noise_are_told_where_no_signal_to_noise_is_asked(calm: Result) -> None:
     scene = design_of(calm).scenes[0]
     unasked = with_scene(calm, replace(scene, margins=[m for m in scene.margins if m.requirement != "min_snr_db"]))

@@ -97,6 +97,21 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/api/test_risks.py::test_an_end_of_the_depth_of_field_that_is_missed_says_what_is_sharp",
     ),
     Defect(
+        name="what is not sharp in the corners alone is told as not sharp",
+        file="uwopt/api/risks.py",
+        old='    return TO_CORNERS if asked == "corner" and',
+        new="    return TO_CORNERS if False and",
+        test="tests/api/test_risks.py::test_what_must_be_sharp_to_the_corners_is_told_to_be"
+        "[auto-corner-sharp to the corners only from 1.42 m, not from 1.00 m]",
+    ),
+    Defect(
+        name="a bill of an earlier run stays beside a search that found nothing",
+        file="uwopt/report/write.py",
+        old="    for name in {BOM_FILE, BOOK_FILE, SOLVED_FILE} - set(files):",
+        new="    for name in {SOLVED_FILE} - set(files):",
+        test="tests/report/test_write.py::test_bill_of_an_earlier_run_does_not_stay",
+    ),
+    Defect(
         name="a page in a script's background cannot be ended",
         file="uwopt/cli/explore.py",
         old="signal.signal(one, signal.default_int_handler) for",

@@ -64,6 +64,7 @@ OFF_FOCUS = {
     "dof_near_m": "a floor that is any nearer, or a focus set any farther, is not sharp",
     "dof_far_m": "a floor that is any farther, or a focus set any nearer, is not sharp",
 }
+TO_CORNERS = " to the corners"
 OF_NOISE = ("min_snr", "min_snr_db", "min_snr_mean_db", "min_snr_red_db", "resolve_mm")
 EVEN, VERY_UNEVEN = 0.3, 0.1  # darkest place against the mean
 TELLING_PX = 1.0  # a blur this wide is a cause of detail that is lost
@@ -107,7 +108,7 @@ def missed(result: Result, design: Design) -> Weighed:
     if any(note.code == PRACTICE_MISSED for note in result.warnings):
         by, because = "good practice asks", "what the mission itself says is met"
     for name, margin in {asked_name(m): m for m in design.missed}.items():
-        yield 100.0, Risk(f"{name} is not as {by}", because, missed_figure(margin))
+        yield 100.0, Risk(f"{name} is not as {by}", because, missed_figure(margin, sharp_where(result)))
 
 
 def uncertain(result: Result, design: Design) -> Weighed:
@@ -150,8 +151,8 @@ def nothing_in_hand(result: Result, design: Design) -> Weighed:
         f"there is no margin in {in_hand_names(design)}: whatever is a little worse than computed misses it"
     )
     if (end := stem_of(least[0].requirement)) in OFF_FOCUS:
-        because += f"; {OFF_FOCUS[end]}"
-    yield 52.0, Risk("it may not do what is asked", because, tight_figure(least[0]))
+        because += f"; {OFF_FOCUS[end]}{sharp_where(result)}"
+    yield 52.0, Risk("it may not do what is asked", because, tight_figure(least[0], sharp_where(result)))
 
 
 def shallow(result: Result, design: Design) -> Weighed:
@@ -478,16 +479,22 @@ def room(margin: Margin) -> float | None:
     return float(db_to_ratio(left)) - 1.0 if margin.unit == "dB" else left / abs(asked)
 
 
-def missed_figure(margin: Margin) -> str:
-    """Value and limit of what is missed; of an end of the depth of field what is sharp, and what should be."""
+def sharp_where(result: Result) -> str:
+    """` to the corners` where the depth of field must hold there; empty where it holds on the axis."""
+    asked = (result.mission.get("requirements") or {}).get("dof_at")
+    return TO_CORNERS if asked == "corner" and result.physics.name != "paper" else ""
+
+
+def missed_figure(margin: Margin, where: str = "") -> str:
+    """Value and limit of what is missed; of an end of the depth of field what is sharp, where, and what should be."""
     if stem_of(margin.requirement) not in OFF_FOCUS or margin.value is None:
         return against_limit(margin)
     value, limit = ends_of(margin)
     side = "from" if margin.sense == "<=" else "to"
-    return f"sharp only {side} {value}, not {side} {limit}"
+    return f"sharp{where} only {side} {value}, not {side} {limit}"
 
 
-def tight_figure(margin: Margin) -> str:
+def tight_figure(margin: Margin, where: str = "") -> str:
     """What is tightest, with value and limit; an end of the depth of field as what is still sharp there."""
     if stem_of(margin.requirement) not in OFF_FOCUS:
         return f"{asked_name(margin)} {against_limit(margin)}"
@@ -495,7 +502,7 @@ def tight_figure(margin: Margin) -> str:
     rounding = abs(margin.margin) <= SATISFIED_REL * abs(margin.limit)
     (value, limit), left = ends_of(margin), format_difference(0.0 if rounding else margin.margin, margin.unit)
     side, wanted = ("from", "nearest") if margin.sense == "<=" else ("to", "farthest")
-    return f"sharp {side} {value}, the {wanted} floor at {limit}: margin {left}"
+    return f"sharp{where} {side} {value}, the {wanted} floor at {limit}: margin {left}"
 
 
 def asked_name(margin: Margin) -> str:

@@ -51,23 +51,23 @@ BOM_COLUMNS = (
 def write_results(result: Result, folder: str | Path, *, deadline: Deadline = NEVER) -> list[Path]:
     """Write result.json, system.yaml, bom.csv, bom.xlsx and report.html into a folder, made if need be; their paths.
 
-    Without a design the bill of materials holds its header only, and system.yaml a remark, so that none of an earlier
-    run stays. Where good practice gave way a mission that says so is written too. The page does without pictures for
-    which the deadline leaves no time.
+    Without a system there is no bill, for one without a part would look like an order that was lost, and system.yaml
+    is a remark that says why; a bill of an earlier run does not stay. Where good practice gave way a mission that says
+    so is written too. The page does without pictures for which the deadline leaves no time.
     """
     target = check_folder(folder)
-    rows = result.best.bom if result.best is not None else []
-    files: dict[str, str | bytes] = {RESULT_FILE: json_text(result) + "\n", BOM_FILE: bom_csv(rows)}
-    files[SYSTEM_FILE] = system_yaml(result)
-    if find_spec("openpyxl") is not None:  # without it the table remains
-        from uwopt.report.order.bom_book import bom_book
+    files: dict[str, str | bytes] = {RESULT_FILE: json_text(result) + "\n", SYSTEM_FILE: system_yaml(result)}
+    if result.best is not None:
+        files[BOM_FILE] = bom_csv(result.best.bom)
+        if find_spec("openpyxl") is not None:  # without it the table remains
+            from uwopt.report.order.bom_book import bom_book
 
-        files[BOOK_FILE] = bom_book(result)
+            files[BOOK_FILE] = bom_book(result)
     if result.mission_as_solved is not None:
         files[SOLVED_FILE] = result.mission_as_solved
     written = write_files(made_folder(target), files | {PAGE_FILE: page_text(result, deadline)})
-    if result.mission_as_solved is None:
-        (target / SOLVED_FILE).unlink(missing_ok=True)  # of an earlier run
+    for name in {BOM_FILE, BOOK_FILE, SOLVED_FILE} - set(files):  # of an earlier run
+        (target / name).unlink(missing_ok=True)
     return written
 
 
