@@ -229,6 +229,7 @@ ESTIMATES = [
     ("camera-max-gain-db-any", 37.5, 27, 48),
     ("camera-read-noise-e-family-cmv-5-5", 13, 10.4, 15.6),  # 13 e-, x 0.8 and x 1.2
     ("camera-saturation-e-family-cmv-5-5", 13500, 12555, 14445),  # 13.5 ke-, x 0.93 and x 1.07
+    ("camera-dark-current-e-s-family-cmv-5-5", 125, 25, 619),  # 125 x 2^(-15/6.5) and x 2^(15/6.5)
     ("camera-read-noise-e-family-python-4-8", 9.6, 7, 13.3),  # (7 x 13.3)^(1/2) = 9.65
     ("port-thickness-over-outer-radius-deep-glass-sphere", 0.076, 0.058, 0.078),
     ("port-price-small-window", 64, 59, 69),

@@ -307,3 +307,11 @@ def test_a_chip_without_figures_is_not_taken_for_as_quiet_as_the_median_of_other
     part = load_catalog().part(camera)
     assert isinstance(part, Camera) and part.read_noise_e is not None
     assert part.read_noise_e.estimated and part.read_noise_e.value == noise_e
+
+
+@pytest.mark.parametrize("camera", ["basler-aca2000-165uc", "basler-aca2040-90uc"])
+def test_dark_current_of_an_older_chip_is_its_maker_s(camera: str) -> None:
+    # 1 e-/s, as of a cool chip of today, stood in for the 125 e-/s of the CMV4000's data sheet
+    part = load_catalog().part(camera)
+    assert isinstance(part, Camera) and part.dark_current_e_s is not None
+    assert part.dark_current_e_s.estimated and part.dark_current_e_s.value == 125.0

@@ -245,6 +245,13 @@ DEFECTS = (
         "[basler-aca2500-60uc-9.6]",
     ),
     Defect(
+        name="an older chip is as dark as a cool one of today",
+        file="uwopt/catalog/data/class_estimates.csv",
+        old="camera-dark-current-e-s-family-cmv-5-5,camera,dark_current_e_s",
+        new="camera-dark-current-e-s-family-cmv-5-6,camera,dark_current_e_s",
+        test="tests/catalog/test_load.py::test_dark_current_of_an_older_chip_is_its_maker_s[basler-aca2040-90uc]",
+    ),
+    Defect(
         name="a rolling shutter of unknown speed is told as fast",
         file="uwopt/catalog/compatibility.py",
         old='if camera.shutter != "rolling" or',
