@@ -607,8 +607,8 @@ DEFECTS = (
     Defect(
         name="budgets are told as high as the brightest hardware spends",
         file="uwopt/solvers/infeasible/joint_changes.py",
-        old="self._in_budget(share, found)) if self.few",
-        new="found) if self.few",
+        old="self._drawn_back(share, self._in_budget(share, found))",
+        new="self._drawn_back(share, found)",
         test="tests/solvers/test_moves.py"
         "::test_the_brightest_hardware_spends_no_more_than_is_asked_where_less_fits",
     ),

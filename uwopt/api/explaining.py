@@ -17,7 +17,7 @@ from uwopt.results.result import Result
 from uwopt.solvers.exact.certificate import certificate
 from uwopt.solvers.recommend import Sought
 
-EXPLAIN_S = 9.7  # of the processor, for a mission that nothing meets and what would help, where no time is given
+EXPLAIN_S = 8.8  # of the processor, for a mission that nothing meets and what would help, where no time is given
 LEFT_SHARE = 0.2  # of the time, for what of good practice gives way where a told change is made
 LEAST_EXPLAIN_S = 6.0  # for what would help, however long the search took: in less hardly any is found
 GO_ON_SHARE = 3.0  # of the time for what would help, beside it, where nothing is known to by then

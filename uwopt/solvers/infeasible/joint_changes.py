@@ -105,8 +105,11 @@ class CommonShare:
                 self.moved = moved
                 found = self._search(share, SOON_TURN) if len(self.asked) > 1 else None
                 if found is not None and found.outcome.best:
-                    known = (share, self._in_budget(share, found)) if self.few else self._halved(low, share, found)
-                    return None if known is None else self._drawn_back(*known)
+                    if not self.few:
+                        known = self._halved(low, share, found)
+                        return None if known is None else self._drawn_back(*known)
+                    self.phase = self.trials.deadline.part(DRAW_SHARE)
+                    return self._drawn_back(share, self._in_budget(share, found))
                 if found is None and len(self.asked) > 1 and not self.few:
                     self.trials.deadline.left_out.append("whether changes together would do")
                     return None
@@ -190,15 +193,13 @@ class CommonShare:
     def _drawn_back(self, share: float, found: Sought) -> CommonFit:
         """What a design's hardware needs where all give by a share: of each in turn as little as will do."""
         asked = self.asked
-        deadline = self.trials.deadline
-        phase = deadline.part(DRAW_SHARE) if self.few else self.phase
         kept, found = self._without_what_is_kept({**self.weaker_by(share)}, found)
         changed = [name for name, value in asked.items() if kept[name] != value]
         for name in changed:
-            if not phase.passed() and (less := self._fits(found, {**kept, name: asked[name]})) is not None:
+            if not self.phase.passed() and (less := self._fits(found, {**kept, name: asked[name]})) is not None:
                 kept[name], found = asked[name], less
         far = {name: kept[name] for name in changed if kept[name] != asked[name]}
-        told, found = one_by_one(asked, kept, far, found, self.mission, phase)
+        told, found = one_by_one(asked, kept, far, found, self.mission, self.phase)
         return CommonFit([one for one in told if one.needed != one.limit], found)
 
     def _without_what_is_kept(
