@@ -84,8 +84,9 @@ the same of height, water, speed and time. A told change is tried by a search of
 tried let something fit; *least* is how many of those that are told as the least do not do when they are 5 % smaller, or
 by one in the third digit, with which limits are told, where that is more.
 Seconds are of the processor, in a process that has started, with no time given: the program's own patience ends it
-after 8.8 s (9.7 s in the rows so far), or 6 s after the search that finds nothing, and it says what is open; where nothing is known to help by
-then it goes on, up to four times as long in all. *told* counts single changes, and *+ n* changes that help together.
+after 8.8 s (9.7 s in the rows so far), or 6 s after the search that finds nothing, and it says what is open; where
+nothing is known to help by then it goes on, up to four times as long in all. *told* counts single changes, and *+ n*
+changes that help together.
 
 The rows of `0d76faf6`, `b6ea20ef` and `e32569cb` (whose patience was 10 s) were made on a machine that takes 1.6 to
 1.8 times as long as that of the others (`mbari-lass-2013` by min_swath_m 1.7 and 2.8 s, `ooi-camhd` 1.6 and 2.8,
