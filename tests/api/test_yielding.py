@@ -213,13 +213,41 @@ def test_nobody_is_told_of_practice_that_was_not_asked_for() -> None:
 def test_each_key_gives_way_alone(one: Any) -> None:
     """The weaker mission asks for less of that key, and is otherwise the same."""
     plain = {key: value for key, value in survey(20.0).items() if key not in ("reserve", "physics")}
-    full = load_mission(plain | {"requirements": {"overlap": 0.3, "min_swath_m": 1}})
+    carried = plain["vehicle"] | {"duration_h": 10, "battery_wh": 500, "supply": "battery"}
+    full = load_mission(plain | {"requirements": {"overlap": 0.3, "min_swath_m": 1}, "vehicle": carried})
     assert one in yields_of(full)
     weaker = with_yields(full, [one])
     gone = {other.path for other in set(yields_of(full)) - set(yields_of(weaker))}
     assert gone == {one.path} | ({"requirements.snr_at_less_db"} if one.key == "snr_at" else set())
     least_db = one.instead if one.key == "min_snr_db" else 20.0
     assert weaker.practice == "recommended" and weaker.requirements.min_snr_db == least_db
+
+
+def on_battery(battery_wh: float | None = None) -> dict[str, Any]:
+    """A survey of ten hours on a battery of the system's own, of which alone good practice keeps something."""
+    mission = survey(brightest_db() - 4.0, snr_db=0.0, blur=0.0, swath=0.0, dof=0.0)
+    own = {} if battery_wh is None else {"duration_h": 10.0, "battery_wh": battery_wh, "supply": "battery"}
+    return mission | {"vehicle": mission["vehicle"] | own}
+
+
+@pytest.mark.usefixtures("undoubted")
+@pytest.mark.parametrize(("share", "gone"), [(0.79, []), (0.81, ["reserve.energy"]), (0.99, ["reserve.energy"])])
+def test_a_fifth_of_a_battery_stays_unused_unless_nothing_fits_so(share: float, gone: list[str]) -> None:
+    """A battery that the survey used up to its last watt hour was recommended."""
+    least_w = uwopt.solve(on_battery(), top=1, quick=True).certificate
+    assert least_w is not None
+    battery_wh = 10.0 * least_w.best_value / share
+    result = uwopt.solve(on_battery(battery_wh), top=1, quick=True)
+    assert given_way(result) == gone and result.best is not None
+    (margin,) = (one for one in result.best.margins if one.requirement == "energy_wh")
+    assert (margin.limit, margin.asked) == pytest.approx((battery_wh * (1.0 if gone else 0.8), battery_wh))
+
+
+def test_a_battery_that_the_vehicle_carries_has_no_reserve_that_could_give_way() -> None:
+    mission = on_battery(100.0)
+    supplied = ({"vehicle": mission["vehicle"] | {"supply": supply}} for supply in ("battery", "vehicle"))
+    own, other = ({one.path for one in yields_of(load_mission(mission | vehicle))} for vehicle in supplied)
+    assert own - other == {"reserve.energy"} and not other - own
 
 
 def test_a_front_of_what_gives_way_says_so() -> None:

@@ -151,6 +151,20 @@ def test_of_battery_and_limit_the_smaller_holds(limit_wh: float, held_wh: float)
     assert next(m.limit for m in found.scenes[0].margins if m.requirement == "energy_wh") == pytest.approx(held_wh)
 
 
+@pytest.mark.parametrize(("limit_wh", "held_wh", "kept_wh"), [
+    (None, 400.0, 100.0),  # a fifth of 500 Wh
+    (450.0, 400.0, 50.0),
+    (300.0, 300.0, 0.0),  # a limit is taken as it stands
+])  # fmt: skip
+def test_of_a_battery_its_reserve_is_kept(limit_wh: float | None, held_wh: float, kept_wh: float) -> None:
+    own = {"duration_h": 10.0, "battery_wh": 500.0, "supply": "battery"}
+    mission = {**mission_with(vehicle=own, limits={"energy_wh": limit_wh}), "reserve": {"energy": 0.2}}
+    found = uwopt.evaluate(mission, {**PRICED, "light_count": 2}).design
+    assert found is not None
+    (margin,) = (one for one in found.scenes[0].margins if one.requirement == "energy_wh")
+    assert (margin.limit, margin.reserve) == pytest.approx((held_wh, kept_wh))
+
+
 def test_a_battery_of_the_system_must_say_what_it_holds() -> None:
     with pytest.raises(MissionError, match="supply = battery needs the energy that it holds"):
         design(vehicle={"supply": "battery"})

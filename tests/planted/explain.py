@@ -76,8 +76,8 @@ DEFECTS = (
     Defect(
         name="a battery that is too small is no key to move",
         file="uwopt/solvers/infeasible/move_keys.py",
-        old="    if is_limited and of_all.energy_wh == of_all.battery_wh",
-        new="    if False and of_all.energy_wh == of_all.battery_wh",
+        old="    if is_limited and limits.energy_wh is None",
+        new="    if False and limits.energy_wh is None",
         test=f"{TESTS}::test_what_holds_and_takes_energy_moves_as_far_as_it_must",
     ),
     Defect(

@@ -173,6 +173,28 @@ DEFECTS = (
         "[121.0-the battery is nearly used up-121 Wh of 150 Wh]",
     ),
     Defect(
+        name="a search may use a battery up",
+        file="uwopt/mission/duration.py",
+        old="(1.0 - mission.reserve.energy) * vehicle.battery_wh",
+        new="vehicle.battery_wh",
+        test="tests/evaluation/test_rest.py::test_of_a_battery_its_reserve_is_kept[450.0-400.0-50.0]",
+    ),
+    Defect(
+        name="a battery is kept in hand where nothing fits so",
+        file="uwopt/mission/yielding.py",
+        old='    if one.key == "energy" and not Duration.of(mission).energy_reserve_wh:',
+        new='    if one.key == "energy":',
+        test="tests/api/test_yielding.py::test_a_fifth_of_a_battery_stays_unused_unless_nothing_fits_so"
+        "[0.81-gone1]",
+    ),
+    Defect(
+        name="a larger battery is told without what is kept of it",
+        file="uwopt/solvers/infeasible/move_keys.py",
+        old="(battery_wh := of_all.battery_wh) is not None",
+        new="(battery_wh := of_all.energy_wh) is not None",
+        test="tests/solvers/test_moves.py::test_a_battery_of_which_a_share_is_kept_is_told_with_it",
+    ),
+    Defect(
         name="settings may use a battery up",
         file="uwopt/solvers/settable/scene.py",
         old='"energy_wh": BATTERY_IN_HAND',

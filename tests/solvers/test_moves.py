@@ -132,6 +132,12 @@ def test_what_holds_and_takes_energy_moves_as_far_as_it_must(parts):
         assert not fits(wanted.with_changes(vehicle=at | {name: nearer}), catalog)
 
 
+def test_a_battery_of_which_a_share_is_kept_is_told_with_it(parts):
+    wanted = lander(parts, duration_h=50.0, battery_wh=75.0).with_changes(reserve={"energy": 0.2})
+    made = moves(wanted)["battery_wh"]
+    assert made.asked == 75.0 and made.needed == pytest.approx(150.0 / 0.8, rel=0.02)
+
+
 def test_what_holds_and_takes_energy_gives_together_with_all_else_where_energy_lacks(parts):
     wanted = lander(parts, duration_h=50.0, battery_wh=75.0)
     catalog = load_catalog(wanted)

@@ -173,7 +173,9 @@ def drained(result: Result, design: Design) -> Weighed:
     battery_wh = (result.mission.get("vehicle") or {}).get("battery_wh")
     used_wh = design.totals.energy_wh
     told = any(stem_of(margin.requirement) == "energy_wh" for margin in design.missed)
-    if battery_wh is None or used_wh is None or told or used_wh <= (1.0 - BATTERY_IN_HAND) * battery_wh:
+    if battery_wh is None or used_wh is None or told:
+        return
+    if used_wh <= (1.0 - BATTERY_IN_HAND) * battery_wh * (1.0 + SATISFIED_REL):  # the reserve is just kept
         return
     what = "the battery is nearly used up" if used_wh <= battery_wh else "the battery does not last"
     because = f"cells that are old or cold give less than their plate says: keep {100 * BATTERY_IN_HAND:.0f} % in hand"

@@ -26,15 +26,21 @@ class Duration:
     battery_wh: float | None
     energy_wh: float  # limits
     storage_gb: float
+    energy_reserve_wh: float = 0.0  # kept of what is asked, which the limit is without
 
     @staticmethod
     def of(mission: Mission) -> Duration:
         """As the mission says."""
         vehicle, limits = mission.vehicle, mission.limits
-        energy, storage = (math.inf if x is None else x for x in (limits.energy_wh, limits.storage_gb))
+        asked_wh, storage_gb = (math.inf if x is None else x for x in (limits.energy_wh, limits.storage_gb))
+        held_wh = asked_wh
         if vehicle.supply == "battery" and vehicle.duration_h and vehicle.battery_wh:
-            energy = min(energy, vehicle.battery_wh)  # what the system brings along is all there is
-        return Duration(mission.time_shares, vehicle.duration_h, vehicle.battery_wh, energy, storage)
+            asked_wh = min(asked_wh, vehicle.battery_wh)  # what the system brings along is all there is
+            held_wh = min(asked_wh, (1.0 - mission.reserve.energy) * vehicle.battery_wh)
+        kept_wh = asked_wh - held_wh if held_wh < asked_wh else 0.0
+        return Duration(
+            mission.time_shares, vehicle.duration_h, vehicle.battery_wh, held_wh, storage_gb, energy_reserve_wh=kept_wh
+        )
 
     def mean(self, by_scene: Sequence[Any]) -> Any:
         """Mean over the time of a figure that each scene has one of."""

@@ -16,11 +16,11 @@ from uwopt.mission.sections.vehicle import Vehicle
 from uwopt.units import S_PER_H, db_to_ratio, ratio_to_db
 
 RECOMMENDED = "recommended"
+BATTERY_IN_HAND = 0.2  # of its energy: lithium cells give a fifth less where they are old or cold (convention)
 RECOMMENDED_RESERVE: Mapping[str, float] = {
     "snr_db": 3.0, "blur": 0.20, "swath": 0.10, "dof": 0.10, "depth": 1.25, "tilt_deg": 3.0,
-    "max_gain_db": 12.0,
+    "max_gain_db": 12.0, "energy": BATTERY_IN_HAND,
 }  # fmt: skip
-BATTERY_IN_HAND = 0.2  # of its energy: lithium cells give a fifth less where they are old or cold (convention)
 IN_DB = ("min_snr_db", "min_snr_red_db")  # what the reserve of the signal-to-noise ratio is added to
 REFUSED_DEPTH = 1.1  # rating over depth: a margin below 10 %
 
@@ -55,6 +55,12 @@ class Reserve(Section):
         default=None,
         description="highest gain in decibels while anything fits below it, recommended 12; solve lifts it where "
         "nothing does, with a warning",
+    )
+    energy: Annotated[float, Field(ge=0, le=0.9), NUMBER] = Field(
+        default=0.0,
+        description="share of a battery that is part of the system (vehicle.supply: battery) that stays unused, "
+        "recommended 0.2: cells that are old or cold give less than their plate says; limits.energy_wh is taken as it "
+        "stands",
     )
 
     @property

@@ -25,7 +25,7 @@ STRICTER_DOWN = frozenset({
     "max_airy_px", "cost", "power_w", "peak_power_w", "energy_wh", "storage_gb", "mass_kg", "mass_water_kg", "size_mm",
     "data_rate_mb_s", "max_exposure_ms",
 })  # fmt: skip
-STRICTER_RESERVE = frozenset({"snr_db", "blur", "swath"})
+STRICTER_RESERVE = frozenset({"snr_db", "blur", "swath", "energy"})
 #: Where cameras go into housings, the cheapest that fits stands for all: another may be left when these ask for more.
 OF_HOUSINGS = frozenset({"size_mm", "depth_rating_m"})
 SECTIONS = ("vehicle", "requirements", "limits", "reserve")

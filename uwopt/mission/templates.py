@@ -114,6 +114,7 @@ requirements:
 #   dof: 0.1
 #   depth: 1.25                # depth rating over the depth asked
 #   max_gain_db: 12            # more gain stands in for light; lifted with a warning where nothing fits
+#   energy: 0.2                # share of a battery of the system's own (supply: battery) that stays unused
 #   tilt_deg: 3                # how far each lamp may lean in or out
 
 # How certain the recommendation is to be: the share of the scenarios of what is uncertain in which the hardware must

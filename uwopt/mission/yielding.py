@@ -11,6 +11,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from uwopt.mission.duration import Duration
 from uwopt.mission.mission import Mission
 from uwopt.mission.practice import ACCEPTABLE_SNR_DB, LEAST_UNIFORMITY, RECOMMENDED_KEYS, is_wanted
 from uwopt.mission.reserves import RECOMMENDED_RESERVE
@@ -66,6 +67,7 @@ YIELDS: tuple[Yield, ...] = (
     Yield("requirements", "refuse", WHITE_BALANCE, None, "one colour channel is amplified more than fourfold"),
     *(_frame_less(less_db) for less_db in FRAME_LESS_DB),
     _reserve("snr_db", "no reserve on signal to noise"),
+    _reserve("energy", "no reserve on the battery"),
     _asked(SNR_AT, "mean", "the signal to noise holds in the image's mean, not over the frame"),
     _asked("dof_at", "axis", "the depth of field holds on the axis, not in the corners"),
     _asked("lens_stop_down", 0.0, "the lens need not be stopped down"),
@@ -97,6 +99,8 @@ def _is_kept(mission: Mission, one: Yield) -> bool:
     section = getattr(mission, one.section)
     if one.key == "refuse":
         return WHITE_BALANCE in section.refuse and section.max_white_balance is None
+    if one.key == "energy" and not Duration.of(mission).energy_reserve_wh:
+        return False  # nothing of a battery is kept
     if one.key == SNR_LESS and section.snr_at != RECOMMENDED_KEYS[one.section][SNR_AT]:
         return False
     return bool(getattr(section, one.key) == one.kept)

@@ -369,7 +369,8 @@ def duration_margins(
     every = np.ones(len(mean_power_w))
     if np.isfinite(duration.energy_wh):
         energy_wh = duration.energy_of(mean_power_w)
-        yield MarginRows("energy_wh", energy_wh, duration.energy_wh * every, "<=", "Wh")
+        kept_wh = duration.energy_reserve_wh
+        yield MarginRows("energy_wh", energy_wh, duration.energy_wh * every, "<=", "Wh", reserve=kept_wh)
     if np.isfinite(duration.storage_gb):
         storage_gb = duration.storage_of(mean_data_rate_mb_s)
         yield MarginRows("storage_gb", storage_gb, duration.storage_gb * every, "<=", "GB")

@@ -83,10 +83,10 @@ def _energy(mission: Mission, *, for_want_of_energy: bool) -> Iterator[Try]:
         for name in SWITCHES:
             if in_all_scenes(mission, "vehicle", name) == "on":
                 yield _try("vehicle", name, "on", ("off",))
-    if is_limited and of_all.energy_wh == of_all.battery_wh and limits.energy_wh is None:
+    if is_limited and limits.energy_wh is None and (battery_wh := of_all.battery_wh) is not None:
         is_dear = mission.catalog.rest == "estimate" and (limits.cost is not None or limits.mass_kg is not None)
         times = FARTHEST_ENERGY if for_want_of_energy or not is_dear else SMALLER
-        yield _try("vehicle", BATTERY, of_all.energy_wh, tuple(rounded(one * of_all.energy_wh) for one in times))
+        yield _try("vehicle", BATTERY, battery_wh, tuple(rounded(one * battery_wh) for one in times))
     if of_all.duration_h and (is_limited or limits.storage_gb is not None):
         values = tuple(rounded(of_all.duration_h / times) for times in FARTHEST_ENERGY)
         yield _try("vehicle", HOURS, of_all.duration_h, values)
