@@ -303,6 +303,23 @@ def test_rating_with_less_than_a_tenth_over_the_deepest_scene_is_told(calm: Resu
     assert risks_of(with_margin(at_100m, margin("depth_rating_m (q)", 111.0, 111.0, ">=", "m"))) == []  # as asked for
 
 
+def test_ratings_that_leave_little_are_one_risk_and_a_slight_one_where_they_are_asked_for(calm: Result) -> None:
+    """A dome and a lamp rated to 6000 m, as was asked for 5500 m, were two of the three greatest risks."""
+    deep = {**calm.mission, "scenes": [{**calm.mission["scenes"][0], "depth_m": 5500.0}]}
+    rated = [margin(f"depth_rating_m ({part})", 6000.0, 6000.0, ">=", "m") for part in "qr"]
+    widest = replace(margin("f_number_min", 2.8, 2.8, ">=", ""), binding=True)
+    scene = replace(design_of(calm).scenes[0], margins=[*rated, widest, margin("min_snr_db", 33.0, 30.0, ">=", "dB")])
+    bare = replace(with_scene(calm, scene), mission=deep)
+    assert [risk.what for risk in risks_of(bare)] == ["parts may not stand the pressure", "the lens is used wide open"]
+    asked = replace(bare, mission={**deep, "limits": {"depth_rating_m": 6000.0}})
+    assert [risk.what for risk in risks_of(asked)] == ["the lens is used wide open", "parts may not stand the pressure"]
+    told = risks_of(asked)[1]
+    assert told.because == (
+        "q and r are rated for little more than the depth of the mission, as limits.depth_rating_m allows"
+    )
+    assert told.figure == "6 000 m against 5 500 m"
+
+
 def test_lens_at_its_widest_is_told(calm: Result) -> None:
     widest = replace(margin("f_number_min", 2.8, 2.8, ">=", ""), binding=True)
     assert only(with_margin(calm, widest)).figure == "f/2.8"

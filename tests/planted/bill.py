@@ -175,8 +175,8 @@ DEFECTS = (
     Defect(
         name="a battery gives more than it holds",
         file="uwopt/mission/duration.py",
-        old="held_wh = min(asked_wh, (1.0",
-        new="held_wh = max(asked_wh, (1.0",
+        old="asked_wh = min(asked_wh, vehicle.battery_wh)",
+        new="asked_wh = max(asked_wh, vehicle.battery_wh)",
         test=f"{REST}::test_of_battery_and_limit_the_smaller_holds[900.0-500.0]",
     ),
     Defect(

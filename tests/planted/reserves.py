@@ -175,6 +175,21 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/evaluation/test_reserves.py::test_a_lean_inward_and_one_outward_are_both_tried",
     ),
     Defect(
+        name="a rating that is asked for is used up by its own depth",
+        file="uwopt/report/text/in_hand.py",
+        old="    if name == DEPTH and deepest_m > 0.0",
+        new="    if False and deepest_m > 0.0",
+        test="tests/report/test_in_hand.py::test_a_depth_rating_counts_from_the_deepest_scene",
+    ),
+    Defect(
+        name="a rating that is asked for is a great risk",
+        file="uwopt/api/risks.py",
+        old="yield (29.0 if asked else 62.0)",
+        new="yield (62.0 if asked else 62.0)",
+        test="tests/api/test_risks.py::"
+        "test_ratings_that_leave_little_are_one_risk_and_a_slight_one_where_they_are_asked_for",
+    ),
+    Defect(
         name="what fails first forgets the reserve",
         file="uwopt/report/text/in_hand.py",
         old="left = margin.margin + margin.reserve",

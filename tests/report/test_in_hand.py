@@ -68,6 +68,15 @@ def test_the_least_in_hand_is_named_with_its_reserve():
     assert said(BLUR, SNR, RATE) == "fails first: signal to noise, margin 0 dB beyond the 3 dB reserve"
 
 
+def test_a_depth_rating_counts_from_the_deepest_scene():
+    """A dome rated to 6000 m, as was asked for 5500 m, was told to fail first, with a margin of 0 m."""
+    dome = margin("depth_rating_m (dome)", 6000.0, 6000.0, ">=", "m")
+    assert share_in_hand(dome, 5500.0) == pytest.approx(0.0909, abs=1e-4)
+    design = Design([Scene([margin("max_gsd_mm", 3.8, 4.0, "<=", "mm"), dome])])  # 5 % left
+    assert fails_first(design, 5500.0) == "fails first: pixel on the floor, margin 0.200 mm"  # type: ignore[arg-type]
+    assert fails_first(design, 6000.0).startswith("fails first: depth rating")  # type: ignore[arg-type]
+
+
 def test_without_a_reserve_none_is_told():
     assert said(BLUR, SNR, SWATH) == "fails first: swath, margin 0 m"
 

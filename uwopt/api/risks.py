@@ -156,16 +156,24 @@ def nothing_in_hand(result: Result, design: Design) -> Weighed:
 
 
 def shallow(result: Result, design: Design) -> Weighed:
-    """A depth rating that is used up by the deepest scene."""
-    deepest_m = max((float(scene.get("depth_m") or 0.0) for scene in result.mission.get("scenes") or []), default=0.0)
+    """Depth ratings that are used up by the deepest scene; good to know where the mission itself asks for that rating.
+
+    Instruments that are rated for a depth work there: see `depth_factor` of the mission.
+    """
+    deepest_m, few = result.deepest_m, dict[str, float]()
     for margin in design.margins:
         if not margin.satisfied or stem_of(margin.requirement) != "depth_rating_m" or margin.value is None:
             continue
         if deepest_m > 0.0 and margin.value < deepest_m * (1.0 + DEPTH_IN_HAND):
-            part = margin.requirement.partition(" (")[2].rstrip(")")
-            because = f"{part or 'a part'} is rated for little more than the depth of the mission"
-            figure = " against ".join(format_quantity(depth_m, "m") for depth_m in (margin.value, deepest_m))
-            yield 62.0, Risk("a part may not stand the pressure", because, figure)
+            few[margin.requirement.partition(" (")[2].rstrip(")") or "a part"] = margin.value
+    if few:
+        asked = (result.mission.get("limits") or {}).get("depth_rating_m") is not None
+        what = "a part may not stand the pressure" if len(few) == 1 else "parts may not stand the pressure"
+        those = f"{listed([*few])} {'is' if len(few) == 1 else 'are'}"
+        because = f"{those} rated for little more than the depth of the mission"
+        because += ", as limits.depth_rating_m allows" if asked else ""
+        figure = " against ".join(format_quantity(depth_m, "m") for depth_m in (min(few.values()), deepest_m))
+        yield (29.0 if asked else 62.0), Risk(what, because, figure)
 
 
 def drained(result: Result, design: Design) -> Weighed:

@@ -154,6 +154,11 @@ class Result(Shown, FiledRecord):
         return self.recommendation or self.design
 
     @property
+    def deepest_m(self) -> float:
+        """Depth of the mission's deepest scene."""
+        return max((float(scene.get("depth_m") or 0.0) for scene in self.mission.get("scenes") or []), default=0.0)
+
+    @property
     def parts_left(self) -> PartsLeft | None:
         """What the mission leaves to choose from; None where an earlier version wrote this."""
         return None if self.certificate is None else self.certificate.parts_left

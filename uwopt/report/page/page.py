@@ -109,7 +109,7 @@ def opening(result: Result | FrontResult) -> tuple[str, str]:
     if isinstance(result, FrontResult) or result.best is None:
         return verdict(result)
     said = [goal_sentence(result, result.best)]
-    if first := fails_first(result.best.as_set):
+    if first := fails_first(result.best.as_set, result.deepest_m):
         said.append(words.as_sentence(first))
     return " ".join([words.as_sentence(how_far(result)), *practice_sentences(result)]), " ".join(said)
 

@@ -1,7 +1,8 @@
 """What makes a design fail first: the requirement with the least margin, as a share of what is asked for.
 
 Judged by what the result says of its margins. What is only a matter of a setting with room left (overlap and rate,
-gain, highlights, light level) is passed over, and so are budgets: they break no image.
+gain, highlights, light level) is passed over, and so are budgets: they break no image. What is left of a depth rating
+is counted from the deepest scene: a rating that a mission asks for has its own margin, and parts have round ones.
 """
 
 from __future__ import annotations
@@ -10,26 +11,32 @@ from uwopt.report.text import formats, words
 from uwopt.results.design import Design, Margin
 from uwopt.units import db_to_ratio
 
+DEPTH = "depth_rating_m"
 BREAKING = (
     "max_blur_px", "max_skew_px", "dof_near_m", "dof_far_m", "min_dof_m", "max_gsd_mm", "min_swath_m",
     "min_common_swath_m", "max_depth_error_mm", "min_snr_db", "min_snr_mean_db", "min_snr_red_db",
     "max_white_balance", "min_contrast", "min_uniformity",
-    "min_mtf_half_nyquist", "resolve_mm", "max_airy_px", "lamp_clear_m", "depth_rating_m",
+    "min_mtf_half_nyquist", "resolve_mm", "max_airy_px", "lamp_clear_m", DEPTH,
 )  # fmt: skip
 ALIKE = 1e-6  # of what is asked: so near, two requirements fail together
 MOST_NAMED = 3
 
 
-def share_in_hand(margin: Margin) -> float | None:
-    """What is left of a requirement as a share of what is asked for, reserve included; of decibels as a ratio."""
-    asked = margin.asked
-    if margin.requirement.partition(" (")[0] not in BREAKING or margin.margin is None or not asked:
+def share_in_hand(margin: Margin, deepest_m: float = 0.0) -> float | None:
+    """What is left of a requirement as a share of what is asked for, reserve included; of decibels as a ratio.
+
+    deepest_m : depth of the deepest scene, of which a depth rating leaves so much; 0: of the rating that is asked for
+    """
+    asked, name = margin.asked, margin.requirement.partition(" (")[0]
+    if name not in BREAKING or margin.margin is None or not asked:
         return None
+    if name == DEPTH and deepest_m > 0.0 and margin.value is not None:
+        return margin.value / deepest_m - 1.0
     left = margin.margin + margin.reserve
     return float(db_to_ratio(left)) - 1.0 if margin.unit == "dB" else left / abs(asked)
 
 
-def fails_first(design: Design) -> str:
+def fails_first(design: Design, deepest_m: float = 0.0) -> str:
     """`fails first: signal to noise, margin 0 dB beyond the 3 dB reserve`; "" where none could, or some do."""
     if not design.feasible:
         return ""
@@ -37,7 +44,7 @@ def fails_first(design: Design) -> str:
         (share, number, scene.name, margin)
         for scene in design.scenes
         for number, margin in enumerate(scene.margins)
-        if (share := share_in_hand(margin)) is not None
+        if (share := share_in_hand(margin, deepest_m)) is not None
     ]
     if not found:
         return ""

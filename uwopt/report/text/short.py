@@ -204,7 +204,7 @@ def verdict_lines(result: Result) -> list[Line]:
     if result.best is None:
         return []
     said = [*practice_sentences(result), goal_sentence(result, result.best), image_sentence(result, result.best.as_set)]
-    if first := fails_first(result.best.as_set):
+    if first := fails_first(result.best.as_set, result.deepest_m):
         said.append(words.as_sentence(first))
     said += [*subject_sentences(result, result.best)]
     said += [words.as_sentence(note.message) for note in result.warnings if note.code in TOLD_FIRST]
