@@ -35,22 +35,26 @@ from uwopt.bench.machine import processor  # noqa: E402
 from uwopt.catalog.choose import ToBeMade  # noqa: E402
 from uwopt.deadline import Deadline  # noqa: E402
 from uwopt.errors import MissionError  # noqa: E402
+from uwopt.evaluation.design_model import DesignModel  # noqa: E402
+from uwopt.evaluation.influences import influences_of  # noqa: E402
 from uwopt.forward.assembly import build_problem, load_catalog, selected  # noqa: E402
-from uwopt.forward.batch import Batch  # noqa: E402
-from uwopt.forward.designs import Designs  # noqa: E402
+from uwopt.forward.designs import Hardware, SceneSettings  # noqa: E402
 from uwopt.forward.effects import effects_kept  # noqa: E402
-from uwopt.forward.figures import SettingRows  # noqa: E402
+from uwopt.forward.figures import DesignRows, SettingRows, figures_of  # noqa: E402
+from uwopt.forward.problem import Problem  # noqa: E402
 from uwopt.mission.mission import Mission, load_mission  # noqa: E402
+from uwopt.model.effects import Effects  # noqa: E402
 from uwopt.objectives.axes import Axes  # noqa: E402
 from uwopt.solvers.front.search import Front, FrontSearch  # noqa: E402
+from uwopt.solvers.population.evaluator import focus_maps  # noqa: E402
 
 PROBLEMS = ROOT / "problems"
 REEF = PROBLEMS / "reef-mosaic.yaml"
 MISSIONS = sorted(p for p in PROBLEMS.glob("*.yaml") if not p.stem.endswith(".system"))
 LIBRARIES = ("numpy", "scipy", "casadi", "nlopt", "pydantic", "jerlov")
 Row = Sequence[str]
-N_DESIGNS = 500
-MANY = 8000  # designs whose figures are asked for at once
+N_DESIGNS = 100
+MANY = 8000  # settings of these whose figures are asked for at once
 SETTINGS_A_DESIGN = 4
 CLEAR = {
     "scene": {"water": "I", "seafloor": 0.3, "depth_m": 100.0},
@@ -128,7 +132,7 @@ def search_row(name: str, physics: str, runs: Sequence[tuple[Any, dict[str, floa
 
 
 def physics_table(repeats: int) -> list[str]:
-    """Physics `full` and `auto` over the same batches of designs."""
+    """Physics `full` and `auto` of the same designs."""
     rows: list[Row] = []
     for name, mission, tolerance in SCENES:
         c = compare(mission, tolerance=tolerance, repeats=repeats)
@@ -139,11 +143,11 @@ def physics_table(repeats: int) -> list[str]:
             ]
         )  # fmt: skip
     return [
-        "## Physics `full` and `auto` in batches",
+        "## Physics `full` and `auto`",
         "",
-        f"{N_DESIGNS} designs drawn from the catalogue, 2 lamps, hardware integrals and figures together; both physics",
-        "in turn in one run. Last columns: figures of all requirements once hardware is tabulated,",
-        f"of {MANY} designs at once, settings at random.",
+        f"{N_DESIGNS} designs drawn from the catalogue, 2 lamps, one after another: hardware integrals and figures",
+        "together; both physics in turn in one run. Last columns: figures of all requirements once hardware is",
+        f"tabulated, of {MANY} designs at once, settings at random.",
         "",
         *table(
             ["scene", "tolerance", "kept by auto", "full s", "auto s", "full / auto", "10⁶ designs/s, full", "paper"],
@@ -154,7 +158,7 @@ def physics_table(repeats: int) -> list[str]:
 
 @dataclass(frozen=True)
 class Comparison:
-    """One scene: seconds a batch in both physics, and the forward model's rate with tables built."""
+    """One scene: seconds of all designs in both physics, and the forward model's rate with tables built."""
 
     kept: tuple[str, ...]
     full_s: float
@@ -168,51 +172,75 @@ def compare(mission: Any, *, tolerance: float, repeats: int) -> Comparison:
     loaded = load_mission(mission).with_changes(physics="full", tolerance=tolerance)
     selection = selected(loaded, load_catalog(loaded), generic="never")
     problem, plain = (build_problem(one, selection) for one in (loaded, loaded.with_changes(physics="paper")))
-    designs, settings = drawn(problem, np.random.default_rng(0), N_DESIGNS)
-    many, many_settings = drawn(problem, np.random.default_rng(1), MANY)
+    designs, settings = drawn(problem, np.random.default_rng(0))
+    each = [settings.take(np.array([place])) for place in range(N_DESIGNS)]
+    given = [[SceneSettings(*(float(column[0]) for column in vars(one).values()))] for one in each]
 
     def full() -> None:
-        batch = Batch(problem, designs)
-        batch.figures(0, batch.rows(0), settings)
+        whole = problem.with_effects(problem.effects)  # of which no light is known
+        for hardware, one in zip(designs, each, strict=True):
+            DesignModel(whole, hardware).figures(0, one)
 
     def auto() -> None:
-        batch = Batch(problem, designs)
-        lean = batch.with_effects(effects_kept(batch.influences(tolerance, [settings])))
-        lean.figures(0, lean.rows(0), settings)
+        for hardware, one, set_so in zip(designs, each, given, strict=True):
+            kept = effects_kept(influences_of(problem, hardware, set_so))
+            DesignModel(problem.with_effects(kept), hardware).figures(0, one)
 
-    def tabulated(batch: Batch) -> Callable[[], None]:
-        rows = batch.rows(0)
-
-        def figures() -> None:
-            for _ in range(SETTINGS_A_DESIGN):
-                batch.figures(0, rows, many_settings)
-
-        return figures
-
-    batch = Batch(problem, designs)
-    tasks = (full, auto, *(tabulated(Batch(one, many)) for one in (problem, plain)))
+    tasks = (full, auto, *(tabulated(one, designs, settings) for one in (problem, plain)))
     for task in tasks:  # path tables are built once a scene, whichever physics
         task()
     times = [[timed_s(task) for task in tasks] for _ in range(repeats)]
     full_s, auto_s, *tabulated_s = (median(each) for each in zip(*times, strict=True))
-    kept = tuple(i.name for i in batch.influences(tolerance, [settings]) if i.kept)
-    return Comparison(kept, full_s, auto_s, *(MANY * SETTINGS_A_DESIGN / each for each in tabulated_s))
+    judged = (influences_of(problem, hardware, one) for hardware, one in zip(designs, given, strict=True))
+    kept = {influence.name for found in judged for influence in found if influence.kept}
+    names = tuple(name for name in Effects.names() if name in kept)
+    return Comparison(names, full_s, auto_s, *(MANY * SETTINGS_A_DESIGN / each for each in tabulated_s))
 
 
-def drawn(problem: Any, rng: np.random.Generator, n: int) -> tuple[Designs, SettingRows]:
+def tabulated(problem: Problem, designs: Sequence[Hardware], settings: SettingRows) -> Callable[[], None]:
+    """Figures of all requirements in one scene, of designs whose hardware is tabulated."""
+    again, focus = np.arange(MANY) % N_DESIGNS, float(settings.dioptre_per_m[0])
+    models = [DesignModel(problem, hardware) for hardware in designs]
+    each = [model.rows_at(0, focus) for model in models]
+    camera, lens, port, light = (
+        np.array([getattr(one, kind) for one in designs])[again] for kind in ("camera", "lens", "port", "light")
+    )
+
+    def columns(parts: Sequence[Any]) -> Any:
+        """Of all designs, those of one altitude next to each other."""
+        return type(parts[0]).joined(parts).take(again).with_arrays(np.asfortranarray)
+
+    asks = not problem.paper and problem.scenes[0].view.requirements.asks_sharpness
+    many, asked = DesignRows(
+        cameras=problem.cameras.take(camera), lenses=problem.lenses.take(lens), lights=problem.lights.take(light),
+        count=np.full(MANY, 2.0), view=columns([one.view for one in each]), focus_map=focus_maps(problem, 0, port),
+        lever_m=np.concatenate([one.lever_m for one in each])[again], light=columns([one.light for one in each]),
+        sun=None if each[0].sun is None else columns([one.sun for one in each]),
+        sharp=columns([model.sharp_rows(0, focus) for model in models]) if asks else None,
+    ), settings.take(again)  # fmt: skip
+
+    def figures() -> None:
+        for _ in range(SETTINGS_A_DESIGN):
+            figures_of(problem.scenes[0], many, asked)
+
+    return figures
+
+
+def drawn(problem: Problem, rng: np.random.Generator) -> tuple[list[Hardware], SettingRows]:
     """Random hardware of the problem's parts with two lamps, and random settings."""
-    parts = problem.parts
+    parts, n = problem.parts, N_DESIGNS
 
-    def pick(count: int) -> Any:
-        return rng.integers(count, size=n)
+    def pick(count: int) -> list[int]:
+        return [int(place) for place in rng.integers(count, size=n)]
 
     def log(low: float, high: float) -> Any:
         return np.exp(rng.uniform(np.log(low), np.log(high), n))
 
-    designs = Designs(
-        camera=pick(len(parts.cameras)), lens=pick(len(parts.lenses)), port=pick(len(parts.ports)),
-        landscape=rng.random(n) < 0.5, light=pick(len(parts.lights)), count=np.full(n, 2), mount=problem.mounts[0],
+    places = zip(
+        pick(len(parts.cameras)), pick(len(parts.lenses)), pick(len(parts.ports)), rng.random(n) < 0.5,
+        pick(len(parts.lights)), strict=True,
     )  # fmt: skip
+    designs = [Hardware(*place, count=2, mount=problem.mounts[0]) for place in places]
     exposure = log(1e-4, 1e-2)
     return designs, SettingRows(
         f_number=log(1.4, 16), exposure_s=exposure, pulse_s=exposure, gain=log(1, 20), level=rng.uniform(0.1, 1.0, n),

@@ -204,7 +204,7 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="red may do without its veils",
         file="uwopt/forward/effects.py",
-        old="return problem.scenes[group.scene_index].channels if sees_colours(curves) else ()",
+        old="return problem.scenes[seen.scene_index].channels if sees_colours(curves) else ()",
         new="return ()",
         test=f"{COLOUR}::test_veils_are_kept_where_red_needs_them",
     ),

@@ -81,7 +81,7 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="sharpness that is not asked for is told without the window's colours",
         file="uwopt/evaluation/influences.py",
-        old="settings, information=True)", new="settings, information=False)",
+        old="scenes, information=True)", new="scenes, information=False)",
         test=f"{SHOWN}test_as_set_is_what_evaluate_says_of_the_settings_typed_in",
     ),
     Defect(

@@ -101,10 +101,10 @@ DEFECTS = (
         test="tests/evaluation/test_design_model.py::test_offset_of_the_sensor_shortens_the_exposure",
     ),
     Defect(
-        name="a batch sees what lenses see at infinity",
-        file="uwopt/forward/batch.py",
-        old="        rows = replace(rows, view=self.view_at(index, settings.dioptre_per_m))",
-        new="        rows = replace(rows, view=self.views[index])",
-        test="tests/forward/test_batch.py::test_a_batch_gives_what_one_design_at_a_time_gives",
+        name="figures are of what the lens sees at infinity",
+        file="uwopt/evaluation/design_model.py",
+        old="        return replace(self.rows[index], view=self.view_at(index, dioptre_per_m))",
+        new="        return self.rows[index]",
+        test="tests/evaluation/test_breathing.py::test_swath_and_blur_are_those_of_a_lens_that_moves_as_a_whole",
     ),
 )

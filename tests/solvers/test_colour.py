@@ -17,7 +17,7 @@ from thorough import drawn
 from uwopt.catalog.parts.quantity import Curve
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.designs import Hardware, SceneSettings
-from uwopt.forward.effects import ImagerGroup, bounds_of
+from uwopt.forward.effects import InScene, bounds_of
 from uwopt.model.sensor import white_balance
 from uwopt.objectives.requirements import MarginRows
 from uwopt.solvers.exact.balance import least_ratio
@@ -222,11 +222,8 @@ def test_veils_are_kept_where_red_needs_them() -> None:
     for asked in ({}, {"min_snr_red_db": 0.0}):
         problem = coloured_case(asked, red).problem()
         model = DesignModel(problem, Hardware(0, 0, 0, True, 0, 1, problem.mounts[0]))
-        group = ImagerGroup(
-            scene_index=0, view=model.views[0], camera=np.array([0]), port=0, light=np.array([0]), optics=0,
-            mount=problem.mounts[0], count=np.array([1]),
-        )  # fmt: skip
-        shares.append(bounds_of(model.problem, group, information=False)["backscatter"][0])
+        seen = InScene(0, model.views[0], model.hardware)
+        shares.append(bounds_of(model.problem, seen, information=False)["backscatter"][0])
     assert shares[1] > 1.2 * shares[0]
 
 

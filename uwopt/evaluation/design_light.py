@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from uwopt.arrays import Array
 from uwopt.forward.designs import Hardware
 from uwopt.forward.figures import full_light_lm
 from uwopt.forward.floor_light import footprint_light
@@ -137,6 +138,14 @@ class DesignLight:
             channel=channel,
             pixels=pixels,
         )
+
+    def signal_e(self, index: int) -> Array:
+        """Electrons per lm s of light that forms the image, behind the lamps' windows."""
+        hw = self.hardware
+        return image_light(
+            self.problem, index, self.views[index], np.array([hw.camera]), port_index=hw.port, lit=self.lit,
+            veils="none",
+        ).signal_e  # fmt: skip
 
     def image_light(
         self, index: int, *, pixels: Pixels | None = None, channel: str | None = None, altitude: int | None = None

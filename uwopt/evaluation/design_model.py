@@ -36,6 +36,7 @@ from uwopt.forward.lamp_views import (
 )
 from uwopt.forward.motion import blur_time_s, required_rate_hz
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, number
+from uwopt.forward.pixels import at_fewest_pixels
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import Pixels
 from uwopt.forward.sharpness import SharpRows, airy_wavelength_nm, sharpness_of
@@ -73,6 +74,9 @@ class DesignModel(DesignLight):
 
     def _rows(self, index: int, *, pixels: Pixels | None, altitude: int | None = None) -> DesignRows:
         scene, view, hw = self.problem.scenes[index], self.views[index], self.hardware
+        light, sun = at_fewest_pixels(
+            self.image_light(index, pixels=pixels, altitude=altitude), self.sun_light(index, pixels=pixels)
+        )
         return DesignRows(
             cameras=self.cameras,
             lenses=self.lenses,
@@ -81,8 +85,8 @@ class DesignModel(DesignLight):
             view=view,
             focus_map=self.maps[index],
             lever_m=levers_m(scene, np.array([self.shapes[index].outer_radius_m])),
-            light=self.image_light(index, pixels=pixels, altitude=altitude),
-            sun=self.sun_light(index, pixels=pixels),
+            light=light,
+            sun=sun,
             spacer_m=np.array([self.spacer_m]),
         )
 

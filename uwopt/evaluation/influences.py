@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
-
+from uwopt.evaluation.design_light import DesignLight
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward import effects as influence
-from uwopt.forward.batch import Batch
-from uwopt.forward.designs import Designs, Hardware, SceneSettings
+from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.problem import Problem
 from uwopt.model.effects import Effects
 
@@ -19,12 +17,9 @@ def influences_of(problem: Problem, hardware: Hardware, given: list[SceneSetting
     """
     if problem.paper:
         return []
-    plain = DesignModel(problem.with_effects(Effects.none()), hardware)
-    settings = [plain.settings(index, one) for index, one in enumerate(given)]
-    one = np.array([0])
-    designs = Designs(
-        one + hardware.camera, one + hardware.lens, one + hardware.port, np.array([hardware.landscape]),
-        one + hardware.light, one + hardware.count, hardware.mount,
-    )  # fmt: skip
-    batch = Batch(problem, designs)
-    return batch.influences(problem.mission.tolerance, settings, information=True)
+    plain, light = DesignModel(problem.with_effects(Effects.none()), hardware), DesignLight(problem, hardware)
+    scenes = [
+        influence.InScene(index, light.views[index], hardware, plain.settings(index, one), light.signal_e(index))
+        for index, one in enumerate(given)
+    ]
+    return influence.choose(influence.judge(light.problem, scenes, information=True), problem.mission.tolerance)

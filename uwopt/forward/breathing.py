@@ -20,7 +20,6 @@ from uwopt.forward.views import Views, altitudes_m, edge_m, footprints, own_rang
 from uwopt.model import stereo
 from uwopt.model.imaging import PortShape
 
-AT_FOCUS = ("covered_along_m", "covered_across_m", "pixel_along_m", "pixel_across_m", "common_across_m")  # of `Views`
 MOVED = ("footprint_along_m", "footprint_across_m", "pixel_along_m", "pixel_across_m")
 
 
@@ -29,7 +28,7 @@ def at_focus(
 ) -> Views:
     """Views with what their images surely cover at a focus: swath, advance, and the smallest pixels.
 
-    shape : of one port, or columns (n,)
+    shape : of their port
     pixel_pitch_m : (n,) [m]; dioptre_per_m : (n,), or one for all, at the lens [1/m]
 
     Physics `paper` focuses without moving. Where a focus leaves no image the field is kept: other rules refuse it.
@@ -39,8 +38,7 @@ def at_focus(
     longer = extension(scene, view, dioptre_per_m)
     columns = (view.tan_along, view.tan_across, pixel_pitch_m, view.focal_length_m, longer)
     ranges_m = altitudes_m(scene)
-    alone = np.ndim(shape.outer_radius_m) == 0
-    first, back = groups_alike(*columns, *own_ranges(ranges_m)) if alone else (slice(None), slice(None))
+    first, back = groups_alike(*columns, *own_ranges(ranges_m))
     along, across, pitch_m, focal_m, factor = (column[first] for column in columns)
     ranges_m = ranges_m[first] if ranges_m.ndim > 1 else ranges_m
     moved = covered(scene, shape, along, across, pitch_m, focal_m, factor, ranges_m)

@@ -1,10 +1,9 @@
-"""Designs as indices into a problem's tables, one or many, and the settings of one."""
+"""A design as indices into a problem's tables, and its settings."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from uwopt.arrays import Array
 from uwopt.forward.lamps import Mount
 
 
@@ -39,19 +38,3 @@ class SceneSettings:
     rate_hz: float | None = None
     dioptre_per_m: float | None = None
     focus_distance_m: float | None = None
-
-
-@dataclass(frozen=True)
-class Designs:
-    """Hardware of n designs as indices into a problem's tables; the mount is common."""
-
-    camera: Array
-    lens: Array
-    port: Array
-    landscape: Array
-    light: Array
-    count: Array
-    mount: Mount
-
-    def __len__(self) -> int:
-        return len(self.camera)

@@ -12,13 +12,15 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from uwopt.arrays import Array
+from uwopt.forward.designs import Hardware
 from uwopt.forward.figures import SettingRows, full_light_lm
 from uwopt.forward.lamp_light import COARSE_ORDER, SMOOTH_MARGIN, LampField
-from uwopt.forward.lamps import LampGroup, Mount, one_side
+from uwopt.forward.lamps import LampGroup, one_side
 from uwopt.forward.part_columns import CONTINUOUS
 from uwopt.forward.problem import Problem
 from uwopt.forward.spectra import LARGEST_EXPONENT, TINY, sees_colours
@@ -55,19 +57,30 @@ class Influence:
 
 
 @dataclass(frozen=True)
-class ImagerGroup:
-    """Imagers in one scene that share port, lighting and efficiency curve, with what is set on them."""
+class InScene:
+    """One design in one scene, as wide as it looks, with what is set on it."""
 
     scene_index: int
     view: Views
-    camera: Array
-    port: int
-    light: Array
-    optics: int
-    mount: Mount
-    count: Array
+    hardware: Hardware
     settings: SettingRows | None = None  # None: not known yet, so that sunlight is kept
     signal_e: Array | None = None  # image-forming light per lm s, where it is known
+
+    def field(self, problem: Problem, channel: str | None = None) -> LampField:
+        """Its lamps' light, all of it or one colour."""
+        lit = LampGroup(self.optics(problem), self.hardware.mount, self.hardware.count)
+        return LampField(
+            problem, self.scene_index, port_index=self.hardware.port, lit=lit, efficiency=self.efficiency(problem),
+            channel=channel,
+        )  # fmt: skip
+
+    def optics(self, problem: Problem) -> int:
+        """Of its lamps."""
+        return int(problem.lights.optics_index[self.hardware.light])
+
+    def efficiency(self, problem: Problem) -> int:
+        """The curves of its sensor."""
+        return int(problem.cameras.qe_index[self.hardware.camera])
 
 
 def choose(influences: dict[str, tuple[float, float]], tolerance: float) -> list[Influence]:
@@ -87,28 +100,28 @@ def effects_kept(influences: Sequence[Influence]) -> Effects:
 
 
 def judge(
-    problem: Problem, groups: Sequence[ImagerGroup], *, information: bool = False
+    problem: Problem, scenes: Sequence[InScene], *, information: bool = False
 ) -> dict[str, tuple[float, float]]:
-    """Largest bound of each effect over groups of imagers, and the time that leaving it out would save [s].
+    """Largest bound of each effect over the scenes of a design, and the time that leaving it out would save [s].
 
     `information`: the objective asks for it.
     """
     worst = dict.fromkeys(Effects.names(), 0.0)
     saved = dict.fromkeys(Effects.names(), 0.0)
-    for group in groups:
-        for name, (bound, saved_s) in bounds_of(problem, group, information=information).items():
+    for seen in scenes:
+        for name, (bound, saved_s) in bounds_of(problem, seen, information=information).items():
             worst[name] = max(worst[name], bound)
             saved[name] += saved_s
     return {name: (worst[name], saved[name]) for name in worst}
 
 
-def bounds_of(problem: Problem, group: ImagerGroup, *, information: bool) -> dict[str, tuple[float, float]]:
-    """Bound and time saved of each effect for one group."""
-    scene = problem.scenes[group.scene_index]
+def bounds_of(problem: Problem, seen: InScene, *, information: bool) -> dict[str, tuple[float, float]]:
+    """Bound and time saved of each effect for a design in one scene."""
+    scene = problem.scenes[seen.scene_index]
     needs = scene.view.requirements
     found = dict.fromkeys(Effects.names(), (0.0, 0.0))
-    shape = problem.shape(group.port, group.scene_index)
-    view = group.view
+    shape = problem.shape(seen.hardware.port, seen.scene_index)
+    view, field = seen.view, partial(seen.field, problem)
     if needs.dof_at == "corner" or needs.resolve_mm is not None or information:
         found["image_curvature"] = found["lateral_colour"] = (KEPT, 0.0)
     if not shape.is_dome:
@@ -117,20 +130,12 @@ def bounds_of(problem: Problem, group: ImagerGroup, *, information: bool) -> dic
         head_on = port.normal_port_transmittance(n_water=shape.n_water, n_glass=shape.n_glass)
         found["window_angle"] = (float(np.max(1.0 - oblique / head_on)), 0.0)
     start = time.perf_counter()
-
-    def field(of: Problem = problem, channel: str | None = None) -> LampField:
-        return LampField(
-            of, group.scene_index, port_index=group.port,
-            lit=LampGroup(group.optics, group.mount, int(group.count.max())),
-            efficiency=int(problem.cameras.qe_index[group.camera[0]]), channel=channel,
-        )  # fmt: skip
-
-    signal = group.signal_e
-    if signal is None or problem.is_dark(group.optics):  # shares are those of a lamp that burns
+    signal = seen.signal_e
+    if signal is None or problem.is_dark(seen.optics(problem)):  # shares are those of a lamp that burns
         signal = field().light(view, veils="none").signal_e
     signal_s = time.perf_counter() - start
     lights = {None: signal} | {
-        name: field(channel=name).light(view, veils="none").signal_e for name in channels_of(problem, group)
+        name: field(channel=name).light(view, veils="none").signal_e for name in channels_of(problem, seen)
     }
     if scene.scatters:
         bound = max(forward_bound(field(channel=one), view, light) for one, light in lights.items())
@@ -145,27 +150,27 @@ def bounds_of(problem: Problem, group: ImagerGroup, *, information: bool) -> dic
     if field().contraction.multiple:
         once = problem.with_effects(problem.effects.without(["multiple_scattering"]))
         bound = max(
-            orders_bound(field(channel=one), field(once, channel=one), view, light) for one, light in lights.items()
+            orders_bound(field(channel=one), seen.field(once, one), view, light) for one, light in lights.items()
         )
         found["multiple_scattering"] = (bound + found["forward_veil"][0] + found["backscatter"][0], 0.0)
     if scene.sunlit:
         sun = max(
-            sun_bound(problem, group, light, information=information, channel=one) for one, light in lights.items()
+            sun_bound(problem, seen, light, information=information, channel=one) for one, light in lights.items()
         )
         found["sunlight"] = (sun, 0.0)
         if field().contraction.multiple:  # daylight's veils change too, by no more than either of them
             other = max(
-                sun_bound(once, group, light, information=information, channel=one) for one, light in lights.items()
+                sun_bound(once, seen, light, information=information, channel=one) for one, light in lights.items()
             )
             bound, saved_s = found["multiple_scattering"]
             found["multiple_scattering"] = (bound + sun + other, saved_s)
     return found
 
 
-def channels_of(problem: Problem, group: ImagerGroup) -> tuple[str, ...]:
-    """Colour channels of a group's sensor that something is asked of."""
-    curves = problem.efficiencies[int(problem.cameras.qe_index[group.camera[0]])]
-    return problem.scenes[group.scene_index].channels if sees_colours(curves) else ()
+def channels_of(problem: Problem, seen: InScene) -> tuple[str, ...]:
+    """Colour channels of a design's sensor that something is asked of."""
+    curves = problem.efficiencies[seen.efficiency(problem)]
+    return problem.scenes[seen.scene_index].channels if sees_colours(curves) else ()
 
 
 def orders_bound(many: LampField, once: LampField, view: Views, signal: Array) -> float:
@@ -262,13 +267,14 @@ def worst_pixel_shares(field: LampField, view: Views) -> tuple[float, float]:
 
 
 def sun_bound(
-    problem: Problem, group: ImagerGroup, signal: Array, *, information: bool, channel: str | None = None
+    problem: Problem, seen: InScene, signal: Array, *, information: bool, channel: str | None = None
 ) -> float:
     """Most that sunlight can be of the lamps' image-forming light; inf where it would smear the image."""
-    settings, scene = group.settings, problem.scenes[group.scene_index]
+    settings, scene, hardware = seen.settings, problem.scenes[seen.scene_index], seen.hardware
     if settings is None or scene.at_worst:  # the worst pixel may have no other light
         return KEPT
-    cameras, lights = problem.cameras.take(group.camera), problem.lights.take(group.light)
+    cameras = problem.cameras.take(np.array([hardware.camera]))
+    lights = problem.lights.take(np.array([hardware.light]))
     open_s = settings.exposure_s + cameras.exposure_offset_s
     pulsed = lights.kind != CONTINUOUS
     lit_s = np.where(pulsed, np.minimum(settings.pulse_s, open_s), open_s)
@@ -278,8 +284,8 @@ def sun_bound(
     ):
         return KEPT
     sun = SunField(
-        problem, group.scene_index, port_index=group.port, efficiency=int(cameras.qe_index[0]), channel=channel
-    ).light(group.view)
-    lamps = full_light_lm(lights, group.count) * settings.level * lit_s * lights.output_factor
+        problem, seen.scene_index, port_index=hardware.port, efficiency=int(cameras.qe_index[0]), channel=channel
+    ).light(seen.view)
+    lamps = full_light_lm(lights, np.array([hardware.count])) * settings.level * lit_s * lights.output_factor
     every = (sun.signal_e_s + sun.veil_e_s) * open_s[:, None]
     return float(np.max(every / np.maximum(signal * lamps[:, None], TINY)))

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import combinations_with_replacement
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from uwopt.arrays import Array
+
+if TYPE_CHECKING:
+    from uwopt.forward.lamp_light import ImageLight, SunLight
 
 AT_ONCE = 2**16  # pixels of some rows, that stay in the processor's cache
 SPARE = 60  # pixels that others are compared with, beside those that may miss an SNR
@@ -159,3 +164,23 @@ def _never_worse(mine: Sequence[Array], theirs: Sequence[Array]) -> Array:
     for (s_im, v_im, s_jm, v_jm), (s_in, v_in, s_jn, v_jn) in combinations_with_replacement(pairs, 2):
         found &= v_im * s_jn + v_in * s_jm <= v_jm * s_in + v_jn * s_im
     return found
+
+
+def at_fewest_pixels(light: ImageLight, sun: SunLight | None) -> tuple[ImageLight, SunLight | None]:
+    """The same light at those pixels alone that may decide: figures of many settings look at no others."""
+    worst = light.worst_e
+    if worst is None or worst.shape[2] <= light.may_miss + 1:
+        return light, sun
+    veil = light.worst_veil_e
+    sources = [(worst, np.zeros_like(worst) if veil is None else veil)]
+    shining = None if sun is None else sun.worst_e_s
+    if sun is not None and shining is not None:
+        over = sun.worst_veil_e_s
+        sources += [(shining, np.zeros_like(shining) if over is None else over)]
+    (worst_e, worst_veil_e), *others = fewest_pixels(sources, light.may_miss)
+    light = replace(light, worst_e=worst_e, worst_veil_e=None if veil is None else worst_veil_e)
+    for at_sun, over_sun in others:
+        assert sun is not None
+        kept = None if sun.worst_veil_e_s is None else over_sun
+        sun = replace(sun, worst_e_s=at_sun, worst_veil_e_s=kept)
+    return light, sun

@@ -9,22 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, Self
 
 import numpy as np
 
 from uwopt.arrays import Array
 from uwopt.forward.bars import Bars, Field
-from uwopt.forward.columns import Columns, placed, rows_alike
+from uwopt.forward.columns import Columns, distinct, placed, rows_alike
 from uwopt.forward.detail import DetailRows, detail_rows, shows_detail
 from uwopt.forward.lamps import relative_spectrum
 from uwopt.forward.motion import motion_along
-from uwopt.forward.part_columns import (
-    Cameras,
-    Lenses,
-    Ports,
-)
+from uwopt.forward.part_columns import Ports
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.spectra import TINY, Contraction
@@ -72,7 +68,6 @@ class SharpRows(Columns):
     fineness: float = 1.0  # of integrals over spatial frequency
     place_lens_blur: float = 1.0  # of the lens where MTF must hold, over that on the axis
     detail: DetailRows | None = None  # of light scattered nearly forward; None: it shows none
-    place_colour: Array | None = None  # (n, 2) what it leaves of MTF along and across; None: looked up when needed
 
     @classmethod
     def in_places(cls, parts: Sequence[tuple[Array | slice, Self]], count: int) -> Self:
@@ -193,14 +188,12 @@ class SharpRows(Columns):
             altitude=slice(None),
         )  # fmt: skip
         along, across = sharpness.mtf_axes(HALF_NYQUIST_CYC_PER_PX, sharpness=at)
-        left = self.colour_left() if self.place_colour is None else self.place_colour
+        left = self.colour_left
         return np.minimum(along * left[:, :1], across * left[:, 1:])
 
+    @cached_property
     def colour_left(self) -> Array:
-        """What lateral colour leaves of the transfer at half the Nyquist frequency, along and across, (n, 2).
-
-        Of hardware alone: `Unfocused.with_colour_left` keeps it as `place_colour`.
-        """
+        """What lateral colour leaves of the transfer at half the Nyquist frequency, along and across, (n, 2)."""
         left = np.ones((len(self.wavelength_nm), 2), order="F")
         for rows, table in self.groups("place"):
             for axis, k in enumerate(self.colour("place")):
@@ -287,116 +280,91 @@ class SharpRows(Columns):
         return out
 
 
-@dataclass(frozen=True)
-class Unfocused:
-    """All of n designs that no focus changes: the other columns of `SharpRows`, and where the floor's images lie.
+def sharpness_of(
+    problem: Problem, scene_index: int, view: Views, *, camera: Array, lens: Array, port: Array, optics: int,
+    dioptre_per_m: Array, at_corner: bool | None = None,
+) -> SharpRows:  # fmt: skip
+    """What the sharpness of designs under one light depends on beside their settings, at a focus.
 
-    Dioptres are (n, 2, 3) of both images at near, nominal and far altitude.
+    at_corner : whether MTF must hold there, or on the axis alone; None: as the scene asks
     """
-
-    columns: dict[str, Any]
-    focal_length_m: Array
-    axis_per_m: Array
-    corner_per_m: Array
-    rms_per_m: Array
-    at_corner: bool  # MTF must hold there
-
-    def with_colour_left(self) -> Unfocused:
-        """The same with what lateral colour leaves of MTF, which many settings of this hardware ask for."""
-        left = self.focused(np.zeros_like(self.focal_length_m)).colour_left()
-        return replace(self, columns={**self.columns, "place_colour": left})
-
-    def focused(self, dioptre_per_m: Array) -> SharpRows:
-        """The rows at a focus: discs of the floor's images, the larger of both."""
-        focal, pitch = self.focal_length_m, self.columns["pixel_pitch_m"]
-        imaged_at = np.where(focal * dioptre_per_m < 1.0, dioptre_per_m, 0.0)  # else N_w is infinite, MTF 0
-        optical = dict(
-            f_number=1.0, focal_length_m=focal[:, None, None], pixel_pitch_m=pitch[:, None, None],
-            focus_dioptre_per_m=imaged_at[:, None, None],
-        )  # fmt: skip
-
-        def discs(dioptres: Array) -> Array:
-            return np.asarray(defocus_px(dioptres, **optical).max(axis=1))
-
-        on_axis = discs(self.axis_per_m)
-        corner, rms = (
-            on_axis if one is self.axis_per_m else discs(one) for one in (self.corner_per_m, self.rms_per_m)
-        )
-        both = np.maximum(on_axis, corner)
-        return SharpRows(
-            **self.columns, place_disc_px=both if self.at_corner else on_axis, corner_disc_px=both, rms_disc_px=rms
-        )
-
-
-def unfocused(
-    scene: SceneOptics, contraction: Contraction, view: Views, *, cameras: Cameras, lenses: Lenses, ports: Ports,
-    spectrum: Array | int, lateral_colour: bool, image_curvature: bool, forward_veil: bool,
-) -> Unfocused:  # fmt: skip
-    """Everything but the settings, row by row; `spectrum` of each row's light, or one for all."""
-    pitch, focal = cameras.pixel_pitch_m, view.focal_length_m
-
-    def dioptres(places: Array) -> Array:
-        return np.asfortranarray(field_dioptres_per_m(places, altitudes_m(scene)))
-
-    axis = dioptres(view.axis_image)
-    rms, corner = (dioptres(view.rms_image), dioptres(view.corner_image)) if image_curvature else (axis, axis)
-    at_corner = scene.view.requirements.dof_at == "corner"
-    radius = np.hypot(view.tan_along, view.tan_across)
-    flat = ~ports.is_dome & lateral_colour
-
-    def lateral_k(share: float) -> tuple[Array, Array]:
-        if share == 0.0 or not flat.any():
-            return np.zeros(len(pitch)), np.zeros(len(pitch))
-        tangent = radius * share
-        slope = lateral.radius_slope_px(
-            tangent, n_design=scene.n_water, focal_length_m=focal, pixel_pitch_m=pitch
-        ) * lateral.finite_range_share(
-            tangent, gap_m=ports.gap_m, thickness_m=ports.thickness_m, n_glass=ports.refractive_index,
-            n_water=scene.n_water, range_m=float(scene.range_m[scene.nominal]),
-        )  # fmt: skip
-        k = np.where(flat, 2.0 * np.pi * slope, 0.0)
-        return k * view.tan_along / radius, k * view.tan_across / radius
-
-    corner_k, rms_k = lateral_k(CORNER_FIELD), lateral_k(float(RMS_FIELD))
-    place_k = corner_k if at_corner else lateral_k(0.0)
-    spectra = np.broadcast_to(spectrum, pitch.shape)
-    first, index = rows_alike(spectra, cameras.qe_index)
-    seen = [(int(spectra[n]), int(cameras.qe_index[n])) for n in first]
-    colours = [arriving(scene, contraction, *one) for one in seen]
+    scene, contraction = problem.scenes[scene_index], problem.contractions[scene_index]
+    cameras, lenses, ports = problem.cameras.take(camera), problem.lenses.take(lens), problem.ports.take(port)
+    pitch, spectrum = cameras.pixel_pitch_m, int(contraction.spectrum_of[optics])
+    at_corner = scene.view.requirements.dof_at == "corner" if at_corner is None else at_corner
+    on_axis, at_rms, in_corner = discs_px(problem, scene, view, pitch, dioptre_per_m)
+    both = np.maximum(on_axis, in_corner)
+    coloured = ~ports.is_dome & problem.effects.lateral_colour
+    corner_k, rms_k = (
+        lateral_k(scene, view, pitch, ports, share, coloured) for share in (CORNER_FIELD, float(RMS_FIELD))
+    )
+    still = np.zeros(len(pitch))
+    place_k = corner_k if at_corner else (still, still)
+    curves, index = distinct(cameras.qe_index)
+    colours = [arriving(scene, contraction, spectrum, int(curve)) for curve in curves]
     wavelength = np.array([mean_wavelength_nm(scene, density) for density in colours])
     pixels = cameras.resolution_x_px * cameras.resolution_y_px
     detail = None
-    if shows_detail(contraction, forward_veil=forward_veil):
+    if shows_detail(contraction, forward_veil=problem.effects.forward_veil):
         scattered = np.array([mean_of(scene, density, scene.particles_per_m()) for density in colours])
         detail = detail_rows(scene, view, pixels=pixels, scattering_per_m=scattered[index])
-    return Unfocused(
-        columns=dict(
-            wavelength_nm=wavelength[index],
-            pixel_pitch_m=pitch,
-            rated_pitch_px=lenses.rated_pitch_m / pitch,
-            aberration_px=lenses.aberration_f1_m / pitch,
-            aberration_exponent=lenses.aberration_exponent,
-            blur_px_per_s=motion_px_per_s(scene, view, ports.outer_radius_m),
-            place_k_along=place_k[0],
-            place_k_across=place_k[1],
-            corner_k_along=corner_k[0],
-            corner_k_across=corner_k[1],
-            rms_k_along=rms_k[0],
-            rms_k_across=rms_k[1],
-            spread_index=np.asarray(index),
-            pixel_area_m2=view.area_m2[:, 1] / pixels,
-            gsd_m=view.gsd_m,
-            spreads=tuple(spread_of(scene, contraction, *one) for one in seen) if flat.any() else (),
-            fineness=scene.fineness.sharpness,
-            place_lens_blur=float(aberration.field_blur(1.0 if at_corner else 0.0)),
-            detail=detail,
-        ),
-        focal_length_m=focal,
-        axis_per_m=axis,
-        corner_per_m=corner,
-        rms_per_m=rms,
-        at_corner=at_corner,
-    )
+    return SharpRows(
+        wavelength_nm=wavelength[index], pixel_pitch_m=pitch, rated_pitch_px=lenses.rated_pitch_m / pitch,
+        aberration_px=lenses.aberration_f1_m / pitch, aberration_exponent=lenses.aberration_exponent,
+        blur_px_per_s=motion_px_per_s(scene, view, ports.outer_radius_m),
+        place_disc_px=both if at_corner else on_axis, corner_disc_px=both, rms_disc_px=at_rms,
+        place_k_along=place_k[0], place_k_across=place_k[1], corner_k_along=corner_k[0], corner_k_across=corner_k[1],
+        rms_k_along=rms_k[0], rms_k_across=rms_k[1], spread_index=np.asarray(index),
+        pixel_area_m2=view.area_m2[:, 1] / pixels, gsd_m=view.gsd_m,
+        spreads=tuple(spread_of(scene, contraction, spectrum, int(one)) for one in curves) if coloured.any() else (),
+        fineness=scene.fineness.sharpness, place_lens_blur=float(aberration.field_blur(1.0 if at_corner else 0.0)),
+        detail=detail,
+    )  # fmt: skip
+
+
+def discs_px(
+    problem: Problem, scene: SceneOptics, view: Views, pitch: Array, dioptre_per_m: Array
+) -> tuple[Array, Array, Array]:
+    """Discs at a focus on the axis, at the field point that stands for the image, and in the corner, (n, 3) each.
+
+    The larger of both images of the floor, of f-number 1. Of an even image all are that of the axis.
+    """
+    focal, altitudes = view.focal_length_m, altitudes_m(scene)
+    imaged_at = np.where(focal * dioptre_per_m < 1.0, dioptre_per_m, 0.0)  # else N_w is infinite, MTF 0
+    optical = dict(
+        f_number=1.0, focal_length_m=focal[:, None, None], pixel_pitch_m=pitch[:, None, None],
+        focus_dioptre_per_m=imaged_at[:, None, None],
+    )  # fmt: skip
+
+    def discs(places: Array) -> Array:
+        dioptres = np.asfortranarray(field_dioptres_per_m(places, altitudes))
+        return np.asarray(defocus_px(dioptres, **optical).max(axis=1))
+
+    on_axis = discs(view.axis_image)
+    if not problem.effects.image_curvature:
+        return on_axis, on_axis, on_axis
+    return on_axis, discs(view.rms_image), discs(view.corner_image)
+
+
+def lateral_k(
+    scene: SceneOptics, view: Views, pitch: Array, ports: Ports, share: float, coloured: Array
+) -> tuple[Array, Array]:
+    """Lateral colour along and across at a share of the half diagonal, k per cycle per px, (n,); 0 where there is none.
+
+    coloured : behind which ports there is, (n,)
+    """
+    if not coloured.any():
+        return np.zeros(len(pitch)), np.zeros(len(pitch))
+    radius = np.hypot(view.tan_along, view.tan_across)
+    tangent = radius * share
+    slope = lateral.radius_slope_px(
+        tangent, n_design=scene.n_water, focal_length_m=view.focal_length_m, pixel_pitch_m=pitch
+    ) * lateral.finite_range_share(
+        tangent, gap_m=ports.gap_m, thickness_m=ports.thickness_m, n_glass=ports.refractive_index,
+        n_water=scene.n_water, range_m=float(scene.range_m[scene.nominal]),
+    )  # fmt: skip
+    k = np.where(coloured, 2.0 * np.pi * slope, 0.0)
+    return k * view.tan_along / radius, k * view.tan_across / radius
 
 
 def motion_px_per_s(scene: SceneOptics, view: Views, outer_radius_m: Array) -> Array:
@@ -460,25 +428,3 @@ def spread_of(scene: SceneOptics, contraction: Contraction, spectrum: int, effic
         return lateral.spread_table(scene.wavelength_nm, electrons_per_nm=per_nm, n_water=scene.n_water_spectrum)
 
     return scene.once(key, made)
-
-
-def unfocused_of(
-    problem: Problem, scene_index: int, view: Views, *, camera: Array, lens: Array, port: Array, optics: Array | int
-) -> Unfocused:  # fmt: skip
-    """The same of designs of a problem; `optics` of each row's light, or one for all."""
-    contraction = problem.contractions[scene_index]
-    return unfocused(
-        problem.scenes[scene_index], contraction, view, cameras=problem.cameras.take(camera),
-        lenses=problem.lenses.take(lens), ports=problem.ports.take(port), spectrum=contraction.spectrum_of[optics],
-        lateral_colour=problem.effects.lateral_colour, image_curvature=problem.effects.image_curvature,
-        forward_veil=problem.effects.forward_veil,
-    )  # fmt: skip
-
-
-def sharpness_of(
-    problem: Problem, scene_index: int, view: Views, *, camera: Array, lens: Array, port: Array, optics: int,
-    dioptre_per_m: Array,
-) -> SharpRows:  # fmt: skip
-    """What the sharpness of designs under one light depends on beside their settings."""
-    hardware = unfocused_of(problem, scene_index, view, camera=camera, lens=lens, port=port, optics=optics)
-    return hardware.focused(dioptre_per_m)

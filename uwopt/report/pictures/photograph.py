@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from uwopt.arrays import Array
 from uwopt.evaluation.figures_by_name import field_of_view_m
 from uwopt.evaluation.recompute import Replay
-from uwopt.forward.sharpness import unfocused
+from uwopt.forward.sharpness import sharpness_of
 from uwopt.model import sensor, sharpness
 from uwopt.model.lateral import SpreadTable
 from uwopt.model.sharpness import Gain, Sharpness
@@ -240,18 +240,13 @@ def sharpness_at(design: Replay, scene_index: int, place: Place) -> Sharpness:
     they are nothing to a mission that asks nothing of its corners, but they show.
     """
     model, settings = design.model, design.settings[scene_index]
-    problem, hw = model.problem, model.hardware
-    scene, contraction = problem.scenes[scene_index], problem.contractions[scene_index]
-    one = np.array([0])
-    needs = scene.view.requirements.model_copy(update={"dof_at": "axis" if place == "centre" else "corner"})
-    rows = unfocused(
-        replace(scene, view=replace(scene.view, requirements=needs)), contraction,
-        model.view_at(scene_index, float(settings.dioptre_per_m[0])),
-        cameras=model.cameras, lenses=model.lenses, ports=problem.ports.take(one + hw.port),
-        spectrum=int(contraction.spectrum_of[model.optics]),
-        lateral_colour=not scene.paper, image_curvature=not scene.paper,
-        forward_veil=problem.effects.forward_veil,
-    ).focused(settings.dioptre_per_m)  # fmt: skip
+    hw, effects = model.hardware, replace(model.problem.effects, lateral_colour=True, image_curvature=True)
+    rows = sharpness_of(
+        model.problem.with_effects(effects), scene_index,
+        model.view_at(scene_index, float(settings.dioptre_per_m[0])), camera=np.array([hw.camera]),
+        lens=np.array([hw.lens]), port=np.array([hw.port]), optics=model.optics,
+        dioptre_per_m=settings.dioptre_per_m, at_corner=place == "corner",
+    )  # fmt: skip
     figures = model.figures(scene_index, settings)
     (group, table), *_ = rows.groups("place")
     return rows.at(

@@ -7,16 +7,18 @@ What counts as feasible is what the margins of an evaluation say; a design's fig
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 
 from uwopt.arrays import Array
-from uwopt.forward.batch import focus_maps
 from uwopt.forward.figures import DesignRows, Figures, SettingRows, figures_of, levers_m
 from uwopt.forward.part_columns import FLASH
+from uwopt.forward.problem import Problem
 from uwopt.forward.setting_rows import SceneRows, setting_rows
+from uwopt.forward.views import focus_map
+from uwopt.model.port import FocusMap
 from uwopt.objectives.objective import MAXIMISED, Terms
 from uwopt.objectives.own import OwnObjective
 from uwopt.objectives.requirements import (
@@ -281,6 +283,13 @@ class Evaluator:
             found[kind] = column
             found[f"{kind}_id"] = np.array([part.id for part in every])[column]
         return found
+
+
+def focus_maps(problem: Problem, scene_index: int, port: Array) -> FocusMap:
+    """Focus maps of designs' ports in one scene, as columns."""
+    ports, back = np.unique(port, return_inverse=True)
+    maps = [focus_map(problem.scenes[scene_index], problem.shape(int(one), scene_index)) for one in ports]
+    return FocusMap(*(np.array([getattr(one, f.name) for one in maps])[back] for f in fields(FocusMap)))
 
 
 def missed_of(margins: Sequence[MarginRows], count: int) -> Array:
