@@ -277,6 +277,20 @@ def test_housings_that_float_are_told_with_their_ballast(calm: Result) -> None:
     assert [risks_of(weighing(kg)) for kg in (-0.4, 0.0, 3.0, None)] == [[]] * 4
 
 
+@pytest.mark.parametrize(("water_c", "is_told"), [(28.0, True), (24.0, False)])
+def test_air_in_a_housing_that_may_be_warmer_than_cameras_stand_is_told(
+    calm: Result, water_c: float, is_told: bool
+) -> None:
+    """12 to 26 K over the water: 54 °C in the tropics, and 50 °C at 24 °C, which most makers allow."""
+    totals = replace(design_of(calm).totals, housing_heat_w=9.0, housing_warmer_k=[12.0, 26.0])
+    scenes = [{**calm.mission["scenes"][0], "temperature_c": at} for at in (5.0, water_c)]
+    there = replace(
+        calm, design=replace(design_of(calm), totals=totals), mission={**calm.mission, "scenes": scenes}
+    )
+    told = [(risk.what, risk.figure) for risk in risks_of(there)]
+    assert told == ([("the camera may become too warm", "40 to 54 °C in water of 28 °C")] if is_told else [])
+
+
 @pytest.mark.parametrize(
     ("used_wh", "what", "figure"),
     [

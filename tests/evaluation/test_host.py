@@ -99,3 +99,34 @@ def test_where_the_cable_does_not_reach_each_camera_has_its_computer(interface, 
     assert (f"{interface} reaches" in row.note) == (computers == 2)
     assert (found.totals.cost.value, found.totals.power_w) == pytest.approx((cost, power_w))
     assert found.scenes[0].figures["cost"] == pytest.approx(cost)  # of the columns that the search reads
+
+
+HOUSING: dict[str, Any] = {
+    "shape": "tube", "material": "acrylic", "inner_diameter_mm": 89.0, "inner_length_mm": 200.0,
+    "outer_diameter_mm": 101.6, "depth_rating_m": 400.0, "ports": ["any"], "price": 100.0, "currency": "EUR",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("interface", "cable_m", "heat_w"), [("GigE", 20.0, 4.0), ("GigE", 120.0, 9.0)])
+def test_a_computer_heats_the_housing_that_it_stands_in(interface: str, cable_m: float, heat_w: float) -> None:
+    """Of two cameras: 4 W in 0.0621 m2, air to wall 5 to 12, 6.3 mm of acrylic 0.17 to 0.2, to water 100 to 1000."""
+    mission = {
+        **MISSION, "catalog": {"host": "estimate", "housing": "required"},
+        "vehicle": {**MISSION["vehicle"], "camera_count": 2, "cable_m": cable_m},
+    }  # fmt: skip
+    system = {
+        **SYSTEM, "camera": {**SYSTEM["camera"], "interface": interface}, "camera_count": 2, "housing": HOUSING,
+    }  # fmt: skip
+    result = uwopt.evaluate(mission, system)
+    assert result.design is not None
+    totals = result.design.totals
+    assert totals.housing_heat_w == pytest.approx(heat_w)
+    coolest, warmest = heat_w / 0.06214 * (1 / 12 + 0.0063 / 0.2 + 1 / 1000), heat_w / 0.06214 * (
+        1 / 5 + 0.0063 / 0.17 + 1 / 100
+    )
+    assert totals.housing_warmer_k == pytest.approx([coolest, warmest], rel=1e-3)
+
+
+def test_without_a_housing_nothing_is_said_of_its_heat() -> None:
+    totals = design().totals
+    assert totals.housing_heat_w is None and totals.housing_warmer_k is None

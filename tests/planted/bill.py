@@ -10,6 +10,20 @@ INTERFACES = "tests/catalog/test_interfaces.py"
 
 DEFECTS = (
     Defect(
+        name="a computer in the camera's housing does not heat it",
+        file="uwopt/evaluation/housing_heat.py",
+        old='(drawn_w["computer"] if inside else 0.0)',
+        new="0.0",
+        test="tests/evaluation/test_host.py::test_a_computer_heats_the_housing_that_it_stands_in[GigE-120.0-9.0]",
+    ),
+    Defect(
+        name="a wall leads heat as air does",
+        file="uwopt/model/housing_heat.py",
+        old="wall_m / conductivity_w_mk",
+        new="conductivity_w_mk / wall_m * 1e-4",
+        test="tests/model/test_housing_heat.py::test_a_camera_with_its_computer_in_an_acrylic_tube",
+    ),
+    Defect(
         name="a cable of unknown reach reaches",
         file="uwopt/catalog/interfaces.py",
         old="reaches_m().get(interface, 0.0)",

@@ -72,6 +72,7 @@ SEEN_PX = 2.0  # a blur, skew or coloured edge wider than this is seen
 STILL_MM_S = 10.0  # a hand, a line or a hovering vehicle drifts faster; a frame on the floor does not
 STEADY_DEG = 3.0  # as well as a lamp's direction is kept on a vehicle
 DEPTH_IN_HAND = 0.1
+WARMEST_C = 50.0  # around an industrial camera, by most makers' sheets (assumed; no column of the catalogue has it)
 BUOYANT_KG = 0.5  # that a mount and its screws weigh in water; beyond it ballast is needed (assumed)
 MOST_GAIN_DB = RECOMMENDED_RESERVE["max_gain_db"]
 MUCH_ESTIMATED = 0.3  # of the price
@@ -189,6 +190,23 @@ def drained(result: Result, design: Design) -> Weighed:
     because = f"cells that are old or cold give less than their plate says: keep {100 * BATTERY_IN_HAND:.0f} % in hand"
     of, all_of = texts_apart(used_wh, battery_wh, text=lambda value, digits: format_quantity(value, "wh", digits))
     yield 58.0, Risk(what, because, f"{of} of {all_of}")
+
+
+def overheated(result: Result, design: Design) -> Weighed:
+    """Air in a housing that may be warmer than cameras are made for."""
+    warmer_k, heat_w = design.totals.housing_warmer_k, design.totals.housing_heat_w
+    if warmer_k is None or heat_w is None:
+        return
+    water_c = max(float(scene["temperature_c"]) for scene in result.mission["scenes"])
+    if water_c + warmer_k[1] <= WARMEST_C:
+        return
+    low, high = (f"{water_c + kelvin:.0f}" for kelvin in warmer_k)
+    because = (
+        f"{format_quantity(heat_w, 'w')} warm the air in its housing; most makers allow {WARMEST_C:.0f} °C around a "
+        "camera: lead its heat into a metal end cap, take a housing of metal, or ask"
+    )
+    figure = f"{low} to {high} °C in water of {water_c:g} °C"
+    yield 57.0, Risk("the camera may become too warm", because, figure)
 
 
 def floats(result: Result, design: Design) -> Weighed:
@@ -456,9 +474,9 @@ def noted(result: Result, design: Design) -> Weighed:
 
 
 RULES: Sequence[Callable[[Result, Design], Weighed]] = (
-    missed, uncertain, at_bad_ends, nothing_in_hand, shallow, drained, floats, in_other_water, lamps_off, noisy, uneven,
-    lost_in_corners, seen_in_the_image, smeared_subjects, must_stand_still, weak_colours, wide_open, high_gain,
-    held_back, price, to_be_made, maybe_withdrawn, idle_lamps, better_elsewhere, noted,
+    missed, uncertain, at_bad_ends, nothing_in_hand, shallow, drained, overheated, floats, in_other_water, lamps_off,
+    noisy, uneven, lost_in_corners, seen_in_the_image, smeared_subjects, must_stand_still, weak_colours, wide_open,
+    high_gain, held_back, price, to_be_made, maybe_withdrawn, idle_lamps, better_elsewhere, noted,
 )  # fmt: skip
 
 

@@ -21,6 +21,7 @@ from uwopt.evaluation.figures_by_name import (
     stop_notes,
     uneven_notes,
 )
+from uwopt.evaluation.housing_heat import heated
 from uwopt.evaluation.pair_light import pair_notes
 from uwopt.evaluation.resolved import Measured, Resolved, resolved
 from uwopt.evaluation.tested import tested_notes
@@ -131,7 +132,8 @@ def told(
     one = Terms(*(np.array([v]) for v in worst))
     minimised = float(objective.cost_to_minimise(one)[0])
     feasible = all(m.satisfied for s in scenes for m in s.margins)
-    bill = bill_of_materials(problem, hardware, model.spacer_m, drawn[int(np.argmax(powers))], model.disks_gb)
+    most_w = drawn[int(np.argmax(powers))]
+    bill = bill_of_materials(problem, hardware, model.spacer_m, most_w, model.disks_gb)
     return Design(
         hardware=used_hardware(problem, hardware, model.spacer_m),
         objective_value=objective.reported(minimised) if math.isfinite(minimised) else None,
@@ -143,6 +145,7 @@ def told(
             light_peak_power_w=max(peaks),
             mass_kg=mass,
             **housed_totals(model),
+            **heated(problem, hardware, most_w),
             run_time_h=model.run_time_h,
             **used_up(model, design.figures),
         ),

@@ -127,6 +127,12 @@ class Totals(Record):
     size_mm: list[Number] | None = Field(
         default=None, description="length and diameter of a housing with its port; null without housings"
     )
+    housing_heat_w: Number | None = Field(
+        default=None, description="that each housing's camera, and a computer in it, give off; null without housings"
+    )
+    housing_warmer_k: list[Number] | None = Field(
+        default=None, description="air in a housing over the water, at the least and the most; null without housings"
+    )
     energy_wh: Number | None = Field(
         default=None,
         description="over the mission's duration, scenes weighed by their time; null without one",

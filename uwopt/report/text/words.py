@@ -300,12 +300,20 @@ def power_sentence(totals: Totals) -> str:
 
 
 def housing_clause(totals: Totals) -> str:
-    """` (camera in its housing -0.2 kg in water, 248 x 114 mm)`; nothing without a housing."""
+    """` (cameras in their housings -0.2 kg in water, each 248 x 114 mm, ...)`; nothing without a housing."""
     if totals.mass_water_kg is None or totals.size_mm is None:
         return ""
     length, diameter = (format_number(measure, 3) for measure in totals.size_mm)
     in_water = quantity(totals.mass_water_kg, "kg")
-    return f" (cameras in their housings {in_water} in water, each {length} × {diameter} mm)"
+    return f" (cameras in their housings {in_water} in water, each {length} × {diameter} mm{warmth_clause(totals)})"
+
+
+def warmth_clause(totals: Totals) -> str:
+    """`, its air 3 to 8 °C warmer than the water`; nothing where that is not known."""
+    if totals.housing_warmer_k is None:
+        return ""
+    low, high = (format_number(kelvin, 2) for kelvin in totals.housing_warmer_k)
+    return f", its air {low} to {high} °C warmer than the water"
 
 
 def used_up_clause(totals: Totals) -> str:
