@@ -159,6 +159,25 @@ def test_weeks_in_water_that_light_reaches_ask_for_what_keeps_growth_off(
     assert known.startswith("83.3 days under water: what grows") == told == bool(known)
 
 
+@pytest.mark.parametrize(
+    ("hours", "salinity_psu", "name", "told"),
+    [
+        (2000.0, 35.0, "tube of aluminium", True), (200.0, 35.0, "tube of aluminium", False),
+        (2000.0, 0.0, "tube of aluminium", False), (2000.0, 35.0, "tube of titanium", False),
+    ],
+)  # fmt: skip
+def test_weeks_in_salt_water_ask_for_what_protects_aluminium(
+    make_result: Make, hours: float, salinity_psu: float, name: str, told: bool
+) -> None:
+    made = make_result()
+    scenes = [{"depth_m": 900.0, "salinity_psu": salinity_psu}]
+    result = replace(made, mission={**made.mission, "vehicle": {"duration_h": hours}, "scenes": scenes})
+    housing = replace(made.best.hardware.camera, id="a-tube", name=name)
+    best = replace(made.best, hardware=replace(made.best.hardware, housing=housing))
+    known = {one.what: one.known for one in not_counted(result, best)}.get("what keeps corrosion off", "")
+    assert known.startswith("83.3 days in salt water") == told == bool(known)
+
+
 def test_second_sources_are_close_enough_by_a_cell(make_result: Make) -> None:
     sheet = opened(make_result())["Second sources"]
     assert sheet["B2"].value == 0.1

@@ -66,6 +66,8 @@ def _not_counted(result: Result, best: Design) -> Iterator[NotCounted]:
         yield NotCounted("ballast", ballast_needed(lift_kg))
     if growth := growth_kept_off(result):
         yield NotCounted("what keeps growth off", growth)
+    if corrosion := corrosion_kept_off(result, best):
+        yield NotCounted("what keeps corrosion off", corrosion)
     if fed := supply_voltages(best.bom):
         yield NotCounted("supply voltages", fed, bought=False)
     if "rest-spares" in ids:
@@ -81,6 +83,7 @@ ELECTRONICS = "a place for electronics"
 LEAD_KG_L, WATER_KG_L = 11.34, 1.025  # lead at 20 C (CRC handbook), sea water
 FLOATS_KG = 0.1  # of lift that nobody need make up for
 GROWS_H, LIT_M = 336.0, 200.0  # from two weeks on, and down to the depth that sunlight reaches: both by convention
+FRESH_PSU = 0.5  # from here on water is brackish (Venice system)
 FED = ("camera", "complete", "light")  # kinds of parts that take power; so does the computer
 
 
@@ -118,6 +121,20 @@ def growth_kept_off(result: Result) -> str:
     return (
         f"{format_number(hours / 24.0)} days under water: what grows on port and lamps takes light and is not "
         "modelled; ask for a wiper, copper around the port, or a coating"
+    )
+
+
+def corrosion_kept_off(result: Result, best: Design) -> str:
+    """What protects housings of aluminium that stay for weeks in salt water; empty where there are none."""
+    hours = (result.mission.get("vehicle") or {}).get("duration_h")
+    salt = any(scene.get("salinity_psu", 0.0) > FRESH_PSU for scene in result.mission.get("scenes") or [])
+    named = [best.hardware.housing, best.hardware.light if best.hardware.light_count else None]
+    wet = [words.part_name(part) for part in named if part is not None]
+    if hours is None or hours < GROWS_H or not salt or not any("aluminium" in name.casefold() for name in wet):
+        return ""
+    return (
+        f"{format_number(hours / 24.0)} days in salt water: aluminium pits where its skin is scratched, and is eaten "
+        "where it touches steel or titanium; ask for anodes, and for mounts that keep them apart"
     )
 
 
