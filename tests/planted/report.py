@@ -22,10 +22,18 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/report/order/test_bom_book.py::test_an_order_that_is_not_certain_enough_says_so_above_its_lines",
     ),
     Defect(
+        name="aluminium lasts in salt water",
+        file="uwopt/report/text/not_counted.py",
+        old="> FRESH_PSU",
+        new="< FRESH_PSU",
+        test="tests/report/order/test_bom_book.py::"
+        "test_weeks_in_salt_water_ask_for_what_protects_aluminium[2000.0-35.0-tube of aluminium-True]",
+    ),
+    Defect(
         name="nothing grows in a season",
         file="uwopt/report/text/not_counted.py",
-        old="hours < GROWS_H or",
-        new="hours < 24.0 * GROWS_H or",
+        old="hours < GROWS_H else",
+        new="hours < 24.0 * GROWS_H else",
         test="tests/report/order/test_bom_book.py::"
         "test_weeks_in_water_that_light_reaches_ask_for_what_keeps_growth_off[2000.0-40.0-True]",
     ),

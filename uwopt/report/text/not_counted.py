@@ -112,28 +112,34 @@ def ballast_needed(lift_kg: float) -> str:
     return f"cameras in their housings float with {lift}; {lead} of lead hold them; lamps and cables are not counted"
 
 
+def days_that_tell(result: Result) -> str:
+    """How many days a system stays under water, where these are weeks; empty elsewhere."""
+    hours = (result.mission.get("vehicle") or {}).get("duration_h")
+    return "" if hours is None or hours < GROWS_H else format_number(hours / 24.0)
+
+
 def growth_kept_off(result: Result) -> str:
     """What keeps port and lamps clear where they stay for weeks in water that light reaches; empty elsewhere."""
-    hours = (result.mission.get("vehicle") or {}).get("duration_h")
+    days = days_that_tell(result)
     depths = [scene["depth_m"] for scene in result.mission.get("scenes") or [] if scene.get("depth_m") is not None]
-    if hours is None or hours < GROWS_H or not depths or min(depths) > LIT_M:
+    if not days or not depths or min(depths) > LIT_M:
         return ""
     return (
-        f"{format_number(hours / 24.0)} days under water: what grows on port and lamps takes light and is not "
+        f"{days} days under water: what grows on port and lamps takes light and is not "
         "modelled; ask for a wiper, copper around the port, or a coating"
     )
 
 
 def corrosion_kept_off(result: Result, best: Design) -> str:
     """What protects housings of aluminium that stay for weeks in salt water; empty where there are none."""
-    hours = (result.mission.get("vehicle") or {}).get("duration_h")
+    days = days_that_tell(result)
     salt = any(scene.get("salinity_psu", 0.0) > FRESH_PSU for scene in result.mission.get("scenes") or [])
     named = [best.hardware.housing, best.hardware.light if best.hardware.light_count else None]
     wet = [words.part_name(part) for part in named if part is not None]
-    if hours is None or hours < GROWS_H or not salt or not any("aluminium" in name.casefold() for name in wet):
+    if not days or not salt or not any("aluminium" in name.casefold() for name in wet):
         return ""
     return (
-        f"{format_number(hours / 24.0)} days in salt water: aluminium pits where its skin is scratched, and is eaten "
+        f"{days} days in salt water: aluminium pits where its skin is scratched, and is eaten "
         "where it touches steel or titanium; ask for anodes, and for mounts that keep them apart"
     )
 
