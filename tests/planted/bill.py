@@ -187,11 +187,11 @@ DEFECTS = (
         test=f"{REST}::test_a_battery_of_the_system_costs_weighs_and_limits",
     ),
     Defect(
-        name="a battery gives more than it holds",
+        name="a limit of energy beside a larger battery is told as one with its reserve",
         file="uwopt/mission/duration.py",
         old="asked_wh = min(asked_wh, vehicle.battery_wh)",
         new="asked_wh = max(asked_wh, vehicle.battery_wh)",
-        test=f"{REST}::test_of_battery_and_limit_the_smaller_holds[900.0-500.0]",
+        test=f"{REST}::test_of_a_battery_its_reserve_is_kept[450.0-400.0-50.0]",
     ),
     Defect(
         name="disks are sold by the gigabyte",
