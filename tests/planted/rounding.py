@@ -28,8 +28,8 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="settings stand at an edge where the objective does not care", file=SCENE,
-        old="self.away, *crowded, told_apart(self.power_w), *enough, value,",
-        new="self.away, told_apart(self.power_w), value,",
+        old="self.away, noise, *crowded, power, *enough, value,",
+        new="self.away, power, value,",
         test="tests/solvers/test_middle_settings.py::test_no_other_exposure_has_more_in_hand",
     ),
     Defect(
@@ -44,7 +44,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="watts are burned for what is in hand beyond enough", file=SCENE,
-        old="*crowded, told_apart(self.power_w), *enough,", new="told_apart(self.power_w), *crowded, *enough,",
+        old="*crowded, power, *enough,", new="power, *crowded, *enough,",
         test="tests/solvers/test_middle_settings.py::test_with_enough_in_hand_the_least_power_decides",
     ),
     Defect(

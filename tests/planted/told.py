@@ -105,6 +105,13 @@ DEFECTS: tuple[Defect, ...] = (
         "[auto-corner-sharp to the corners only from 1.42 m, not from 1.00 m]",
     ),
     Defect(
+        name="gain stands in for light that costs nothing",
+        file="uwopt/solvers/settable/scene.py",
+        old="(self.away, noise, *crowded,",
+        new="(self.away, *crowded,",
+        test="tests/solvers/test_rounding.py::test_sunlight_counts_when_a_sunlit_optimum_is_rounded",
+    ),
+    Defect(
         name="a bill of an earlier run stays beside a search that found nothing",
         file="uwopt/report/write.py",
         old="    for name in {BOM_FILE, BOOK_FILE, SOLVED_FILE} - set(files):",

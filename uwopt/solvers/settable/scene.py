@@ -58,6 +58,7 @@ ENOUGH = {
 ROOMY = tuple(ENOUGH)
 PLENTY = 0.5  # of a limit: what is in hand beyond it decides nothing
 FULL = 1.0 + PLENTY  # of what is in hand as it is noted: that it is enough counts 1
+SNR_DIGITS = 1  # of decibels, where nothing else tells settings apart
 ROOM_DIGITS = 6  # of a share of a limit: what differs by rounding alone decides nothing
 EVERY = slice(None)
 BALANCES = 13  # of lamps against sun, at which the worst pixels are looked for
@@ -95,11 +96,12 @@ class Tried(Columns):
 
     def best_of_each(self, group: Index) -> Index:
         """The best row of each group, in the groups' order: least missed, best; of equals one with enough in hand of
-        each limit or as near that as can be, then of least power, then farthest from its limits, then nearest the
-        optimum."""
+        each limit or as near that as can be, then of least power, then farthest from its limits, then of the most
+        signal to noise, then nearest the optimum: gain stands in for no light that the sun gives for nothing."""
         value = told_apart(np.minimum(self.value, WORST))
         enough, crowded = (tuple(-seen.T[::-1]) for seen in (np.minimum(self.in_hand, 1.0), self.in_hand))
-        order = np.lexsort((self.away, *crowded, told_apart(self.power_w), *enough, value, self.shortfall, group))
+        noise, power = -np.round(self.snr_db, SNR_DIGITS), told_apart(self.power_w)
+        order = np.lexsort((self.away, noise, *crowded, power, *enough, value, self.shortfall, group))
         return np.asarray(order[np.unique(group[order], return_index=True)[1]])
 
 
