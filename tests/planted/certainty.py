@@ -368,6 +368,13 @@ DEFECTS = (
         test=f"{TESTS}::test_a_sure_camera_is_bought_where_the_other_holds_too_seldom",
     ),
     Defect(
+        name="of many numbers that mean nothing the luckiest is said to decide",
+        file="uwopt/solvers/confidence/deciding.py",
+        old="random((OF_LUCK * len(numbers), len(held)))",
+        new="random((OF_LUCK, len(held)))",
+        test="tests/solvers/test_confidence_deciding.py::test_of_many_numbers_that_mean_nothing_none_is_told",
+    ),
+    Defect(
         name="what luck alone saves counts",
         file=f"{ROOM}/deciding.py",
         old="        ours, theirs = rows[chosen::2], rows[1 - chosen :: 2]",

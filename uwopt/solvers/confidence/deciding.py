@@ -34,19 +34,23 @@ from uwopt.solvers.one_hardware import matters, pieces_of
 PART = 3  # of the scenarios, sorted by a number: its first and its last such share are set against each other
 LEAST = 0.2  # by which these shares differ at least, to be told
 MOST_TOLD = 2  # numbers
-OF_LUCK = 20  # numbers that mean nothing: what tells no more than the most telling of them is not told
+OF_LUCK = 20  # times as many numbers that mean nothing: what tells no more than the most telling of them is not told
 
 
 def decided_by(problem: Problem, objective: Objective, seen: Counted, scenarios: Scenarios) -> list[Decides]:
-    """The numbers on which it depends most whether hardware holds, the first most; none where luck does as well."""
+    """The numbers on which it depends most whether hardware holds, the first most; none where luck does as well.
+
+    Of forty numbers one looks telling by luck alone, so that they are held against twenty times as many that mean
+    nothing: in one of 21 answers whose numbers all mean nothing one of them is told all the same.
+    """
     held = np.isfinite(seen.outcomes.value[seen.stop])
     if held.all() or not held.any():
         return []
-    luck = np.random.default_rng(scenarios.seed).random((OF_LUCK, len(held)))
+    numbers = list(numbers_of(problem, objective, scenarios, seen.found))
+    luck = np.random.default_rng(scenarios.seed).random((OF_LUCK * len(numbers), len(held)))
     least = max(LEAST, *(abs(np.subtract(*shares(held, number))) for number in luck))
     every = [
-        Decides(what, part, *shares(held, number))
-        for what, part, number in numbers_of(problem, objective, scenarios, seen.found)
+        Decides(what, part, *shares(held, number)) for what, part, number in numbers
     ]
     told = [one for one in every if apart(one) > least]
     return sorted(told, key=apart, reverse=True)[:MOST_TOLD]
