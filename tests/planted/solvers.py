@@ -1277,11 +1277,17 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="works beside each other wait for one another",
         file="uwopt/solvers/beside.py",
-        old="made = {0: _Done.of(works[0], lists), **queue.done(works, lists, begins)}\n        for copy in copies:\n"
-        "            made |= copy.answer()",
+        old="made = {0: _Done.of(works[0], lists), **queue.done(works, lists, begins)}\n",
         new="for copy in copies:\n            made |= copy.answer()\n"
-        "        made |= {0: _Done.of(works[0], lists), **queue.done(works, lists, begins)}",
+        "        made |= {0: _Done.of(works[0], lists), **queue.done(works, lists, begins)}\n",
         test=f"{BESIDE}::test_two_works_run_at_once_in_two_processes",
+    ),
+    Defect(
+        name="who waits for a copy is told of what is done already",
+        file="uwopt/solvers/beside.py",
+        old="            begins(awaited)\n",
+        new="            pass\n",
+        test=f"{BESIDE}::test_what_is_waited_for_in_the_end_is_told",
     ),
     Defect(
         name="who wants no more loses what was worked out by then",

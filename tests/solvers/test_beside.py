@@ -54,6 +54,27 @@ def test_two_works_run_at_once_in_two_processes() -> None:
 
 
 @copied
+def test_what_is_waited_for_in_the_end_is_told() -> None:
+    """The copy's work ends only once it is."""
+    (is_told, tell), (has_begun, begin), numbers = os.pipe(), os.pipe(), list[int]()
+
+    def long() -> bool:
+        os.write(begin, b"!")
+        return bool(select.select([is_told], [], [], WAIT_S)[0])
+
+    def begins(number: int) -> None:
+        numbers.append(number)
+        if number == 1:
+            os.write(tell, b"!")
+
+    with cores(2):
+        made = side_by_side([lambda: bool(select.select([has_begun], [], [], WAIT_S)[0]), long], begins=begins)
+    assert made == [True, True] and numbers == [0, 1]
+    for one in (is_told, tell, has_begun, begin):
+        os.close(one)
+
+
+@copied
 def test_the_first_work_is_done_here() -> None:
     """What it made is known even where a person wants no more before the copies are done."""
     assert all(in_two_processes(os.getpid)[0] == os.getpid() for _ in range(3))

@@ -54,7 +54,7 @@ def side_by_side(
 
     This process does the first itself, so that it is known of that how far it came when a person wants no more.
     What a work raises is raised here, that of the first such work. `lists`: what the works append to, in order.
-    `begins`: called with the number of each work that this process does.
+    `begins`: called with the number of each work that this process does, and of that which it waits for in the end.
     """
     if len(works) < 2 or _CORES.get() < 2:
         values = []
@@ -68,6 +68,8 @@ def side_by_side(
     try:
         begins(0)
         made = {0: _Done.of(works[0], lists), **queue.done(works, lists, begins)}
+        for awaited in sorted(set(range(len(works))) - made.keys())[-1:]:  # begun last by whoever else is at work
+            begins(awaited)
         for copy in copies:
             made |= copy.answer()
     finally:
