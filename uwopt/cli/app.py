@@ -31,10 +31,13 @@ from uwopt.cli.options import (
     MissionArgument,
     PhysicsOption,
     QuietOption,
-    SecondsOption,
     ToleranceOption,
+    folder_as,
     limit_of,
+    objective_as,
     parsed_objective,
+    seconds_as,
+    share_as,
     time_to_answer,
 )
 from uwopt.cli.output import hand_over, print_first
@@ -96,10 +99,7 @@ class DocumentKind(StrEnum):
 
 
 OutOption = Annotated[
-    str | None,
-    typer.Option(
-        "--out", metavar="DIR", help="Write result.json, system.yaml, bom.csv, bom.xlsx and report.html into DIR."
-    ),
+    str | None, folder_as("Write result.json, system.yaml, bom.csv, bom.xlsx and report.html into DIR.")
 ]
 
 
@@ -117,15 +117,11 @@ def solve_command(
         ),
     ] = Solver.exact,
     objective: Annotated[
-        str | None,
-        typer.Option(metavar="NAME|WEIGHTS", help="What is to be best, such as cost, best_image or power=1,cost=0.01."),
+        str | None, objective_as("What is to be best, such as cost, best_image or power=1,cost=0.01.")
     ] = None,
     physics: PhysicsOption = None,
     confidence: Annotated[
-        str | None,
-        typer.Option(
-            metavar="P", help="Share of scenarios in which hardware must hold, such as 0.9; central (none) or ends."
-        ),
+        str | None, share_as("Share of scenarios in which hardware must hold, such as 0.9; central (none) or ends.")
     ] = None,
     top: Annotated[int, typer.Option(metavar="K", min=1, max=1000, help="How many systems to list.")] = 5,
     audit: Annotated[
@@ -135,7 +131,9 @@ def solve_command(
         ),
     ] = 0,
     hold_practice: HoldPracticeOption = False,
-    seconds: SecondsOption = None,
+    seconds: Annotated[
+        float | None, seconds_as("Stop after S seconds; the gap and what is left out are told.")
+    ] = None,
     accuracy: AccuracyOption = False,
     tolerance: ToleranceOption = None,
     quick: Annotated[
@@ -200,11 +198,10 @@ def evaluate_command(
     accuracy: AccuracyOption = False,
     tolerance: ToleranceOption = None,
     confidence: Annotated[
-        str | None, typer.Option(metavar="P", help="Count in how many scenarios it holds, against this share; or ends.")
+        str | None, share_as("Count in how many scenarios it holds, against this share; or ends.")
     ] = None,
     seconds: Annotated[
-        float | None,
-        typer.Option(metavar="S", help="Time for --accuracy and --confidence: what it does not reach is left out."),
+        float | None, seconds_as("Time for --accuracy and --confidence: what it does not reach is left out.")
     ] = None,
     full: FullOption = False,
     as_json: JsonOption = False,

@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
-from uwopt.cli.options import QuietOption, checked_seconds
-from uwopt.cli.status import DEFECT, DONE, INTERRUPTED, command, told
+from uwopt.cli.options import QuietOption, checked_seconds, folder_as, seconds_as
+from uwopt.cli.output import tell_written
+from uwopt.cli.status import DEFECT, DONE, INTERRUPTED, command
 
 
 @command
@@ -30,14 +31,9 @@ def bench_command(
             metavar="NAME", help="Only spectral, quadrature, physics, solvers, pareto or scaling; repeatable."
         ),
     ] = None,
-    seconds: Annotated[
-        float | None, typer.Option(metavar="S", help="Share S seconds among the benchmarks.")
-    ] = None,
+    seconds: Annotated[float | None, seconds_as("Share S seconds among the benchmarks.")] = None,
     seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of everything random.")] = 0,
-    out: Annotated[
-        str | None,
-        typer.Option("--out", metavar="DIR", help="Write bench.html, bench.json and CSV files into DIR."),
-    ] = None,
+    out: Annotated[str | None, folder_as("Write bench.html, bench.json and CSV files into DIR.")] = None,
     quiet: QuietOption = False,
 ) -> int:
     """Measure error against run time on this machine: integrals, physics, solvers, fronts, catalogue size.
@@ -69,8 +65,7 @@ def bench_command(
             progress=bar.report,
         )
     print_blocks(iter(bench_blocks(made)))
-    if written and not quiet:
-        told("written: " + ", ".join(str(path) for path in written), DONE)
+    tell_written(written, quiet=quiet)
     if made.interrupted:
         return INTERRUPTED
     return DEFECT if made.faults else DONE

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from uwopt.cli.options import MissionArgument, PhysicsOption, QuietOption, checked_seconds
+from uwopt.cli.options import MissionArgument, PhysicsOption, QuietOption, checked_seconds, seconds_as
 from uwopt.cli.output import print_made
 from uwopt.cli.status import DONE, command
 from uwopt.errors import OutputError
@@ -49,9 +49,7 @@ def calibrate_command(
     fit_only: Annotated[bool, typer.Option("--fit-only", help="Do not solve the mission before and after.")] = False,
     date: Annotated[str, typer.Option(help="Day of the shots, YYYY-MM-DD; today unless given.")] = "",
     physics: PhysicsOption = None,
-    seconds: Annotated[
-        float | None, typer.Option(metavar="S", help="Time for each search, before and after; gaps are told.")
-    ] = None,
+    seconds: Annotated[float | None, seconds_as("Time for each search, before and after; gaps are told.")] = None,
     quiet: QuietOption = False,
 ) -> int:
     """Fit test shots of a system: light, floor and water as they are, and what that changes."""

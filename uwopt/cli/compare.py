@@ -6,7 +6,15 @@ from typing import Annotated
 
 import typer
 
-from uwopt.cli.options import MissionArgument, PhysicsOption, QuietOption, limit_of, time_to_answer
+from uwopt.cli.options import (
+    MissionArgument,
+    PhysicsOption,
+    QuietOption,
+    folder_as,
+    limit_of,
+    seconds_as,
+    time_to_answer,
+)
 from uwopt.cli.output import print_made
 from uwopt.cli.status import DONE, command
 
@@ -19,12 +27,8 @@ def compare_command(
         bool, typer.Option("--recommended", help="Beside them what solve recommends.")
     ] = False,
     physics: PhysicsOption = None,
-    seconds: Annotated[
-        float | None, typer.Option(metavar="S", help="Time for the search of what solve recommends.")
-    ] = None,
-    out: Annotated[
-        str | None, typer.Option("--out", metavar="DIR", help="Write compare.html and compare.csv into DIR.")
-    ] = None,
+    seconds: Annotated[float | None, seconds_as("Time for the search of what solve recommends.")] = None,
+    out: Annotated[str | None, folder_as("Write compare.html and compare.csv into DIR.")] = None,
     quiet: QuietOption = False,
 ) -> int:
     """Hold systems against a mission side by side, requirement by requirement."""

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Annotated
-
-import typer
 
 from uwopt.cli.options import (
     JsonOption,
@@ -13,8 +10,10 @@ from uwopt.cli.options import (
     PhysicsOption,
     QuietOption,
     limit_of,
+    seconds_as,
     time_to_answer,
 )
+from uwopt.cli.output import print_result
 from uwopt.cli.status import command, result_status
 
 
@@ -22,9 +21,7 @@ from uwopt.cli.status import command, result_status
 def explain_command(
     mission: MissionArgument,
     physics: PhysicsOption = None,
-    seconds: Annotated[
-        float | None, typer.Option(metavar="S", help="Time for all of it; more finds more that would help.")
-    ] = None,
+    seconds: Annotated[float | None, seconds_as("Time for all of it; more finds more that would help.")] = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> int:
@@ -33,10 +30,8 @@ def explain_command(
     Where something fits, say what each requirement costs: a step more of it, up to where it costs nothing, what would
     be best without it, and where another system takes over.
     """
-    from uwopt.report.text.console import ProgressBar, print_blocks, print_text
+    from uwopt.report.text.console import ProgressBar
     from uwopt.report.text.explanation import explanation_blocks
-    from uwopt.report.text.looked_at import wording_of
-    from uwopt.report.write import json_text
 
     deadline = limit_of(seconds)
     with ProgressBar(quiet=quiet) as bar:
@@ -46,8 +41,5 @@ def explain_command(
             mission, physics=physics and physics.value, confidence="central", seconds=time_to_answer(deadline),
             quick=True, every_price=True, progress=bar.report,
         )  # fmt: skip
-    if as_json:
-        print_text(json_text(result, getattr(sys.stdout, "encoding", None) or "utf-8"))
-    else:
-        print_blocks(explanation_blocks(result), said=wording_of(result))
+    print_result(result, explanation_blocks, as_json=as_json)
     return result_status(result)

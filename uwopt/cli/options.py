@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from enum import StrEnum
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -42,11 +42,27 @@ HoldPracticeOption = Annotated[
     bool,
     typer.Option("--hold-practice", help="Hold all of good practice, where nothing meets it too: none is relaxed."),
 ]
-SecondsOption = Annotated[
-    float | None,
-    typer.Option(metavar="S", help="Stop after S seconds; the gap and what is left out are told."),
-]
 QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no notes.")]
+
+
+def seconds_as(told: str) -> Any:
+    """An option of a time, told in a command's own words."""
+    return typer.Option(metavar="S", help=told)
+
+
+def folder_as(told: str) -> Any:
+    """An option of a folder to write into, told in a command's own words."""
+    return typer.Option("--out", metavar="DIR", help=told)
+
+
+def share_as(told: str) -> Any:
+    """An option of a share of scenarios, told in a command's own words."""
+    return typer.Option(metavar="P", help=told)
+
+
+def objective_as(told: str) -> Any:
+    """An option of what is to be best, told in a command's own words."""
+    return typer.Option(metavar="NAME|WEIGHTS", help=told)
 
 
 WRITE_S, PRINT_S = 2.0, 0.3  # at most, of a time that is given: for what follows the answer

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -41,9 +42,8 @@ def hand_over(
     begun : the page's beginning stands there already, by `print_first`
     deadline : past which the report does without pictures, which is told
     """
-    from uwopt.report.text.console import ProgressBar, print_blocks, print_text
-    from uwopt.report.text.looked_at import wording_of
-    from uwopt.report.write import json_text, write_front, write_results
+    from uwopt.report.text.console import ProgressBar
+    from uwopt.report.write import write_front, write_results
     from uwopt.results.result import Result
 
     written, refused = [], None
@@ -60,30 +60,51 @@ def hand_over(
                 written = write_front(result, out, deadline=pictures)
     except OutputError as fault:
         refused = fault
-    if as_json:
-        print_text(json_text(result, getattr(sys.stdout, "encoding", None) or "utf-8"))
-    elif not isinstance(result, Result):
-        from uwopt.report.text.front_tables import front_blocks
-
-        print_blocks(front_blocks(result), said=wording_of(result))
-    elif full:
-        from uwopt.report.text.short import full_text_blocks
-
-        print_blocks(full_text_blocks(result), said=wording_of(result))
-    else:
-        from uwopt.report.text.short import rest_text_blocks, short_text_blocks
-
-        blocks = rest_text_blocks(result) if begun else short_text_blocks(result)
-        print_blocks(blocks, said=wording_of(result))
+    print_result(result, partial(blocks_of, full=full, begun=begun), as_json=as_json)
     if refused is not None:
         raise refused
     if written and not quiet:
-        told("written: " + ", ".join(str(path) for path in written), DONE)
+        tell_written(written, quiet=quiet)
         if isinstance(result, Result) and result.command == "solve" and result.best is not None:
             command = f"uwopt tender {out}/result.json --out {out}/tender"
             told(f"to ask makers for quotes, sheets and a letter: {command}", DONE)
     if deadline.left_out:
         told(no_time_for(deadline), DONE)
+
+
+def blocks_of(result: Result | FrontResult, *, full: bool, begun: bool) -> Iterable[Any]:
+    """What is printed of a result, on one page or in full; `begun`: without what stands there already."""
+    from uwopt.results.result import Result
+
+    if not isinstance(result, Result):
+        from uwopt.report.text.front_tables import front_blocks
+
+        return front_blocks(result)
+    from uwopt.report.text.short import full_text_blocks, rest_text_blocks, short_text_blocks
+
+    if full:
+        return full_text_blocks(result)
+    return rest_text_blocks(result) if begun else short_text_blocks(result)
+
+
+def print_result(
+    made: Any, blocks: Callable[[Any], Iterable[Any]], *, as_json: bool, said: Callable[[str], str] | None = None
+) -> None:
+    """Print a result as JSON and nothing else, or as blocks; `said`: other words than those of what is looked at."""
+    from uwopt.report.text.console import print_blocks, print_text
+    from uwopt.report.text.looked_at import wording_of
+    from uwopt.report.write import json_text
+
+    if as_json:
+        print_text(json_text(made, getattr(sys.stdout, "encoding", None) or "utf-8"))
+    else:
+        print_blocks(blocks(made), said=wording_of(made) if said is None else said)
+
+
+def tell_written(files: Sequence[object], *, quiet: bool) -> None:
+    """Tell which files were written, if any."""
+    if files and not quiet:
+        told("written: " + ", ".join(map(str, files)), DONE)
 
 
 def no_time_for(deadline: Deadline) -> str:
@@ -97,5 +118,4 @@ def print_made(blocks: Sequence[Block], written: Sequence[Path], *, mission: Map
     from uwopt.report.text.looked_at import wording
 
     print_blocks(blocks, said=wording(mission))
-    if written and not quiet:
-        told("written: " + ", ".join(map(str, written)), DONE)
+    tell_written(written, quiet=quiet)

@@ -12,7 +12,9 @@ from uwopt.cli.options import (
     MissionArgument,
     PhysicsOption,
     QuietOption,
+    folder_as,
     limit_of,
+    seconds_as,
     time_to_answer,
 )
 from uwopt.cli.output import hand_over
@@ -40,18 +42,14 @@ def pareto_command(
     ] = "exact,nsga2",
     physics: PhysicsOption = None,
     seconds: Annotated[
-        float | None,
-        typer.Option(metavar="S", help="Stop after S seconds, shared by the solvers; keep what they have."),
+        float | None, seconds_as("Stop after S seconds, shared by the solvers; keep what they have.")
     ] = None,
     seed: Annotated[
         int | None, typer.Option(metavar="N", help="Seed of pymoo; the mission's unless given.")
     ] = None,
     hold_practice: HoldPracticeOption = False,
     as_json: JsonOption = False,
-    out: Annotated[
-        str | None,
-        typer.Option("--out", metavar="DIR", help="Write report.html, front.csv and front.json into DIR."),
-    ] = None,
+    out: Annotated[str | None, folder_as("Write report.html, front.csv and front.json into DIR.")] = None,
     quiet: QuietOption = False,
 ) -> int:
     """Find the designs of which none is better than another in every objective."""

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from uwopt.cli.options import MissionArgument, PhysicsOption, QuietOption
+from uwopt.cli.output import tell_written
 from uwopt.cli.status import DONE, command, told
 from uwopt.cli.whatif import by_key
 from uwopt.errors import RangeError
@@ -68,6 +69,5 @@ def plot_command(
         written = made.write(out)
     for fault in made.mapped.refused if made.mapped is not None and not quiet else ():
         told(f"left out: {fault}", DONE)
-    if not quiet:
-        told(f"written: {written}", DONE)
+    tell_written([written], quiet=quiet)
     return DONE

@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
-from uwopt.cli.options import limit_of
-from uwopt.cli.status import DONE, command, told
+from uwopt.cli.options import limit_of, seconds_as
+from uwopt.cli.output import tell_written
+from uwopt.cli.status import DONE, command
 from uwopt.errors import OutputError
 
 
@@ -24,8 +25,7 @@ def report_command(
         ),
     ] = None,
     seconds: Annotated[
-        float | None,
-        typer.Option(metavar="S", help="Stop after S seconds: pictures that there is no time for are left out."),
+        float | None, seconds_as("Stop after S seconds: pictures that there is no time for are left out.")
     ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no notes.")] = False,
 ) -> int:
@@ -44,8 +44,7 @@ def report_command(
         if bar.report is not None:
             bar.report(0.1, "making the report")
         written = write_page(read_result(result), target, deadline=deadline)
-    if not quiet:
-        told(f"written: {written}", DONE)
+    tell_written([written], quiet=quiet)
     return DONE
 
 

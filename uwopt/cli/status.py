@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from uwopt.results.result import Result
 
 DONE, DEFECT, BAD_INPUT, NOT_FEASIBLE, LIMIT_REACHED, INTERRUPTED = 0, 1, 2, 3, 4, 130
+ENDS = {"infeasible": NOT_FEASIBLE, "stopped": LIMIT_REACHED, "interrupted": INTERRUPTED}  # by a result's own status
 EXIT_STATUS = """\b
 Exit status:
   0    done
@@ -110,12 +111,11 @@ def result_status(result: Result, *, check: bool = False) -> int:
     known = result.confidence
     if known is not None and not known.enough and result.status != "stopped" and (check or result.command == "solve"):
         return NOT_FEASIBLE
-    return {"infeasible": NOT_FEASIBLE, "stopped": LIMIT_REACHED}.get(result.status, DONE)
+    return ENDS.get(result.status, DONE)
 
 
 def front_status(result: FrontResult) -> int:
     """The exit status that a front asks for."""
     if was_interrupted(result):
         return INTERRUPTED
-    ends = {"infeasible": NOT_FEASIBLE, "stopped": LIMIT_REACHED, "interrupted": INTERRUPTED}
-    return ends.get(result.status, DONE)
+    return ENDS.get(result.status, DONE)

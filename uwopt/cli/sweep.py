@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 from typing import Annotated
 
 import typer
@@ -14,9 +13,14 @@ from uwopt.cli.options import (
     PhysicsOption,
     QuietOption,
     checked_seconds,
+    folder_as,
+    objective_as,
     parsed_objective,
+    seconds_as,
+    share_as,
 )
-from uwopt.cli.status import DONE, INTERRUPTED, LIMIT_REACHED, command, told
+from uwopt.cli.output import print_result, tell_written
+from uwopt.cli.status import DONE, ENDS, command
 from uwopt.cli.whatif import by_key
 
 
@@ -31,11 +35,7 @@ def sweep_command(
     ],
     out: Annotated[
         str,
-        typer.Option(
-            "--out",
-            metavar="DIR",
-            help="Folder for rows, sweep.parquet, sweep.csv, sweep.json and report.html; a later run goes on there.",
-        ),
+        folder_as("Folder for rows, sweep.parquet, sweep.csv, sweep.json and report.html; a later run goes on there."),
     ],
     vary: Annotated[
         list[str] | None,
@@ -50,17 +50,10 @@ def sweep_command(
             metavar="SYSTEM", help="Evaluate this system (YAML) in each mission instead of a search."
         ),
     ] = None,
-    objective: Annotated[
-        str | None,
-        typer.Option(metavar="NAME|WEIGHTS", help="What is to be best; the missions' unless given."),
-    ] = None,
+    objective: Annotated[str | None, objective_as("What is to be best; the missions' unless given.")] = None,
     physics: PhysicsOption = None,
     confidence: Annotated[
-        str | None,
-        typer.Option(
-            metavar="P",
-            help="Share of scenarios in which hardware must hold; central, which is quick; or ends.",
-        ),
+        str | None, share_as("Share of scenarios in which hardware must hold; central, which is quick; or ends.")
     ] = None,
     pareto: Annotated[
         str | None,
@@ -90,16 +83,15 @@ def sweep_command(
     ] = 8,
     hold_practice: HoldPracticeOption = False,
     seconds: Annotated[
-        float | None,
-        typer.Option(metavar="S", help="Stop after S seconds; what is done is kept, and a later run goes on."),
+        float | None, seconds_as("Stop after S seconds; what is done is kept, and a later run goes on.")
     ] = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> int:
     """Work out many missions: every combination of values, a folder of missions, or a row of a table each."""
-    from uwopt.report.text.console import ProgressBar, print_blocks, print_text
+    from uwopt.report.text.console import ProgressBar
     from uwopt.report.text.sweep_tables import sweep_blocks
-    from uwopt.report.write import check_folder, json_text
+    from uwopt.report.write import check_folder
 
     wanted = None if objective is None else parsed_objective(objective)
     varied = by_key(vary or [])
@@ -113,13 +105,9 @@ def sweep_command(
             scheduler=scheduler, kits=kits, seconds=checked_seconds(seconds),
             hold_practice=hold_practice, progress=bar.report,
         )  # fmt: skip
-    if as_json:
-        print_text(json_text(made, getattr(sys.stdout, "encoding", None) or "utf-8"))
-    else:
-        print_blocks(sweep_blocks(made))
-    if not quiet:
-        told(f"written: {out}", DONE)
-    return {"interrupted": INTERRUPTED, "stopped": LIMIT_REACHED}.get(made.status, DONE)
+    print_result(made, sweep_blocks, as_json=as_json, said=str)
+    tell_written([out], quiet=quiet)
+    return ENDS.get(made.status, DONE)
 
 
 def processors() -> int:

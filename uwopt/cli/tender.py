@@ -7,18 +7,17 @@ from typing import Annotated
 
 import typer
 
-from uwopt.cli.options import MissionArgument, PhysicsOption, QuietOption, limit_of
-from uwopt.cli.output import print_made
+from uwopt.cli.options import MissionArgument, PhysicsOption, QuietOption, folder_as, limit_of, seconds_as
+from uwopt.cli.output import print_made, tell_written
 from uwopt.cli.status import DONE, command, result_status, told
 
 
 @command
 def tender_command(
     result: Annotated[str, typer.Argument(metavar="RESULT.json", help="result.json, as --out wrote it.")],
-    out: Annotated[str, typer.Option("--out", metavar="DIR", help="Write tender.xlsx and letter.txt into DIR.")],
+    out: Annotated[str, folder_as("Write tender.xlsx and letter.txt into DIR.")],
     seconds: Annotated[
-        float | None,
-        typer.Option(metavar="S", help="Stop after S seconds: parts that are not begun by then go without limits."),
+        float | None, seconds_as("Stop after S seconds: parts that are not begun by then go without limits.")
     ] = None,
     quiet: QuietOption = False,
 ) -> int:
@@ -41,7 +40,7 @@ def tender_command(
     if not quiet:
         if short := falls_short(held):
             told(f"{short}.", DONE)
-        told("written: " + ", ".join(map(str, written)), DONE)
+        tell_written(written, quiet=quiet)
         if deadline.left_out:
             told(f"no time was left for {', '.join(deadline.left_out)}; more --seconds find them", DONE)
     return DONE
@@ -53,10 +52,7 @@ def quotes_command(
     answers: Annotated[
         str, typer.Argument(metavar="ANSWERS", help="tender.xlsx as makers filled it in, or a CSV of its columns.")
     ],
-    out: Annotated[
-        str | None,
-        typer.Option("--out", metavar="DIR", help="Keep the answers as quotes.csv in DIR, and the new result."),
-    ] = None,
+    out: Annotated[str | None, folder_as("Keep the answers as quotes.csv in DIR, and the new result.")] = None,
     date: Annotated[str, typer.Option(help="Day on which the answers are read, YYYY-MM-DD; today unless given.")] = "",
     physics: PhysicsOption = None,
     quiet: QuietOption = False,

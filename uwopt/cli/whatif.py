@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Annotated
 
 import typer
@@ -13,11 +12,16 @@ from uwopt.cli.options import (
     MissionArgument,
     PhysicsOption,
     QuietOption,
+    folder_as,
     limit_of,
+    objective_as,
     parsed_objective,
+    seconds_as,
+    share_as,
     time_to_answer,
 )
-from uwopt.cli.status import DONE, INTERRUPTED, LIMIT_REACHED, command, told
+from uwopt.cli.output import print_result, tell_written
+from uwopt.cli.status import DONE, ENDS, command
 from uwopt.errors import MissionError
 
 
@@ -34,30 +38,21 @@ def whatif_command(
     spider: Annotated[
         bool, typer.Option("--spider", help="Each number that the mission states alone, by 20 % either way.")
     ] = False,
-    objective: Annotated[
-        str | None, typer.Option(metavar="NAME|WEIGHTS", help="What is to be best; the mission's unless given.")
-    ] = None,
+    objective: Annotated[str | None, objective_as("What is to be best; the mission's unless given.")] = None,
     physics: PhysicsOption = None,
     confidence: Annotated[
-        str | None,
-        typer.Option(metavar="P", help="Share of scenarios in which each must hold, such as 0.9; else central."),
+        str | None, share_as("Share of scenarios in which each must hold, such as 0.9; else central.")
     ] = None,
     hold_practice: HoldPracticeOption = False,
-    seconds: Annotated[
-        float | None, typer.Option(metavar="S", help="Stop after S seconds; keep what is solved.")
-    ] = None,
+    seconds: Annotated[float | None, seconds_as("Stop after S seconds; keep what is solved.")] = None,
     as_json: JsonOption = False,
-    out: Annotated[
-        str | None,
-        typer.Option("--out", metavar="DIR", help="Write report.html, whatif.csv and whatif.json into DIR."),
-    ] = None,
+    out: Annotated[str | None, folder_as("Write report.html, whatif.csv and whatif.json into DIR.")] = None,
     quiet: QuietOption = False,
 ) -> int:
     """Solve the mission at many values of its keys: the optimum, and where another system takes over."""
-    from uwopt.report.text.console import ProgressBar, print_blocks, print_text
-    from uwopt.report.text.looked_at import wording_of
+    from uwopt.report.text.console import ProgressBar
     from uwopt.report.text.whatif_tables import whatif_blocks
-    from uwopt.report.write import check_folder, json_text, write_whatif
+    from uwopt.report.write import check_folder, write_whatif
 
     deadline = limit_of(seconds)
     wanted = None if objective is None else parsed_objective(objective)
@@ -72,15 +67,10 @@ def whatif_command(
             confidence=confidence, seconds=time_to_answer(deadline, writes=out is not None),
             hold_practice=hold_practice, progress=bar.report,
         )  # fmt: skip
-    if as_json:
-        print_text(json_text(table, getattr(sys.stdout, "encoding", None) or "utf-8"))
-    else:
-        print_blocks(whatif_blocks(table), said=wording_of(table))
+    print_result(table, whatif_blocks, as_json=as_json)
     if out is not None:
-        written = write_whatif(table, out)
-        if not quiet:
-            told("written: " + ", ".join(str(path) for path in written), DONE)
-    return {"interrupted": INTERRUPTED, "stopped": LIMIT_REACHED}.get(table.status, DONE)
+        tell_written(write_whatif(table, out), quiet=quiet)
+    return ENDS.get(table.status, DONE)
 
 
 def by_key(words: list[str], option: str = "--vary") -> dict[str, str]:
