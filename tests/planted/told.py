@@ -133,6 +133,20 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/report/order/test_maker_words.py::test_what_each_maker_is_asked_is_worded",
     ),
     Defect(
+        name="what stands is told the distance between its lines",
+        file="uwopt/report/card/blocks.py",
+        old='    has_lines &= any(scene.figures.get("area_m2_h") for scene in design.scenes)',
+        new="    has_lines &= True",
+        test="tests/report/card/test_card.py::test_no_lines_are_told_of_a_camera_that_stands",
+    ),
+    Defect(
+        name="a camera on a frame is told to fly lower",
+        file="uwopt/report/card/water.py",
+        old='        nearer = "flying lower" if flies else "going nearer"',
+        new='        nearer = "flying lower"',
+        test="tests/report/card/test_card.py::test_what_does_not_fly_is_not_told_to_fly_lower",
+    ),
+    Defect(
         name="a card tells the water by its key",
         file="uwopt/report/card/water.py",
         old="    if key not in READINGS:",

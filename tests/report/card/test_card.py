@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -206,6 +207,27 @@ def test_the_day_s_work_is_that_of_an_hour(card: SettingsCard, result: Result) -
     of_water = replace(result, mission=result.mission | {"scenes": [{"name": "here", "target": "mid_water"}]})
     names = {name for name, _ in work_rows(of_water, result.best)}
     assert "data in an hour" in names and not {"area in an hour", "distance between lines"} & names
+
+
+def test_no_lines_are_told_of_a_camera_that_stands(result: Result) -> None:
+    """A camera that faced one coral for a year was told the distance between its lines."""
+    figures = {**result.best.scenes[0].figures, "area_m2_h": 0.0}
+    still = replace(result.best, scenes=[replace(result.best.scenes[0], figures=figures)])
+    names = {name for name, _ in work_rows(result, still)}
+    assert "swath" in names and not {"area in an hour", "distance between lines"} & names
+
+
+def test_what_does_not_fly_is_not_told_to_fly_lower() -> None:
+    missed = SimpleNamespace(feasible=False)
+    nothing: Any = SimpleNamespace(as_planned=missed, design=None, altitude_frac=0.3, obstacle="")
+    told = [change_text(nothing, nothing, flies=flies) for flies in (True, False)]
+    assert [text.partition(",")[2].partition(",")[0] for text in told] == [
+        " nor does flying lower", " nor does going nearer",
+    ]  # fmt: skip
+    lower: Any = SimpleNamespace(as_planned=missed, altitude_frac=0.8, design=SimpleNamespace(
+        scenes=[], totals=SimpleNamespace(power_w=1.0)))  # fmt: skip
+    planned: Any = SimpleNamespace(scenes=[])
+    assert change_text(lower, planned, flies=False).startswith("go to 80 % of the altitude")
 
 
 def test_worse_water_says_what_breaks_and_what_to_change(card: SettingsCard) -> None:

@@ -307,6 +307,7 @@ def work_rows(result: Result, design: Design) -> Iterator[tuple[str, list[str]]]
         return ["" if value is None else formats.quantity(scale * float(value), unit) for value in values]
 
     has_lines = any(scene.get("target") != "mid_water" for scene in result.mission.get("scenes") or [{}])
+    has_lines &= any(scene.figures.get("area_m2_h") for scene in design.scenes)  # none without a speed
     if has_lines:
         yield "distance between lines", row("line_spacing_m", "m")
     yield "swath", row("swath_m", "m")
@@ -314,7 +315,7 @@ def work_rows(result: Result, design: Design) -> Iterator[tuple[str, list[str]]]
         yield "swath of both cameras", row("common_swath_m", "m")
         yield "error of a distance by stereo", row("depth_error_mm", "mm")
     yield "pixel on the floor", row("gsd_mm", "mm")
-    if has_lines and any(scene.figures.get("area_m2_h") for scene in design.scenes):  # none without a speed
+    if has_lines:
         yield "area in an hour", row("area_m2_h", "m2/h")
     yield "data in an hour", row("data_rate_mb_s", "GB", 3.6)
     yield "energy in an hour", row("power_w", "Wh")

@@ -28,8 +28,13 @@ def water_block(model: DesignModel, given: list[SceneSettings], planned: Design,
         said = "Not told: Jerlov types and readings are made worse; this water is the last type, or a file."
         return block("If the water is worse than planned", [sentence(said)])
     table = columns(("water", "left"), ("if nothing is changed", "left"), ("what to change", "left"))
+    mission = model.problem.mission
+    flies = all(
+        scene.target == "floor" and view.vehicle.speed_m_s > 0.0
+        for scene, view in zip(mission.scenes, mission.views, strict=True)
+    )
     for item in found:
-        cells = (water_text(item.water), missed_text(item.as_planned), change_text(item, planned))
+        cells = (water_text(item.water), missed_text(item.as_planned), change_text(item, planned, flies=flies))
         table.add_row(*map(Text, cells))
     return block("If the water is worse than planned", [table])
 
@@ -53,15 +58,20 @@ def missed_text(design: Design) -> str:
     return "; ".join(said) or "all holds"
 
 
-def change_text(item: InWorseWater, planned: Design) -> str:
-    """The settings that differ, and the altitude where it must be lower."""
+def change_text(item: InWorseWater, planned: Design, *, flies: bool = True) -> str:
+    """The settings that differ, and the altitude where it must be lower.
+
+    flies : whether it moves over a floor; a camera that faces a wall or stands on a frame goes nearer
+    """
     if item.as_planned.feasible:
         return "nothing"
     if item.design is None:
         why = f": {words.rule_name(item.obstacle)}" if item.obstacle else ""
         lowest = f"{100 * item.altitude_frac:.0f} % of the altitude"
-        return f"no settings do, nor does flying lower, down to {lowest}{why}; wait, or take other hardware"
-    parts = [f"fly at {100 * item.altitude_frac:.0f} % of the altitude"] if item.altitude_frac < 1.0 else []
+        nearer = "flying lower" if flies else "going nearer"
+        return f"no settings do, nor does {nearer}, down to {lowest}{why}; wait, or take other hardware"
+    go = "fly at" if flies else "go to"
+    parts = [f"{go} {100 * item.altitude_frac:.0f} % of the altitude"] if item.altitude_frac < 1.0 else []
     for ours, theirs in zip(planned.scenes, item.design.scenes, strict=True):
         changes = changed_settings(ours.settings_to_set or ours.settings, theirs.settings)
         place = f"{formats.one_line(ours.name, 30)}: " if len(planned.scenes) > 1 else ""
