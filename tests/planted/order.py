@@ -23,8 +23,7 @@ DEFECTS = (
     Defect(
         name="a better system that cannot be set is offered as a second source",
         file="uwopt/report/order/other_parts.py",
-        old="             if not words.was_passed_over(result, one.objective_value)]",
-        new="             if True]",
+        old="             if not words.was_passed_over(result, one.objective_value)\n", new="             if True\n",
         test="tests/report/test_short.py::test_what_cannot_be_set_is_offered_in_no_place[better_unsettable]",
     ),
     Defect(

@@ -110,6 +110,14 @@ def test_other_systems_are_held_against_the_best_by_the_same_numbers(make_result
     assert AT_LIKELIEST in told and AT_LIKELIEST not in plain
 
 
+def test_the_recommended_system_is_no_second_source_of_itself(make_result: Make) -> None:
+    """What is chosen for how often it holds is among the runners-up at likeliest values, with other settings."""
+    made = make_result()
+    again = replace(made.best, objective_value=made.best.objective_value * 1.01)
+    told = [one.place for one in other_systems(replace(made, runners_up=[again, *made.runners_up]))]
+    assert "runner-up 2" not in told and "runner-up 3" in told
+
+
 def test_a_camera_is_fed_over_its_cable_where_its_interface_feeds(make_result: Make) -> None:
     # maker's page: 5 VDC of a USB3 camera; power over Ethernet is taken at 36 to 57 V
     row = make_result().best.bom[0]

@@ -28,12 +28,16 @@ class OtherSystem:
 
 
 def other_systems(result: Result) -> list[OtherSystem]:
-    """Runners-up, parts to be made and other makers' best, the nearest to the best first; none that cannot be set."""
+    """Runners-up, parts to be made and other makers' best, the nearest to the best first; none that cannot be set.
+
+    Nor the recommended one, which is among the runners-up where it was chosen for how often it holds.
+    """
     best = result.best
     if best is None:
         return []
     found = [of_design(result, best, one, f"runner-up {n}") for n, one in enumerate(result.runners_up, 2)
-             if not words.was_passed_over(result, one.objective_value)]  # fmt: skip
+             if not words.was_passed_over(result, one.objective_value)
+             and words.differing_parts(one, best) != words.SAME_HARDWARE]  # fmt: skip
     if result.generic_alternative is not None:
         found.append(of_design(result, best, result.generic_alternative, "parts to be made"))
     known = {tuple(sorted(one.hardware.items())) for one in found}
