@@ -281,7 +281,7 @@ def chosen(held: float, *, enough: bool) -> Any:
     totals = SimpleNamespace(power_w=3.0, cost=SimpleNamespace(value=900.0), mass_kg=None)
     hardware = SimpleNamespace(named=named, light_count=2)
     return SimpleNamespace(
-        sought=found().sought, proven=None, is_best=enough, counts=held,
+        sought=found().sought, proven=None, is_best=enough, counts=held, cut=False,
         counted=SimpleNamespace(enough=enough, held=held, objective_p50=4.5),
         design=SimpleNamespace(hardware=hardware, totals=totals, is_settable=True),
     )  # fmt: skip
@@ -295,12 +295,12 @@ def stub_points(monkeypatch: pytest.MonkeyPatch, searches: list[Any], choices: l
         asked.append((mission.confidence, mission.vehicle.speed_m_s))
         return searches.pop(0)
 
-    def with_confidence(*given: Any) -> Any:
+    def chosen_of(*given: Any) -> Any:
         asked[-1] = (*asked[-1], given[-1])
         return next(told)
 
     monkeypatch.setattr(Searches, "of", searched)
-    monkeypatch.setattr(certain_points, "with_confidence", with_confidence)
+    monkeypatch.setattr(certain_points, "chosen_of", chosen_of)
     monkeypatch.setattr(certain_points, "certificate", lambda *_: SimpleNamespace(gap_rel=0.0))
     return asked
 

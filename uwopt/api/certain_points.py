@@ -4,11 +4,9 @@ waters and the hardware of the last one where it is about the same water and hei
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from uwopt.api.certainty import with_confidence
 from uwopt.api.choosing import chosen_of, held_by_yielding
 from uwopt.api.counting import Counts
 from uwopt.api.recommending import status_of
@@ -27,7 +25,6 @@ from uwopt.results.certainty import Confidence
 from uwopt.results.design import Design
 from uwopt.results.whatif import WhatIfPoint, WinningSystem
 from uwopt.solvers.exact.certificate import certificate
-from uwopt.solvers.recommend import best_settable
 from uwopt.tolerances import PROVEN_GAP_REL
 
 LISTED = 5  # designs of the central search that its best settable one is taken from
@@ -56,10 +53,9 @@ class CertainPoints:
         self.scenes_of = sought.problem
         if not sought.outcome.best:
             return WhatIfPoint(list(values), "infeasible" if sought.outcome.complete else "stopped")
-        winner = None
-        if math.isfinite(self.deadline.end_s):
-            sought, winner = best_settable(sought, self.deadline)
-        made = with_confidence(sought, winner, watch, self.last)
+        made = chosen_of(found, watch, self.last)
+        if made.cut:
+            raise KeyboardInterrupt
         counted, design = made.counted, made.design
         if counted is None:
             return WhatIfPoint(list(values), "stopped")

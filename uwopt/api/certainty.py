@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import islice
 
 import numpy as np
 
 from uwopt.api.counting import CERTAINTY_S, Counts, counts_of
+from uwopt.api.recommendation import Recommendation
 from uwopt.api.watch import STAGES, Watch
 from uwopt.deadline import NEVER, Deadline, effort_s
 from uwopt.evaluation.leaning import settings_of
@@ -33,7 +34,6 @@ from uwopt.solvers.confidence.search import (
     scenarios_of,
 )
 from uwopt.solvers.confidence.summary import told
-from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.recommend import BETTER_UNSETTABLE, Sought, best_settable, design_of, within_reach
@@ -44,27 +44,9 @@ MOST_SET = 6  # stops of a ring, of one hardware or the next, that are tried to 
 OF_A_SYSTEM = 10_000  # scenarios in which a given system is counted
 
 
-@dataclass(frozen=True)
-class Recommended:
-    """What is recommended at a mission's confidence."""
-
-    sought: Sought  # with it at its head
-    proven: Outcome  # of the search at likeliest values
-    design: Design
-    counted: Confidence | None
-    is_best: bool  # whether it is proven best
-    counts: Counts | None = None  # of all hardware that it was chosen of
-    choice: Certain | None = None  # with the scenarios that it was made on
-
-    @property
-    def of_all_parts(self) -> bool:
-        """Whether parts to be made were taken though what is sold fits at likeliest values."""
-        return self.counts is not None and self.counts.of_all_parts
-
-
 def with_confidence(
     sought: Sought, winner: Design | None, watch: Watch, before: Counts | None = None
-) -> Recommended:
+) -> Recommendation:
     """What is recommended at the mission's confidence: its design, and what was counted.
 
     There must be a design, and a mission that does not take every number as central.
@@ -106,7 +88,10 @@ def with_confidence(
         design = with_note(design, Note(MADE_IS_SURER, "catalog.generic", text))
     next_best = [one for one in sought.outcome.best if not same_hardware(one, certain.central)]
     headed = replace(sought, outcome=replace(sought.outcome, best=[certain.central, *next_best]))
-    return Recommended(headed, proven, design, counted, counted.enough and certain.proven, counts, certain)
+    return Recommendation(
+        sought.problem.mission, headed, proven, design, counted=counted, counts=counts, choice=certain,
+        is_best=counted.enough and certain.proven,
+    )  # fmt: skip
 
 
 def with_note(design: Design, note: Note) -> Design:
@@ -116,7 +101,7 @@ def with_note(design: Design, note: Note) -> Design:
 
 def as_central(
     sought: Sought, winner: Design | None, watch: Watch, counts: Counts | None, why: str
-) -> Recommended:
+) -> Recommendation:
     """The best at likeliest values, where none was counted that fits by them, and in how many scenarios it holds."""
     goal, deadline, proven = sought.goal, watch.deadline, sought.outcome
     if winner is None:
@@ -132,8 +117,11 @@ def as_central(
     enough = ", as often as is asked, but was not chosen by that" if counted is not None and counted.enough else ""
     passed_over = any(note.code == BETTER_UNSETTABLE for note in winner.warnings)
     best = f"the best that can be set {AT_LIKELIEST}" if passed_over else f"the best {AT_LIKELIEST}"
-    text, counts = f"this is {best}, {held}{enough}: {why}", None if counted is None else counts
-    return Recommended(sought, proven, with_note(winner, Note(AS_CENTRAL, "confidence", text)), counted, False, counts)
+    design = with_note(winner, Note(AS_CENTRAL, "confidence", f"this is {best}, {held}{enough}: {why}"))
+    return Recommendation(
+        sought.problem.mission, sought, proven, design, counted=counted, counts=None if counted is None else counts,
+        is_best=False,
+    )  # fmt: skip
 
 
 def as_settable(sought: Sought, certain: Certain, deadline: Deadline) -> tuple[Certain, Design]:

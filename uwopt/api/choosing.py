@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from uwopt.api.common import halfway
+from uwopt.api.recommendation import Recommendation
 from uwopt.api.searching import Searched, Searches
 from uwopt.api.so_far import held_line
 from uwopt.api.watch import Watch
@@ -15,66 +16,16 @@ from uwopt.deadline import Deadline, effort_s
 from uwopt.mission.doubt import CENTRAL
 from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import Yield, with_yields
-from uwopt.results.certainty import Confidence
 from uwopt.results.design import Design
-from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.recommend import Sought, best_settable, design_of
 
 if TYPE_CHECKING:
-    from uwopt.api.certainty import Recommended
     from uwopt.api.counting import Counts
-    from uwopt.solvers.confidence.search import Certain
 
 
 MOST_ROUNDS = 3  # in which less and less gives way
 OTHERS = "more of the next best systems"  # where there is no time for them
 AS_SURE = 0.02  # shares of fresh scenarios that lie as near are as good as the same
-
-
-@dataclass(frozen=True)
-class Recommendation:
-    """What is recommended for a mission, before anything else is told of it."""
-
-    mission: Mission  # with what of good practice has given way
-    sought: Sought  # with what is recommended at its head
-    proven: Outcome  # of the search at likeliest values
-    design: Design
-    listed: Sought | None = None  # the search whose next best are listed beside it; None: none are
-    made_sure: Recommended | None = None  # None: at likeliest values
-    given_way: tuple[Yield, ...] = ()
-    to_hold: bool = False  # whether any of it did so that something holds as often as is asked
-    cut: bool = False  # whether a person wants no more
-    others: list[Design] = field(default_factory=list)  # what else is listed
-
-    @property
-    def is_proven(self) -> bool:
-        """Whether the search that it is of was completed."""
-        return self.sought.outcome.complete
-
-    @property
-    def is_cut_short(self) -> bool:
-        """Whether a person wants no more, of this or of a search for it."""
-        return self.cut or self.sought.outcome.interrupted
-
-    @property
-    def counted(self) -> Confidence | None:
-        """How often it holds, where that was counted."""
-        return None if self.made_sure is None else self.made_sure.counted
-
-    @property
-    def counts(self) -> Counts | None:
-        """What else was counted."""
-        return None if self.made_sure is None else self.made_sure.counts
-
-    @property
-    def choice(self) -> Certain | None:
-        """Of hardware that holds in the doubt, with the scenarios that it was made on."""
-        return None if self.made_sure is None else self.made_sure.choice
-
-    @property
-    def is_enough(self) -> bool:
-        """Whether it holds as often as is asked, as far as that was counted."""
-        return self.counted is None or self.counted.enough
 
 
 def chosen_of(searched: Searched, watch: Watch, before: Counts | None = None) -> Recommendation:
@@ -95,9 +46,9 @@ def chosen_of(searched: Searched, watch: Watch, before: Counts | None = None) ->
         from uwopt.api.certainty import with_confidence
 
         try:
-            sure = with_confidence(sought, winner, watch, before)
-            listed = None if sure.of_all_parts else sought
-            return Recommendation(mission, sure.sought, sure.proven, sure.design, listed, sure, given_way=given_way)
+            made = with_confidence(sought, winner, watch, before)
+            more_to_make = made.counts is not None and made.counts.of_all_parts
+            return replace(made, mission=mission, listed=None if more_to_make else sought, given_way=given_way)
         except KeyboardInterrupt:
             cut = True
     winner = winner or design_of(sought, sought.outcome.best[0])

@@ -23,7 +23,7 @@ from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.recommend import Sought, design_of
 
 if TYPE_CHECKING:
-    from uwopt.api.choosing import Recommendation
+    from uwopt.api.recommendation import Recommendation
     from uwopt.solvers.confidence.search import Certain
 
 DOUBTS_SHARE = 0.25  # of what the answer itself took, where that is more

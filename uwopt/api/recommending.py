@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from uwopt.api.choosing import Recommendation
 from uwopt.api.common import base_result, selection_warnings
+from uwopt.api.recommendation import Recommendation
 from uwopt.api.search_notes import cut_warnings, gap_warnings, interruption_warnings
 from uwopt.api.yielding import yield_notes
 from uwopt.evaluation.breathing import breathing_notes
@@ -24,14 +24,14 @@ from uwopt.tolerances import PROVEN_GAP_REL
 
 def recommended(chosen: Recommendation) -> Result:
     """The result, before anything is told beyond the proof."""
-    sought, winner, sure, mission = chosen.sought, chosen.design, chosen.made_sure, chosen.mission
+    sought, winner, mission = chosen.sought, chosen.design, chosen.mission
     problem, goal, best = sought.problem, sought.goal, sought.outcome.best[0]
     hardware = best.hardware
     influences = influences_of(problem, hardware, given_of(problem, hardware, best.settings))
     proof = certificate(sought.selection, problem, chosen.proven, goal)
     wide = chosen.is_proven and (proof.gap_rel or 0.0) > PROVEN_GAP_REL
     second_best = any(warning["code"] == BETTER_UNSETTABLE for warning in winner.warnings)
-    exact = winner.is_settable and not wide and (sure is None or sure.is_best)
+    exact = winner.is_settable and not wide and chosen.is_best
     base = base_result("solve", mission, goal, problem)
     return replace(
         base,

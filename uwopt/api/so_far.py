@@ -12,7 +12,7 @@ from uwopt.solvers.recommend import Sought
 from uwopt.units import format_quantity
 
 if TYPE_CHECKING:
-    from uwopt.api.choosing import Recommendation
+    from uwopt.api.recommendation import Recommendation
 
 PRACTICE_LINE = "nothing meets all of good practice: what of it has to be relaxed is looked for"
 

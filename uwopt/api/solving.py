@@ -13,12 +13,13 @@ from uwopt.api.accuracy import (
     plain_accuracy,
     search_within,
 )
-from uwopt.api.choosing import Recommendation, chosen_of, held_by_yielding, with_others
+from uwopt.api.choosing import chosen_of, held_by_yielding, with_others
 from uwopt.api.common import Source, prepared, time_warnings
 from uwopt.api.doubting import ToTell, doubted
 from uwopt.api.explaining import infeasible_result, priced
 from uwopt.api.floats import own_float_rules
 from uwopt.api.practice_known import PracticeKnown
+from uwopt.api.recommendation import Recommendation
 from uwopt.api.recommending import recommended
 from uwopt.api.risks import with_risks
 from uwopt.api.search_notes import cut_warnings, gain_warnings, interrupted
