@@ -74,6 +74,13 @@ DEFECTS = (
         test=f"{TESTS}::test_a_value_at_which_nothing_fits_is_not_searched_again",
     ),
     Defect(
+        name="nobody is told to come on a brighter day",
+        file="uwopt/solvers/infeasible/move_keys.py",
+        old='    if mission.physics != "paper" and len(suns) == 1 and',
+        new="    if False and len(suns) == 1 and",
+        test=f"{TESTS}::test_a_brighter_day_is_told_as_bright_as_it_must_be",
+    ),
+    Defect(
         name="a battery that is too small is no key to move",
         file="uwopt/solvers/infeasible/move_keys.py",
         old="    if is_limited and limits.energy_wh is None",

@@ -305,3 +305,31 @@ def test_a_value_at_which_nothing_fits_is_not_searched_again(parts):
     mover._try_far(one, NEVER)
     mover._try_far(one, NEVER)
     assert asked == [*one.values, one.values[1]]
+
+
+def by_day(parts: Any, *suns_lux: float, lamps: int = 0) -> Mission:
+    """Divers in 3 m of water, on so many days."""
+    asked = mission(parts, min_snr_db=30.0, max_blur_px=0.5).to_dict()
+    scene, vehicle = asked["scenes"][0] | {"depth_m": 3.0}, asked["vehicle"] | {"light_count": lamps}
+    scenes = [scene | {"sun_lux": sun_lux, "name": f"day {n}"} for n, sun_lux in enumerate(suns_lux)]
+    catalog = asked["catalog"] | ({} if lamps else {"lights": []})
+    return mission(parts).with_changes(
+        physics="full", scenes=scenes, requirements=asked["requirements"], vehicle=vehicle, catalog=catalog
+    )
+
+
+def test_a_brighter_day_is_told_as_bright_as_it_must_be(parts):
+    """Divers without lamps were told of clearer water and less speed, and not to come at noon."""
+    wanted = by_day(parts, 300.0)
+    catalog, told = load_catalog(wanted), moves(wanted)["sun_lux"]
+    assert told.unit == "lux" and told.asked == 300.0 and told.nearest
+    nearer = told.needed + 2.0 * CLOSER * (told.asked - told.needed)
+    assert fits(by_day(parts, told.needed), catalog) and not fits(by_day(parts, nearer), catalog)
+
+
+@pytest.mark.parametrize("suns_lux", [(0.0,), (100_000.0,), (20_000.0, 300.0)])
+def test_no_day_is_brightened_at_night_or_at_noon_or_where_days_differ(parts, suns_lux):
+    assert "sun_lux" in {one.key.name for one in tries_of(by_day(parts, 300.0, lamps=1))}
+    wanted = by_day(parts, *suns_lux, lamps=1)
+    assert "sun_lux" not in {one.key.name for one in tries_of(wanted)}
+    assert "sun_lux" not in {one.key.name for one in tries_of(by_day(parts, 300.0).with_changes(physics="paper"))}

@@ -32,8 +32,8 @@ KEYS: Mapping[str, str] = {
     "altitude_m": "altitude", "altitude_tolerance_m": "tolerance of the altitude", "speed_m_s": "speed",
     "frame_interval_s": "time between images", "duration_h": "duration", "battery_wh": "battery",
     "camera_between_images": "cameras between images", "lamps_between_images": "lamps between images",
-    "visibility_m": "visibility", "secchi_m": "Secchi depth", "c_per_m": "beam attenuation",
-    "turbidity_ntu": "turbidity", "water": "type of water",
+    "sun_lux": "sunlight at the surface", "visibility_m": "visibility", "secchi_m": "Secchi depth",
+    "c_per_m": "beam attenuation", "turbidity_ntu": "turbidity", "water": "type of water",
 }  # fmt: skip
 
 AS_WRITTEN: Mapping[str, str] = {"min_snr": "min_snr_db"}  # keys that a mission writes otherwise than rules name them

@@ -22,6 +22,7 @@ ALTITUDES = (0.4, 0.65, 1.5, 0.15)  # of the altitude that is asked; what is nea
 STEADIEST = 0.25  # of the tolerance that is asked
 FARTHEST_CLARITY = (40.0, 8.0)  # times as clear, but no clearer than a mission can say
 CLEAREST = {"c_per_m": 0.055, "visibility_m": 80.0, "secchi_m": 80.0, "turbidity_ntu": 0.02}
+BRIGHT_DAY_LUX = 100_000.0  # at the surface, at noon under a clear sky
 FARTHEST_TIME = 10.0  # times as long between images
 FARTHEST_ENERGY = (10.0, 100.0)  # times as short a mission, or as much in its battery
 SMALLER = (0.5, 0.2, 0.08)  # of the battery that is asked, which must still last as long
@@ -44,7 +45,7 @@ def tries_of(mission: Mission, *, for_want_of_energy: bool = False, for_want_of_
     for_want_of_energy : whether it is energy that nothing has enough of: then what takes or holds it comes first
     for_want_of_budget : whether it is money or mass: then a battery that takes of them comes first
     """
-    others = [*_waters(mission), *_vehicle(mission)]  # water takes least to try: the imagers stay
+    others = [*_waters(mission), *_day(mission), *_vehicle(mission)]  # light takes least to try: the imagers stay
     energy = [*_energy(mission, for_want_of_energy=for_want_of_energy)]
     if for_want_of_budget and not for_want_of_energy:
         first = [one for one in energy if one.key.name == BATTERY]
@@ -106,6 +107,13 @@ def _waters(mission: Mission) -> Iterator[Try]:
             yield _try("scene", name, value, tuple(dict.fromkeys(rounded_away(one, value) for one in far)))
     elif water in CLEAREST_FIRST and water != CLEAREST_FIRST[0]:
         yield _try("scene", "water", water, (CLEAREST_FIRST[0],))
+
+
+def _day(mission: Mission) -> Iterator[Try]:
+    """A brighter day, where the sun gives light; physics `paper` knows of none."""
+    suns = {scene.sun_lux for scene in mission.scenes}
+    if mission.physics != "paper" and len(suns) == 1 and 0.0 < (sun_lux := suns.pop()) < BRIGHT_DAY_LUX:
+        yield _try("scene", "sun_lux", sun_lux, (BRIGHT_DAY_LUX,))
 
 
 def _try(section: str, name: str, asked: Value, values: tuple[Value, ...]) -> Try:
