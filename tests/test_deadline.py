@@ -12,7 +12,7 @@ from typing import Any, cast
 import pytest
 from typer.testing import CliRunner
 
-from uwopt.api import choosing, pricing
+from uwopt.api import doubting, pricing
 from uwopt.api import solving as api
 from uwopt.api import trading as api_pareto
 from uwopt.api.common import prepared
@@ -151,8 +151,8 @@ def test_what_else_is_listed_ends_with_the_time_and_that_is_told(monkeypatch: py
     clock = Clock(1.0)
     limit = Deadline.after(2.5, clock)
     found = SimpleNamespace(outcome=SimpleNamespace(best=["best", "second", "third", "fourth"]))
-    monkeypatch.setattr(choosing, "design_of", lambda sought, one, *, with_rounding: one)
-    assert choosing.others_in_time(cast(Any, found), limit) == ["second", "third"]
+    monkeypatch.setattr(doubting, "design_of", lambda sought, one, *, with_rounding: one)
+    assert doubting.others_in_time(cast(Any, found), limit) == ["second", "third"]
     assert limit.left_out == ["more of the next best systems"]
 
 

@@ -280,8 +280,11 @@ def test_interruption_before_a_result_is_status_130(monkeypatch: pytest.MonkeyPa
 
 @pytest.mark.parametrize(
     ("where", "stage"),
-    [(doubting, "told_together"), (doubting, "second_opinions"), (api, "estimator_of_search"), (choosing, "design_of")],
-)
+    [
+        (doubting, "told_together"), (doubting, "second_opinions"), (api, "estimator_of_search"),
+        (choosing, "best_settable"), (doubting, "others_in_time"),
+    ],
+)  # fmt: skip
 def test_interruption_after_the_proof_keeps_what_is_proven(
     where: Any, stage: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -24,9 +24,9 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="what else is listed is worked out whatever the time",
-        file="uwopt/api/choosing.py",
-        old="        if deadline.passed():\n            deadline.left_out.append(OTHERS)",
-        new="        if False:\n            deadline.left_out.append(OTHERS)",
+        file="uwopt/api/doubting.py",
+        old="        if deadline.passed():\n            deadline.left_out.append(STAGES[\"next_best\"])",
+        new="        if False:\n            deadline.left_out.append(STAGES[\"next_best\"])",
         test=f"{DEADLINE}::test_what_else_is_listed_ends_with_the_time_and_that_is_told",
     ),
     Defect(

@@ -12,19 +12,17 @@ from uwopt.api.searching import Searched, Searches
 from uwopt.api.so_far import held_line
 from uwopt.api.watch import Watch
 from uwopt.api.yielding import KnownToHold, all_to_hold, fewest_to_hold, most_held, share_to_hold
-from uwopt.deadline import Deadline, effort_s
+from uwopt.deadline import effort_s
 from uwopt.mission.doubt import CENTRAL
 from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import Yield, with_yields
-from uwopt.results.design import Design
-from uwopt.solvers.recommend import Sought, best_settable, design_of
+from uwopt.solvers.recommend import best_settable, design_of
 
 if TYPE_CHECKING:
     from uwopt.api.counting import Counts
 
 
 MOST_ROUNDS = 3  # in which less and less gives way
-OTHERS = "more of the next best systems"  # where there is no time for them
 AS_SURE = 0.02  # shares of fresh scenarios that lie as near are as good as the same
 
 
@@ -54,28 +52,6 @@ def chosen_of(searched: Searched, watch: Watch, before: Counts | None = None) ->
     winner = winner or design_of(sought, sought.outcome.best[0])
     listed = None if cut else sought
     return Recommendation(mission, sought, sought.outcome, winner, listed, given_way=given_way, cut=cut)
-
-
-def with_others(chosen: Recommendation, watch: Watch) -> Recommendation:
-    """What is recommended with what else is listed, as far as there is time."""
-    if chosen.listed is None or chosen.cut:
-        return chosen
-    with watch.timed("evaluation"):
-        try:
-            return replace(chosen, others=others_in_time(chosen.listed, watch.deadline))
-        except KeyboardInterrupt:  # what is recommended is not lost
-            return replace(chosen, cut=True)
-
-
-def others_in_time(sought: Sought, deadline: Deadline) -> list[Design]:
-    """What else is listed, the best first, as far as there is time."""
-    others = []
-    for found in sought.outcome.best[1:]:
-        if deadline.passed():
-            deadline.left_out.append(OTHERS)
-            break
-        others.append(design_of(sought, found, with_rounding=False))
-    return others
 
 
 def held_by_yielding(

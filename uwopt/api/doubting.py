@@ -98,6 +98,8 @@ def told_together(
         from uwopt.api.raised import eased_or_raised
 
         works["eased"] = partial(eased_or_raised, sought, counted, choice, chosen.counts, deadline)
+    if chosen.listed is not None:
+        works["next_best"] = partial(others_in_time, chosen.listed, deadline)
     works = {name: work if name == costs else partial(clock.stand_still, work) for name, work in works.items()}
     works |= doubts
     if wanted.alternatives and sought.outcome.complete:
@@ -120,17 +122,29 @@ def told_together(
         cut = True
     told = {name: value for name, (value, _) in answers.items()}
     opinions, prices, lasted_s = told.get(costs, (made.solvers, made.prices, {}))
-    timed = ("search_generic", "eased", "alternatives")
+    timed = ("search_generic", "eased", "next_best", "alternatives")
     lasted_s |= {name: answers[name][1] for name in timed if name in answers}
     for name, seconds in lasted_s.items():
         watch.timing_s[name] = watch.timing_s.get(name, 0.0) + seconds
     firm = told.get("robustness") if doubts.keys() <= told.keys() else None
     made = replace(
-        made, confidence=told.get("eased", counted), solvers=opinions, prices=prices,
-        generic_alternative=told.get("search_generic"), alternatives=told.get("alternatives", made.alternatives),
+        made, runners_up=told.get("next_best", []), confidence=told.get("eased", counted), solvers=opinions,
+        prices=prices, generic_alternative=told.get("search_generic"),
+        alternatives=told.get("alternatives", made.alternatives),
         robustness=None if firm is None else {**firm, **{name: told[name] for name in doubts if name != "robustness"}},
     )  # fmt: skip
     return made, cut
+
+
+def others_in_time(sought: Sought, deadline: Deadline) -> list[Design]:
+    """What else is listed, the best first, as far as there is time."""
+    others = []
+    for found in sought.outcome.best[1:]:
+        if deadline.passed():
+            deadline.left_out.append(STAGES["next_best"])
+            break
+        others.append(design_of(sought, found, with_rounding=False))
+    return others
 
 
 def costed(

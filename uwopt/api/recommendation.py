@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from uwopt.mission.mission import Mission
@@ -33,7 +33,6 @@ class Recommendation:
     given_way: tuple[Yield, ...] = ()
     to_hold: bool = False  # whether any of it did so that something holds as often as is asked
     cut: bool = False  # whether a person wants no more
-    others: list[Design] = field(default_factory=list)  # what else is listed
 
     @property
     def is_proven(self) -> bool:

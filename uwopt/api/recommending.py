@@ -40,7 +40,6 @@ def recommended(chosen: Recommendation) -> Result:
         mission_as_solved=as_solved(mission, chosen.given_way) if chosen.given_way else None,
         status=status_of(proven=chosen.is_proven, exact=exact),
         recommendation=winner,
-        runners_up=chosen.others,
         certificate=proof,
         assumptions=assumptions(problem, best),
         objective=replace(base.objective, value=winner.objective_value),

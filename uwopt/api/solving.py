@@ -13,7 +13,7 @@ from uwopt.api.accuracy import (
     plain_accuracy,
     search_within,
 )
-from uwopt.api.choosing import chosen_of, held_by_yielding, with_others
+from uwopt.api.choosing import chosen_of, held_by_yielding
 from uwopt.api.common import Source, prepared, time_warnings
 from uwopt.api.doubting import ToTell, doubted
 from uwopt.api.explaining import infeasible_result, priced
@@ -115,7 +115,6 @@ def solve(
     chosen = chosen_of(found, watch)
     if may_yield:
         chosen = held_by_yielding(asked, chosen, searches, watch)
-    chosen = with_others(chosen, watch)
     wanted = ToTell(solver, doubts=not quick, ranges=ranges and not every_price, alternatives=alternatives)
     result, sought = told_of(chosen, wanted, watch, first), chosen.sought
     if every_price and found.sought.outcome.complete and not interrupted(result):
