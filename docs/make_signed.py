@@ -23,6 +23,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 import uwopt  # noqa: E402
+from uwopt.api.risks import WARMEST_C  # noqa: E402
 from uwopt.catalog.load import load_catalog  # noqa: E402
 from uwopt.catalog.records import KINDS  # noqa: E402
 from uwopt.mission.mission import load_mission  # noqa: E402
@@ -65,6 +66,7 @@ What a result does not tell does not pass.
 | bad ends | what is asked, with estimated numbers at their bad ends | still met |
 | water | other descriptions of the same water | all served |
 | housing | a housing that takes port, camera and lens | one is in the order |
+| heat | air in the housing, at the most, in the warmest scene | at most 50 °C |
 | lamps | what feeds and fires the lamps | supply from outside and a trigger were asked for |
 | sold | parts that are sold under a name | all |
 | price | high end of the price, against the limit | within it, or no limit |
@@ -188,6 +190,15 @@ def housing(result: Result, design: Design) -> Line:
     return Line("housing", part is not None, "none" if part is None else "to be made" if part.generic else "sold")
 
 
+def heat(result: Result, design: Design) -> Line:
+    """How warm the air around the camera may become."""
+    warmer_k = design.totals.housing_warmer_k
+    if warmer_k is None:
+        return Line("heat", False, "not told")
+    most_c = max(float(scene["temperature_c"]) for scene in result.mission["scenes"]) + warmer_k[1]
+    return Line("heat", most_c <= WARMEST_C, f"{most_c:.0f} °C")
+
+
 def lamps(result: Result, design: Design) -> Line:
     """Supply and trigger of the lamps."""
     if design.hardware.light_count == 0:
@@ -217,8 +228,8 @@ def quoted(result: Result, design: Design) -> Line:
 
 
 CHECKS: tuple[Check, ...] = (
-    light, snr, corner, stop, colour, depth, reserve, certain, bad_ends, water, housing, lamps, sold, price,
-    quoted,
+    light, snr, corner, stop, colour, depth, reserve, certain, bad_ends, water, housing, heat, lamps, sold,
+    price, quoted,
 )  # fmt: skip
 
 
