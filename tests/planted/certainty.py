@@ -788,6 +788,20 @@ DEFECTS = (
         test=f"{DRAWS}::test_no_light_is_worked_out_in_waters_that_are_all_the_same",
     ),
     Defect(
+        name="parts that are drawn for one seed are taken for those of another",
+        file=f"{ROOM}/scenarios.py",
+        old="like is not None and (like.seed, like.count) == (seed, count)",
+        new="like is not None and like.count == count",
+        test=f"{DRAWS}::test_parts_are_drawn_and_made_worse_once",
+    ),
+    Defect(
+        name="parts that are a little worse are taken for much worse ones",
+        file=f"{ROOM}/worst_case.py",
+        old="WORSE_PARTS.of([part], share, ",
+        new="WORSE_PARTS.of([part], None, ",
+        test=f"{DRAWS}::test_parts_are_drawn_and_made_worse_once",
+    ),
+    Defect(
         name="a reading is taken for exact",
         file=f"{ROOM}/waters.py",
         old='"clarity": doubt.clarity and any(',

@@ -52,13 +52,17 @@ class Scenarios:
         mission: Mission, scenes: Sequence[SceneOptics], doubt: Doubt, *, seed: int, count: int,
         like: Scenarios | None = None,
     ) -> Scenarios:  # fmt: skip
-        """Draw them; `like`: others of the same mission, scenes and doubt, whose waters are known."""
+        """Draw them; `like`: others of the same mission, scenes and doubt, whose waters are known.
+
+        So are the parts that were drawn for as many of the same seed.
+        """
         port = shuffled(seed, "port", count) * PORTS // count
         focus = triangular(probabilities(seed, "focus", count), doubt.focus[0], 1.0, doubt.focus[1])
         waters = Waters.of(mission, scenes) if like is None else like.waters
         states = drawn_states(waters.left_open_by(doubt), seed, count, has_band=any(map(may_leave_band, scenes)))
         responses = {} if like is None else like.responses
-        return Scenarios(doubt, seed, count, states, waters, port, focus, responses=responses)
+        known = like.known if like is not None and (like.seed, like.count) == (seed, count) else {}
+        return Scenarios(doubt, seed, count, states, waters, port, focus, known=known, responses=responses)
 
     def seen_by(self, mission: Mission, scenes: Sequence[SceneOptics]) -> Scenarios:
         """The same draws for a mission that asks for other things in these scenes; light in the waters is kept."""

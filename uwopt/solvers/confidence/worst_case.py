@@ -13,6 +13,7 @@ import numpy as np
 
 from uwopt.catalog.parts.doubts import taken_as, with_numbers
 from uwopt.catalog.records import Light, Part, Quantity
+from uwopt.forward.once import MOST_RECORDS, Once
 from uwopt.forward.part_columns import FAVOURED
 from uwopt.forward.parts import Parts
 from uwopt.forward.problem import Problem
@@ -82,8 +83,12 @@ class EndScenarios(Scenarios):
 # ---------------------------------------------------------------- worse than in most
 
 
+#: Parts that are worse, by the part and how much: searches with room are made of the same parts again and again.
+WORSE_PARTS: Once[Any] = Once(MOST_RECORDS)
+
+
 def worse_part(part: Any, share: float) -> Any:
-    """A part each of whose uncertain numbers is worse than in so large a share of its draws."""
+    """A part each of whose uncertain numbers is worse than in so large a share of its draws; once for each."""
 
     def value_at(name: str, known: Quantity) -> Quantity | None:
         sign = FAVOURED.get(name, 0)
@@ -91,7 +96,15 @@ def worse_part(part: Any, share: float) -> Any:
         value = float(triangular(probability, known.low, known.value, known.high))
         return taken_as(name, known, value) if sign else None
 
-    return with_numbers(part, value_at)
+    return WORSE_PARTS.of([part], share, lambda: with_numbers(part, value_at))
+
+
+def worse_light(light: Light, share: float, doubt: Doubt) -> Light:
+    """A light likewise, where its numbers are in doubt, whose output is worse than in as many draws as well."""
+    low, high = doubt.lamp_output
+    worse = worse_part(light, share) if doubt.parts else light
+    output = float(triangular(np.array(1.0 - share), low, 1.0, high))
+    return WORSE_PARTS.of([worse], ("output", output), lambda: brighter(worse, output))
 
 
 def worse_problem(base: Problem, scenarios: Scenarios, share: float) -> Problem:
@@ -100,15 +113,13 @@ def worse_problem(base: Problem, scenarios: Scenarios, share: float) -> Problem:
     What must be sharp is so wherever lenses stand in as many.
     """
     parts, doubt = base.parts, scenarios.doubt
-    low, high = doubt.lamp_output
-    output = float(triangular(np.array(1.0 - share), low, 1.0, high))
 
     def worse(some: Sequence[Any]) -> tuple[Any, ...]:
         return tuple(worse_part(part, share) for part in some) if doubt.parts else tuple(some)
 
     made = Parts(
         worse(parts.cameras), worse(parts.lenses), worse(parts.ports),
-        tuple(brighter(light, output) for light in worse(parts.lights)),
+        tuple(worse_light(light, share, doubt) for light in parts.lights),
     )  # fmt: skip
     problem = base.over(made, scenes=scenarios.scenes_at(share), have_estimates=True)
     foci = np.array([1.0, *np.quantile(scenarios.focus, [0.5 * (1.0 - share), 0.5 * (1.0 + share)])])
