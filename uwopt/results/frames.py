@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
@@ -10,19 +10,21 @@ from uwopt.errors import RangeError
 
 if TYPE_CHECKING:
     import pandas as pd
+    from _typeshed import DataclassInstance
 
     from uwopt.results.design import Design
 
 Rows = list[dict[str, Any]]
 
 
-def frame_of(tables: Mapping[str, Callable[[], Rows]], name: str) -> pd.DataFrame:
-    """The table of this name; a RangeError names those that there are."""
+def frame_of(tables: Mapping[str, Callable[[], Rows] | Sequence[DataclassInstance]], name: str) -> pd.DataFrame:
+    """The table of this name: its rows, or one a record; a RangeError names those that there are."""
     import pandas as pd
 
     if name not in tables:
         raise RangeError(f"there is no table {name!r}; there are {', '.join(tables)}")
-    return pd.DataFrame(tables[name]())
+    made = tables[name]
+    return pd.DataFrame(made() if callable(made) else [asdict(one) for one in made])
 
 
 def margin_rows(design: Design | None) -> Rows:

@@ -5,7 +5,6 @@ whole design; those that share hardware lie on one curve of settings.
 """
 
 from collections.abc import Callable, Iterable
-from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from pydantic import Field, TypeAdapter
@@ -135,16 +134,8 @@ class FrontResult(Shown, FiledRecord):
 
     def frame(self, name: str = "points") -> "pd.DataFrame":
         """A table of the front: points, picks, methods, assumptions or warnings."""
-        return frame_of(
-            {
-                "points": self.rows,
-                "picks": lambda: [asdict(pick) for pick in self.picks],
-                "methods": lambda: [asdict(method) for method in self.methods],
-                "assumptions": lambda: [asdict(item) for item in self.assumptions],
-                "warnings": lambda: [asdict(note) for note in self.warnings],
-            },
-            name,
-        )
+        tables = {"picks": self.picks, "methods": self.methods, "assumptions": self.assumptions}
+        return frame_of({"points": self.rows, **tables, "warnings": self.warnings}, name)
 
     def rows(self) -> list[dict[str, Any]]:
         """The table's rows: objectives, hardware ids, then settings, figures and margins by scene."""

@@ -174,8 +174,8 @@ class Result(Shown, FiledRecord):
                 "figures": lambda: figure_rows(best),
                 "designs": lambda: design_rows([*([best] if best else []), *self.runners_up]),
                 "certificate": lambda: [] if proof is None else proof.rows(),
-                "assumptions": lambda: [asdict(item) for item in self.assumptions],
-                "warnings": lambda: [asdict(note) for note in self.warnings],
+                "assumptions": self.assumptions,
+                "warnings": self.warnings,
             },
             name,
         )

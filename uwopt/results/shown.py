@@ -16,8 +16,17 @@ if TYPE_CHECKING:
 NOTEBOOK = "uwopt.report.notebook"
 
 
-class Shown:
-    """Beside its records a result has a short text, a table for notebooks, plots, and the report."""
+class Reported:
+    """What is found can be written as a page."""
+
+    def report(self, path: Any) -> Path:
+        """Write the report, one HTML file that works offline; returns its path."""
+        written: Path = import_module("uwopt.report.write").write_page(self, path)
+        return written
+
+
+class Shown(Reported):
+    """Beside its records and its page a result has a short text, a table for notebooks, and plots."""
 
     def __repr__(self) -> str:
         return str(import_module(NOTEBOOK).short_text(self))
@@ -47,8 +56,3 @@ class Shown:
         """Names that `figure` takes."""
         names: tuple[str, ...] = import_module(NOTEBOOK).figure_names(self)
         return names
-
-    def report(self, path: Any) -> Path:
-        """Write the report, one HTML file that works offline; returns its path."""
-        written: Path = import_module("uwopt.report.write").write_page(self, path)
-        return written

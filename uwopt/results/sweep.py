@@ -3,9 +3,8 @@
 What `sweep` returns and sweep.json holds, schema `uwopt.sweep/1`; its rows lie beside it as Parquet.
 """
 
-from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pydantic import Field
 from pydantic.dataclasses import dataclass
@@ -13,6 +12,7 @@ from pydantic.dataclasses import dataclass
 from uwopt.results.design import Note, lamps_in_words
 from uwopt.results.frames import frame_of
 from uwopt.results.record import RECORD, FiledRecord, Flag, Number, Record, Whole
+from uwopt.results.shown import Reported
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -74,7 +74,7 @@ class FailedMissions(Record):
 
 
 @dataclass(frozen=True, repr=False, config=RECORD)
-class SweepSummary(FiledRecord):
+class SweepSummary(Reported, FiledRecord):
     """What many missions amount to, as it is written to sweep.json."""
 
     status: str = Field(description="complete | interrupted, stopped by --seconds: missions are missing")
@@ -118,19 +118,5 @@ class SweepSummary(FiledRecord):
             import pandas as pd
 
             return pd.read_parquet(Path(self.folder) / SWEEP_PARQUET)
-        return frame_of(
-            {
-                "kits": lambda: [asdict(kit) for kit in self.kits],
-                "portfolio": lambda: [asdict(one) for one in self.portfolio],
-                "failed": lambda: [asdict(one) for one in self.failed],
-                "warnings": lambda: [asdict(note) for note in self.warnings],
-            },
-            name,
-        )
-
-    def report(self, path: Any) -> Path:
-        """Write the page, one HTML file that works offline; returns its path."""
-        from importlib import import_module
-
-        written: Path = import_module("uwopt.report.write").write_page(self, path)
-        return written
+        tables = {"kits": self.kits, "portfolio": self.portfolio, "failed": self.failed, "warnings": self.warnings}
+        return frame_of(tables, name)

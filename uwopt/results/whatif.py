@@ -13,10 +13,9 @@ from uwopt.results.basis import ObjectiveValue
 from uwopt.results.design import Note, lamps_in_words
 from uwopt.results.frames import frame_of
 from uwopt.results.record import RECORD, FiledRecord, Flag, Number, Record, Whole
+from uwopt.results.shown import Reported
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     import pandas as pd
 
 WHATIF_SCHEMA = "uwopt.whatif/1"
@@ -87,7 +86,7 @@ class SpiderLine(Record):
 
 
 @dataclass(frozen=True, repr=False, config=RECORD)
-class WhatIf(FiledRecord):
+class WhatIf(Reported, FiledRecord):
     """The optimum over values of a mission's keys, as it is written to whatif.json."""
 
     status: str = Field(description="complete | stopped | interrupted")
@@ -136,14 +135,11 @@ class WhatIf(FiledRecord):
         """A table: points, systems, switches, spider or warnings."""
         return frame_of(
             {
-                "points": self.rows,
-                "systems": lambda: [asdict(system) for system in self.systems],
-                "switches": lambda: [asdict(switch) for switch in self.switches],
-                "spider": self.spider_rows,
-                "warnings": lambda: [asdict(note) for note in self.warnings],
+                "points": self.rows, "systems": self.systems, "switches": self.switches,
+                "spider": self.spider_rows, "warnings": self.warnings,
             },
             name,
-        )
+        )  # fmt: skip
 
     def spider_rows(self) -> list[dict[str, Any]]:
         """One row a quantity and factor."""
@@ -153,10 +149,3 @@ class WhatIf(FiledRecord):
             for line in self.spider
             for point in line.points
         ]  # fmt: skip
-
-    def report(self, path: Any) -> "Path":
-        """Write the page, one HTML file that works offline; returns its path."""
-        from importlib import import_module
-
-        written: Path = import_module("uwopt.report.write").write_page(self, path)
-        return written
