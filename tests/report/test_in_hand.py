@@ -74,7 +74,9 @@ def test_a_depth_rating_counts_from_the_deepest_scene():
     assert share_in_hand(dome, 5500.0) == pytest.approx(0.0909, abs=1e-4)
     design = Design([Scene([margin("max_gsd_mm", 3.8, 4.0, "<=", "mm"), dome])])  # 5 % left
     assert fails_first(design, 5500.0) == "fails first: pixel on the floor, margin 0.200 mm"  # type: ignore[arg-type]
-    assert fails_first(design, 6000.0).startswith("fails first: depth rating")  # type: ignore[arg-type]
+    for deepest_m, left in ((6000.0, "0 m"), (5900.0, "100 m")):
+        told = fails_first(design, deepest_m)  # type: ignore[arg-type]
+        assert told == f"fails first: depth rating (dome), {left} over the deepest scene"
 
 
 def test_without_a_reserve_none_is_told():

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from uwopt.report.text import formats, words
 from uwopt.results.design import Design, Margin
-from uwopt.units import db_to_ratio
+from uwopt.units import db_to_ratio, format_difference
 
 DEPTH = "depth_rating_m"
 BREAKING = (
@@ -54,6 +54,13 @@ def fails_first(design: Design, deepest_m: float = 0.0) -> str:
         if share <= least + ALIKE:
             name = words.requirement_name(margin.requirement)
             place = words.in_scene(scene, design.scenes)
-            kept = f" beyond the {formats.kept_text(margin)} reserve" if margin.reserve else ""
-            named.setdefault(name, f"{name}{place}, margin {formats.margin_text(margin, design.totals.cost)}{kept}")
+            named.setdefault(name, f"{name}{place}, {left_text(margin, design, deepest_m)}")
     return f"fails first: {'; '.join(list(named.values())[:MOST_NAMED])}"
+
+
+def left_text(margin: Margin, design: Design, deepest_m: float) -> str:
+    """`margin 0 dB beyond the 3 dB reserve`; of a depth rating without one what it leaves over the deepest scene."""
+    if margin.requirement.startswith(DEPTH) and deepest_m > 0.0 and margin.value is not None and not margin.reserve:
+        return f"{format_difference(margin.value - deepest_m, margin.unit)} over the deepest scene"
+    kept = f" beyond the {formats.kept_text(margin)} reserve" if margin.reserve else ""
+    return f"margin {formats.margin_text(margin, design.totals.cost)}{kept}"
