@@ -133,6 +133,13 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/report/order/test_maker_words.py::test_what_each_maker_is_asked_is_worded",
     ),
     Defect(
+        name="warmth of a hundredth of a degree is told",
+        file="uwopt/report/text/words.py",
+        old="    if totals.housing_warmer_k is None or totals.housing_warmer_k[-1] < WARM_K:",
+        new="    if totals.housing_warmer_k is None:",
+        test="tests/report/test_words.py::test_warmth_of_a_housing_is_told_where_it_is_a_degree[warmer_k2-]",
+    ),
+    Defect(
         name="what stands is told the distance between its lines",
         file="uwopt/report/card/blocks.py",
         old='    has_lines &= any(scene.figures.get("area_m2_h") for scene in design.scenes)',

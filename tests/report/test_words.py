@@ -201,3 +201,13 @@ def test_lamps_in_rows_are_told_by_their_sides_and_steps() -> None:
     assert words.mounts_text(rows) == told
     moved = [*rows[:-1], words.LampPlace(0.2, 0.5, 0.0, 0.0, 10.0)]
     assert words.mounts_text(moved).startswith("at x -0.1 m, y 0.5 m")
+
+
+@pytest.mark.parametrize(("warmer_k", "told"), [
+    ([3.0, 7.42], ", its air 3.0 to 7.4 °C warmer than the water"),
+    ([0.5, 1.2], ", its air 0.50 to 1.2 °C warmer than the water"),
+    ([0.012, 0.029], ""),  # of a camera that is off for all but 18 s in two hours
+    (None, ""),
+])  # fmt: skip
+def test_warmth_of_a_housing_is_told_where_it_is_a_degree(warmer_k: Any, told: str) -> None:
+    assert words.warmth_clause(SimpleNamespace(housing_warmer_k=warmer_k)) == told  # type: ignore[arg-type]

@@ -89,6 +89,7 @@ def part_id(part: UsedPart) -> str:
 
 SAME_HARDWARE = "the same hardware, other settings"
 TOGETHER = 1.01  # times as long as all took, from which stages must have run side by side
+WARM_K = 1.0  # less of warmth in a housing matters to no camera
 WORTH_TELLING = 0.01  # of a price: less is no reason to choose
 
 
@@ -309,8 +310,8 @@ def housing_clause(totals: Totals) -> str:
 
 
 def warmth_clause(totals: Totals) -> str:
-    """`, its air 3 to 8 °C warmer than the water`; nothing where that is not known."""
-    if totals.housing_warmer_k is None:
+    """`, its air 3 to 8 °C warmer than the water`; nothing where that is not known, or less than a degree."""
+    if totals.housing_warmer_k is None or totals.housing_warmer_k[-1] < WARM_K:
         return ""
     low, high = (format_number(kelvin, 2) for kelvin in totals.housing_warmer_k)
     return f", its air {low} to {high} °C warmer than the water"
