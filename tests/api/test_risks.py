@@ -277,6 +277,20 @@ def test_housings_that_float_are_told_with_their_ballast(calm: Result) -> None:
     assert [risks_of(weighing(kg)) for kg in (-0.4, 0.0, 3.0, None)] == [[]] * 4
 
 
+@pytest.mark.parametrize(("lift_kg", "limit_kg", "first"), [
+    (11.9, 2.0, "the cameras float"),  # two housings of acrylic for a diver who asked for 2 kg at most
+    (1.9, 2.0, "the lens is used"), (9.0, None, "the lens is used"), (11.0, None, "the cameras float"),
+])  # fmt: skip
+def test_much_lift_is_a_greater_risk_than_a_lens_wide_open(
+    calm: Result, lift_kg: float, limit_kg: float | None, first: str
+) -> None:
+    totals = replace(design_of(calm).totals, mass_water_kg=-lift_kg)
+    limits = {**calm.mission["limits"], "mass_water_kg": limit_kg}
+    light = replace(calm, design=replace(design_of(calm), totals=totals), mission={**calm.mission, "limits": limits})
+    risks = risks_of(with_margin(light, replace(margin("f_number_min", 2.8, 2.8, ">=", ""), binding=True)))
+    assert len(risks) == 2 and risks[0].what.startswith(first)
+
+
 @pytest.mark.parametrize(("water_c", "is_told"), [(28.0, True), (24.0, False)])
 def test_air_in_a_housing_that_may_be_warmer_than_cameras_stand_is_told(
     calm: Result, water_c: float, is_told: bool

@@ -73,6 +73,7 @@ STILL_MM_S = 10.0  # a hand, a line or a hovering vehicle drifts faster; a frame
 STEADY_DEG = 3.0  # as well as a lamp's direction is kept on a vehicle
 DEPTH_IN_HAND = 0.1
 WARMEST_C = 50.0  # around an industrial camera, by most makers' sheets (assumed; no column of the catalogue has it)
+CARRIED_KG = 10.0  # of lead, beyond which nobody adds it without a thought: a diver's belt holds some 5 to 10 kg
 BUOYANT_KG = 0.5  # that a mount and its screws weigh in water; beyond it ballast is needed (assumed)
 MOST_GAIN_DB = RECOMMENDED_RESERVE["max_gain_db"]
 MUCH_ESTIMATED = 0.3  # of the price
@@ -215,7 +216,9 @@ def floats(result: Result, design: Design) -> Weighed:
     if weight_kg is not None and weight_kg < -BUOYANT_KG:
         because = "the housings displace more water than they weigh, lamps not counted; ballast is no part of the order"
         figure = f"{format_quantity(-weight_kg, 'kg')} of ballast in water"
-        yield 33.0, Risk("the cameras float and need ballast", because, figure)
+        most_kg = (result.mission.get("limits") or {}).get("mass_water_kg")
+        is_much = -weight_kg > (CARRIED_KG if most_kg is None else most_kg)  # a limit of weight holds no lift
+        yield (56.0 if is_much else 33.0), Risk("the cameras float and need ballast", because, figure)
 
 
 # ---------------------------------------------------------------- water and lamps
