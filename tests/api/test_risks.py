@@ -289,6 +289,10 @@ def test_much_lift_is_a_greater_risk_than_a_lens_wide_open(
     light = replace(calm, design=replace(design_of(calm), totals=totals), mission={**calm.mission, "limits": limits})
     risks = risks_of(with_margin(light, replace(margin("f_number_min", 2.8, 2.8, ">=", ""), binding=True)))
     assert len(risks) == 2 and risks[0].what.startswith(first)
+    kind, part = next(iter(design_of(light).hardware.parts.items()))
+    hardware = replace(design_of(light).hardware, **{kind: replace(part, generic=True)})
+    made = risks_of(replace(light, design=replace(design_of(light), hardware=hardware)))
+    assert made[0].what.startswith("the cameras float") == (lift_kg > (limit_kg or 1e9))  # before a part to be made
 
 
 @pytest.mark.parametrize(("water_c", "is_told"), [(28.0, True), (24.0, False)])

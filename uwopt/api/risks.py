@@ -218,7 +218,8 @@ def floats(result: Result, design: Design) -> Weighed:
         figure = f"{format_quantity(-weight_kg, 'kg')} of ballast in water"
         most_kg = (result.mission.get("limits") or {}).get("mass_water_kg")
         is_much = -weight_kg > (CARRIED_KG if most_kg is None else most_kg)  # a limit of weight holds no lift
-        yield (56.0 if is_much else 33.0), Risk("the cameras float and need ballast", because, figure)
+        great = 56.0 if most_kg is None else 66.0  # who limits weight in water counts on it
+        yield (great if is_much else 33.0), Risk("the cameras float and need ballast", because, figure)
 
 
 # ---------------------------------------------------------------- water and lamps
