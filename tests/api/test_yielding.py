@@ -851,6 +851,20 @@ def test_what_gave_way_so_that_anything_fits_comes_back_where_the_rest_is_enough
     assert yielding.fewest_to_hold(mission, (swath, blur), every, counts, NEVER, {}) == (swath, snr)
 
 
+def test_nothing_is_told_of_less_where_nothing_holds_with_all(monkeypatch: Any) -> None:
+    """What no hardware holds in with all that may give way is not asked of with less: each is counted anew."""
+    mission, asked = load_mission({**survey(20.0), "reserve": {}}), list[Any]()
+    (swath,) = (one for one in YIELDS if one.path == "reserve.swath")
+
+    def held(weaker: Any) -> float:
+        asked.append(weaker)
+        return 0.0
+
+    counts = shares_held(monkeypatch, held)
+    every = yielding.all_to_hold(mission, (swath,))
+    assert yielding.fewest_to_hold(mission, (swath,), every, counts, NEVER, {}) is None and len(asked) == 1
+
+
 def test_hardware_is_counted_once_for_each_mission_that_it_is_asked_of(monkeypatch: pytest.MonkeyPatch) -> None:
     counted: list[float] = []
 

@@ -240,6 +240,13 @@ DEFECTS = (
         test=f"{YIELDING}::test_what_gave_way_so_that_anything_fits_comes_back_where_the_rest_is_enough",
     ),
     Defect(
+        name="less is asked of hardware that does not hold with all",
+        file="uwopt/api/yielding.py",
+        old="    if not least:\n        return None\n",
+        new="",
+        test=f"{YIELDING}::test_nothing_is_told_of_less_where_nothing_holds_with_all",
+    ),
+    Defect(
         name="what gave way so that anything fits comes back whatever holds without it",
         file="uwopt/api/yielding.py",
         old="        if not patience.passed() and held(rest, least) >= least:",

@@ -87,8 +87,11 @@ def held_by_yielding(
             if best.cut or best.counts is None:
                 break
             with watch.stage("practice"):
-                given_way = fewest_to_hold(asked, first.given_way, given_way, counts, watch.deadline, known)
-            made = with_given_way(given_way, counts, best) if given_way != best.given_way else best
+                fewest = fewest_to_hold(asked, first.given_way, given_way, counts, watch.deadline, known)
+            if fewest is None or fewest == best.given_way:
+                break
+            given_way = fewest
+            made = with_given_way(given_way, counts, best)
             if made is best:
                 break
             best, counts = made, made.counts or counts

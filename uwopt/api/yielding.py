@@ -263,10 +263,11 @@ def all_to_hold(asked: Mission, given_way: Collection[Yield]) -> tuple[Yield, ..
 def fewest_to_hold(
     asked: Mission, given_way: Collection[Yield], every: Sequence[Yield], counts: Counts, deadline: Deadline,
     known: KnownToHold,
-) -> tuple[Yield, ...]:  # fmt: skip
+) -> tuple[Yield, ...] | None:  # fmt: skip
     """The least that has to give way so that some hardware holds as often as is asked, where with `every` it does.
 
-    What gave way so that anything fits comes back, the latest first, where that is not needed beside the rest.
+    What gave way so that anything fits comes back, the latest first, where that is not needed beside the rest. None
+    where no hardware that was counted can be recommended with all of them either: it tells nothing of less.
 
     asked : the mission with all of good practice
     given_way : what of it has given way so that anything fits
@@ -286,6 +287,8 @@ def fewest_to_hold(
         return most_held(counts, with_yields(asked, gone), known, least)
 
     least = min(share_to_hold(counts), held(_in_order(given_way, further), 0.0))
+    if not least:
+        return None
 
     def holds(more: Collection[Yield]) -> bool:
         return not patience.passed() and held(_in_order(given_way, more), least) >= least
