@@ -1283,6 +1283,13 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{BESIDE}::test_two_works_run_at_once_in_two_processes",
     ),
     Defect(
+        name="what is done ahead on one core has less work than on two",
+        file="uwopt/solvers/beside.py",
+        old="else _Done.of(work, lists, begun_s)",
+        new="else _Done.of(work, lists)",
+        test=f"{BESIDE}::test_a_limit_of_work_ends_a_work_at_the_same_place_on_every_machine[1]",
+    ),
+    Defect(
         name="who waits for a copy is told of what is done already",
         file="uwopt/solvers/beside.py",
         old="            begins(awaited)\n",

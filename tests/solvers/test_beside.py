@@ -7,12 +7,13 @@ import os
 import select
 import signal
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import pytest
 
 import uwopt
-from uwopt.deadline import effort_s, processor_s, spend
+from uwopt.deadline import COSTS_S, Deadline, effort_s, processor_s, spend
 from uwopt.errors import SolverError
 from uwopt.solvers import beside
 from uwopt.solvers.beside import ahead, cores, shares, side_by_side
@@ -78,6 +79,30 @@ def test_what_is_waited_for_in_the_end_is_told() -> None:
 def test_the_first_work_is_done_here() -> None:
     """What it made is known even where a person wants no more before the copies are done."""
     assert all(in_two_processes(os.getpid)[0] == os.getpid() for _ in range(3))
+
+
+def until(deadline: Deadline) -> int:
+    """How much a work does of what it may: designs in thousands."""
+    done = 0
+    while not deadline.passed():
+        spend("designs", 1000)
+        done += 1
+    return done
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_a_limit_of_work_ends_a_work_at_the_same_place_on_every_machine(count: int) -> None:
+    """Each of two has 10 thousand designs, whichever goes before it; so has what is done ahead of as much else."""
+    with cores(count):
+        deadline = Deadline.after(10.5 * 1000 * COSTS_S["designs"], effort_s)
+        work = partial(until, deadline)
+        assert side_by_side([work, work]) == [11, 11]
+        deadline = Deadline.after(10.5 * 1000 * COSTS_S["designs"], effort_s)
+        with ahead(partial(until, deadline)) as asked:
+            spend("designs", 5000)
+            before_s = effort_s()
+            assert asked() == 11
+    assert effort_s() - before_s == pytest.approx(11 * 1000 * COSTS_S["designs"])
 
 
 @pytest.mark.parametrize("count", [1, 2, 3])

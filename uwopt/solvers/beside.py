@@ -6,7 +6,8 @@ server has them, a copy may wait for ever for what one of these held. Where copi
 none well (only Linux does: on macOS a copy's libraries may fail), the works are done one after another.
 
 Works must not need each other, nor tell a progress bar of theirs. What they count (`deadline.effort_s`) and append to
-`lists` counts here too, so that nobody can tell from the answer where it was worked out.
+`lists` counts here too, and each begins with the effort of when it might have begun, not with that of those that went
+before on a single core: so that nobody can tell from the answer where it was worked out.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ import sys
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextvars import ContextVar
+from functools import partial
 from itertools import pairwise
 from typing import Any, Never
 
@@ -56,12 +58,8 @@ def side_by_side(
     What a work raises is raised here, that of the first such work. `lists`: what the works append to, in order.
     `begins`: called with the number of each work that this process does, and of that which it waits for in the end.
     """
-    if len(works) < 2 or _CORES.get() < 2:
-        values = []
-        for number, work in enumerate(works):
-            begins(number)
-            values.append(work())
-        return values
+    if not works:
+        return []
     queue = _Queue(range(1, len(works)))
     copies = [_Copy(works, queue, lists) for _ in range(min(_CORES.get(), len(works)) - 1)]
     made: dict[int, _Done] = {}
@@ -97,20 +95,22 @@ def ahead(work: Callable[[], Any], *, lists: Sequence[list[Any]] = ()) -> Iterat
 
     What is not asked for is ended and not counted. `lists`: what it appends to.
     """
+    begun_s = effort_s()
+
+    def asked_of(copy: _Copy | None) -> Any:
+        made = {} if copy is None else copy.answer()
+        done = made[0] if made else _Done.of(work, lists, begun_s)
+        done.take_over(lists)
+        return done.value
+
     if _CORES.get() < 2:
-        yield work
+        yield partial(asked_of, None)
         return
     queue = _Queue(range(1))
     copy = _Copy([work], queue, lists)
 
-    def asked() -> Any:
-        made = copy.answer()
-        done = made[0] if made else _Done.of(work, lists)
-        done.take_over(lists)
-        return done.value
-
     try:
-        yield asked
+        yield partial(asked_of, copy)
     finally:
         queue.close()
         copy.end()
@@ -123,16 +123,21 @@ class _Done:
         self.value, self.fault, self.added, self.spent_s = value, fault, added, spent_s
 
     @classmethod
-    def of(cls, work: Callable[[], Any], lists: Sequence[list[Any]]) -> _Done:
-        """Do a work; what it appends is taken off the lists again, for `take_over` to append in order."""
-        sizes, before_s = [len(one) for one in lists], effort_s()
+    def of(cls, work: Callable[[], Any], lists: Sequence[list[Any]], begun_s: float | None = None) -> _Done:
+        """Do a work; what it appends is taken off the lists again, for `take_over` to append in order.
+
+        begun_s : effort at which a copy would have begun; None: now
+        """
+        sizes, now_s = [len(one) for one in lists], effort_s()
+        before_s = now_s if begun_s is None else begun_s
+        add_effort(before_s - now_s)
         value, fault = None, None
         try:
             value = work()
         except Exception as raised:
             fault = raised
         spent_s = effort_s() - before_s
-        add_effort(-spent_s)
+        add_effort(now_s - before_s - spent_s)
         added = [one[size:] for one, size in zip(lists, sizes, strict=True)]
         for one, size in zip(lists, sizes, strict=True):
             del one[size:]
