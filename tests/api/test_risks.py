@@ -315,7 +315,7 @@ def test_air_in_a_housing_that_may_be_warmer_than_cameras_stand_is_told(
         (149.5, "the battery is nearly used up", "149.5 Wh of 150.0 Wh"),
         (121.0, "the battery is nearly used up", "121 Wh of 150 Wh"),
         (160.0, "the battery does not last", "160 Wh of 150 Wh"),
-        (120.0, "", ""), (None, "", ""),
+        (120.0, "", ""), (None, "", ""), (120.0 * (1.0 + 5e-10), "", ""),  # the search keeps a reserve to rounding
     ],
 )  # fmt: skip
 def test_a_battery_of_which_less_than_a_fifth_is_left_is_told(
