@@ -303,6 +303,19 @@ def test_interruption_after_the_proof_keeps_what_is_proven(
     assert result["status"] == "optimal" and result["certificate"]["complete"]
 
 
+def test_interruption_of_what_follows_the_proof_keeps_the_next_best(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They were found with the best, and are worked out beside second opinions, which a person ends here."""
+
+    def stop(*a: Any, **k: Any) -> None:
+        raise KeyboardInterrupt
+
+    whole = api.solve(MISSION, physics="paper", quick=True)
+    monkeypatch.setattr(doubting, "second_opinions", stop)
+    cut = api.solve(MISSION, physics="paper")
+    assert [note.code for note in cut.warnings].count("interrupted") == 1
+    assert [one.hardware.ids for one in cut.runners_up] == [one.hardware.ids for one in whole.runners_up] != []
+
+
 @pytest.mark.parametrize("stage", ["how firm the answer is", "second opinions", "what other makers offer"])
 def test_progress_tells_each_stage_after_the_search_and_may_end_it(stage: str) -> None:
     def progress(share: float, what: str) -> None:

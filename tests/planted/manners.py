@@ -23,6 +23,13 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/cli/test_app.py::test_options_reach_the_search",
     ),
     Defect(
+        name="who wants no more loses the next best",
+        file="uwopt/api/solving.py",
+        old="    if interrupted(made) and not made.runners_up",
+        new="    if False and not made.runners_up",
+        test="tests/cli/test_app.py::test_interruption_of_what_follows_the_proof_keeps_the_next_best",
+    ),
+    Defect(
         name="what else is listed is worked out whatever the time",
         file="uwopt/api/doubting.py",
         old="        if deadline.passed():\n            deadline.left_out.append(STAGES[\"next_best\"])",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -15,7 +16,7 @@ from uwopt.api.accuracy import (
 )
 from uwopt.api.choosing import chosen_of, held_by_yielding
 from uwopt.api.common import Source, prepared, time_warnings
-from uwopt.api.doubting import ToTell, doubted
+from uwopt.api.doubting import ToTell, doubted, others_in_time
 from uwopt.api.explaining import infeasible_result, priced
 from uwopt.api.floats import own_float_rules
 from uwopt.api.practice_known import PracticeKnown
@@ -167,6 +168,9 @@ def told_of(chosen: Recommendation, wanted: ToTell, watch: Watch, first: First |
         if first is not None:
             first(with_risks(made))
         made = doubted(made, chosen, wanted, watch)
+    if interrupted(made) and not made.runners_up and not chosen.cut and chosen.listed is not None:
+        with contextlib.suppress(KeyboardInterrupt):  # they were found, and take a moment
+            made = replace(made, runners_up=others_in_time(chosen.listed, watch.deadline))
     beyond = gain_warnings(chosen.mission, chosen.sought.problem, [chosen.design])
     return replace(made, warnings=[*made.warnings, *beyond])
 
