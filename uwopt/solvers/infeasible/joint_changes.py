@@ -176,8 +176,9 @@ class CommonShare:
     def _in_budget(self, share: float, found: Sought) -> Sought:
         """What fits with the budgets as they are asked, as many as can be, where the brightest hardware passes them."""
         mission = self.mission(self.weaker_by(share) | self.limits)
-        missed = missed_by(judged_by(mission, found, self.trials.objective), BUDGETS)
-        for kept in [missed, *({name} for name in missed)] if len(missed) > 1 else [missed]:
+        over = missed_by(judged_by(mission, found, self.trials.objective), BUDGETS)
+        missed = [name for name in BUDGETS if name in over]
+        for kept in [missed, *([name] for name in missed)] if len(missed) > 1 else [missed]:
             less = self._search(share, kept=kept) if kept else None
             if less is not None and less.outcome.best:
                 return less
