@@ -102,4 +102,11 @@ DEFECTS = (
         new="if name in () and mission.catalog.housing",
         test=f"{TESTS}::test_sizes_of_housings_are_not_compared_where_one_stands_for_others",
     ),
+    Defect(
+        name="fine detail is asked of imagers that there are not",
+        file="uwopt/solvers/exact/bounds.py",
+        old="if len(left) == 0:",
+        new="if len(left) < 0:",
+        test=f"{TESTS}::test_where_no_imager_passes_there_are_no_bounds_though_fine_detail_is_asked_for",
+    ),
 )

@@ -12,8 +12,9 @@ import pytest
 from thorough import drawn
 
 from uwopt.api.searching import Searches
+from uwopt.deadline import NEVER
 from uwopt.errors import SolverError
-from uwopt.forward.assembly import load_catalog
+from uwopt.forward.assembly import build_problem, load_catalog, selected
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.mission.strictness import Asking, sign_of
 from uwopt.mission.varying import VariedMission
@@ -132,6 +133,15 @@ def test_parts_to_be_made_are_taken_where_none_on_sale_fits_any_more():
         seen.append(agree(warm, mission)[1:])
     assert [generic for _, generic in seen] == [False, True, False]
     assert seen[-1][0] is None
+
+
+def test_where_no_imager_passes_there_are_no_bounds_though_fine_detail_is_asked_for():
+    mission = varied(reef(), max_gsd_mm=1e-3, min_mtf_half_nyquist=0.2)
+    problem = build_problem(mission, selected(mission, load_catalog(mission), generic="never"))
+    search = Search(problem, goal_of(mission), top=1)
+    search.prepare()
+    assert len(search.imagers) == 0
+    assert kept_bounds.least_of_nodes(search, NEVER).shape[1:] == (0,)
 
 
 def test_bounds_serve_no_mission_that_asks_for_less():

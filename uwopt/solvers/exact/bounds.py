@@ -85,6 +85,8 @@ class Bounds:
         """Bounds of these imagers under one lighting, worst scene; see `by_light`."""
         bounds = self.by_light(k, rows, pixel_e)
         left = np.flatnonzero(bounds.rule < 0)
+        if len(left) == 0:
+            return bounds
         for rule, never in self._never_sharp.under(self.tables.lightings[k].optics, rows[left]):
             lost = np.zeros(len(rows), bool)
             lost[left] = never
