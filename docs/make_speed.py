@@ -147,7 +147,8 @@ def physics_table(repeats: int) -> list[str]:
         "",
         f"{N_DESIGNS} designs drawn from the catalogue, 2 lamps, one after another: hardware integrals and figures",
         "together; both physics in turn in one run. Last columns: figures of all requirements once hardware is",
-        f"tabulated, of {MANY} designs at once, settings at random.",
+        f"tabulated, of {MANY} designs at once, settings at random. Where full / auto is below 1, judging what a",
+        "design does not need takes longer than its whole physics: `auto` then saves no time, and tells what matters.",
         "",
         *table(
             ["scene", "tolerance", "kept by auto", "full s", "auto s", "full / auto", "10⁶ designs/s, full", "paper"],
