@@ -12,6 +12,7 @@ from uwopt.mission.mission import Mission
 from uwopt.report.text.helps import depth_lines
 from uwopt.report.text.layout import Grid, Text
 from uwopt.report.text.nothing_fits import none_left_lines
+from uwopt.report.text.short import short_text_blocks
 from uwopt.results.basis import NoneLeft
 from uwopt.results.result import Result
 
@@ -57,3 +58,18 @@ def test_a_part_that_is_rated_deep_enough_is_named_with_the_fact_that_it_lacks(d
     assert [*none.reasons] == ["zz-trench"]
     last = none_left_lines(told)[-1]
     assert isinstance(last, Text) and last.plain.startswith("Rated deep enough, but zz-trench: ")
+
+
+def test_where_no_lamp_is_named_that_exists_that_is_told_at_once(tmp_path: Path) -> None:
+    """Red lamps for a fish farm at night: no search tells more, and none is made; nor is good practice to blame."""
+    asked = mission(written(tmp_path), depth_m=8.0)
+    lamps = {"lights": ["*660nm*", "*orcatorch*"]}
+    asked = asked.with_changes(catalog=asked.to_dict()["catalog"] | lamps, practice="recommended")
+    told, none = solved(asked)
+    assert none.kind == "light" and told.infeasible is not None
+    assert not told.infeasible.no_help and not told.infeasible.not_known
+    (block,) = [one for one in short_text_blocks(told) if getattr(one, "title", "") == "What would help"]
+    said = "\n".join(str(line) for line in block.lines)
+    assert "No light is left to choose of the" in said
+    assert "catalog.lights: pattern '*660nm*' matches no part." in said
+    assert "practice" not in said

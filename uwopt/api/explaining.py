@@ -60,6 +60,7 @@ def infeasible_result(
 
     would_yield : search with so little of it here, and say so where something is found
     """
+    from uwopt.solvers.infeasible.none_left import none_left, stays_empty
     from uwopt.solvers.infeasible.trials import Trials
     from uwopt.solvers.infeasible.why_nothing import why_nothing
 
@@ -68,7 +69,10 @@ def infeasible_result(
     generic = choice.generic_at_first if found.alternative is None else choice.generic_at_last
     notes = [*(cut_warnings(NOT_TRIED) if found.cut else []), *interruption_warnings(used)]
     explain = explain and not found.cut and used.outcome.complete
-    if explain and would_yield:
+    empty = stays_empty(none_left(mission, used.selection))  # then practice is not what stands in the way
+    if empty:
+        weakest = None
+    elif explain and would_yield:
         try:
             with watch.stage("practice"):
                 weakest = with_least_practice(mission, catalog, used.problem, patience_of(watch.deadline))
@@ -78,7 +82,7 @@ def infeasible_result(
         notes = [*notes, less_practice_note(weakest)]
         if weakest.outcome.complete and not weakest.outcome.best:
             used, mission = weakest, with_yields(mission, yields_of(mission))
-    elif found.is_in_vain:
+    elif found.is_in_vain and not empty:
         notes = [*notes, in_vain_note()]
     proof = certificate(used.selection, used.problem, used.outcome, goal)
     seconds = left_s(watch)

@@ -201,6 +201,8 @@ def none_left_lines(result: Result | FrontResult) -> list[Line]:
             by_id = one.reasons.items()
             told = "; ".join(f"{formats.one_line(name, 60)}: {formats.one_line(why, 120)}" for name, why in by_id)
             made.append(sentence(f"{'Named' if names_kind(result, one.kind) else 'Rated deep enough'}, but {told}."))
+        of_kind = f"catalog.{key_of(one.kind)}: "
+        made += [sentence(f"{note.message}.") for note in result.warnings if note.message.startswith(of_kind)]
     return made
 
 
@@ -213,7 +215,12 @@ def shallow_rows(short: TooShallow, count: int) -> list[tuple[int, str]]:
 
 def names_kind(result: Result | FrontResult, kind: str) -> bool:
     """Whether a mission names parts of a kind."""
-    return bool((result.mission.get("catalog") or {}).get("lenses" if kind == "lens" else f"{kind}s"))
+    return bool((result.mission.get("catalog") or {}).get(key_of(kind)))
+
+
+def key_of(kind: str) -> str:
+    """The key of a mission's `catalog` that names parts of a kind."""
+    return "lenses" if kind == "lens" else f"{kind}s"
 
 
 def fit_sentence(result: Result | FrontResult) -> Text | None:

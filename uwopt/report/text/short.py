@@ -28,6 +28,7 @@ from uwopt.report.text.nothing_fits import (
     miss_sentence,
     nearest_title,
     no_change_helps,
+    none_left_lines,
 )
 from uwopt.report.text.prices import short_price_sentence
 from uwopt.report.text.tables import (
@@ -53,6 +54,7 @@ from uwopt.results.design import (
     Design,
 )
 from uwopt.results.result import Result
+from uwopt.solvers.infeasible.none_left import stays_empty
 from uwopt.units import format_within
 
 LONGEST_NAME = 90  # letters of what a maker calls a part
@@ -504,12 +506,14 @@ def nothing_blocks(result: Result) -> Iterator[Block]:
         lines = [sentence(f"{in_more_time(result)}.")]
     elif not lines and result.infeasible:
         most = excluding_most(result)
-        lines = [sentence(f"{no_change_helps(result)}."), *([most] if most else [])]
+        lines = [sentence(f"{no_change_helps(result)}."), *([most] if most else []), *none_left_lines(result)]
     lines += [] if (fit := fit_sentence(result)) is None else [fit]
     lines += [*contradiction_lines(result), *not_known_lines(result)]
     of_practice = (PRACTICE_IN_VAIN, PRACTICE_UNTRIED)
     in_vain = [words.as_sentence(note.message) for note in result.warnings if note.code in of_practice]
-    if not in_vain and result.status == "infeasible" and result.mission.get("practice") == "recommended":
+    empty = result.infeasible is not None and stays_empty(result.infeasible.none_left)
+    is_asked = result.status == "infeasible" and result.mission.get("practice") == "recommended" and not empty
+    if is_asked and not in_vain:
         lines.append(sentence(ASKED_BY_PRACTICE))
     lines = [*map(sentence, in_vain), *lines]
     if lines:

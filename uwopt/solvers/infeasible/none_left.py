@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from uwopt.catalog.catalogue import Exclusion
 from uwopt.catalog.choose import PATTERN_KEYS, Selection, matches
@@ -15,6 +15,7 @@ MOST_NAMED = 3
 NOT_NAMED = ("pattern", "generic", "form", "exclude")  # rules of parts that the mission does not want
 NOT_SOLD = ("availability", "purpose")  # rules of parts that no fact and no limit would let in
 DEPTH = "depth rating"  # which is told as a limit that can be moved
+MAY_LET_IN = {DEPTH, "run time", "rated time", "colour"}  # rules that a depth, a duration or a red channel less moves
 
 
 def none_left(mission: Mission, selection: Selection) -> Iterator[NoneLeft]:
@@ -33,6 +34,11 @@ def none_left(mission: Mission, selection: Selection) -> Iterator[NoneLeft]:
         few = {one.part_id: one.reason for one in named[:MOST_NAMED]}
         shallow = [parts[one.part_id] for one in out if one.rule == DEPTH]
         yield NoneLeft(kind, few, selection.counts[kind], too_shallow(mission, shallow))
+
+
+def stays_empty(lacking: Iterable[NoneLeft]) -> bool:
+    """Whether some kind has no part whatever less is asked: the mission's choice of parts alone leaves none."""
+    return any(MAY_LET_IN.isdisjoint(one.by_rule) for one in lacking)
 
 
 def worth_naming(mission: Mission, kind: Kind, parts: dict[str, Part], out: Sequence[Exclusion]) -> list[Exclusion]:

@@ -24,7 +24,7 @@ from uwopt.solvers.infeasible.least_change import Stepwise, in_rounds
 from uwopt.solvers.infeasible.least_limit import Relaxation
 from uwopt.solvers.infeasible.moves import SHARE, Mover
 from uwopt.solvers.infeasible.nearest_fit import nearest_fit
-from uwopt.solvers.infeasible.none_left import none_left
+from uwopt.solvers.infeasible.none_left import none_left, stays_empty
 from uwopt.solvers.infeasible.relaxer import ANY
 from uwopt.solvers.infeasible.singles import Singles
 from uwopt.solvers.infeasible.trials import Trials
@@ -44,6 +44,11 @@ TOGETHER_SHARE = 0.6  # of the time left, for changes together; the rest is for 
 
 def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
     """The part of a result."""
+    counted = [item for item in certificate.discarded if item.count]
+    excluded = [Excluded(item.rule, item.count, item.rule in NODE_RULES) for item in counted]
+    lacking = [*none_left(trials.mission, trials.relaxer.selection)]
+    if stays_empty(lacking):
+        return WhyNothing(excluded, [], None, none_left=lacking)
     by_size = any(item.rule.startswith("housing") and item.count for item in certificate.discarded)
     singles, mover = Singles(trials), Mover(trials)
     singles.ask_suspects()
@@ -80,7 +85,7 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
         nearest = design_of(trials, every)
     clash = clash_of(trials, relaxations, singles.unmet)
     return WhyNothing(
-        [Excluded(item.rule, item.count, item.rule in NODE_RULES) for item in certificate.discarded if item.count],
+        excluded,
         [Relaxed(r.name, r.limit, r.needed, r.miss_rel, r.fits_at_central_prices, r.is_least) for r in relaxations],
         nearest,
         together,
@@ -88,7 +93,7 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
         moves=moves,
         contradiction=list(clash.names),
         contradiction_is_least=clash.is_least,
-        none_left=[*none_left(trials.mission, trials.relaxer.selection)],
+        none_left=lacking,
         no_help=[NoHelp(name, [*rules]) for name, rules in (singles.useless | mover.useless).items()],
         not_known=[*singles.left, *(one.key.name for one in mover.left)],
         in_part={name: singles.in_part[name] for name in singles.left if name in singles.in_part},
