@@ -340,8 +340,8 @@ DEFECTS = (
     Defect(
         name="every sibling is told with what the first takes",
         file=SIBLINGS,
-        old='places = [dict.fromkeys(KINDS, 0) | {"camera": place}',
-        new='places = [dict.fromkeys(KINDS, 0) | {"camera": 0 * place}',
+        old='places = [dict.fromkeys(OF_A_DESIGN, 0) | {"camera": place}',
+        new='places = [dict.fromkeys(OF_A_DESIGN, 0) | {"camera": 0 * place}',
         test=f"{OF_SIBLINGS}::test_the_same_chip_in_another_case_is_told_with_what_it_costs",
     ),
     Defect(

@@ -39,11 +39,11 @@ from uwopt.solvers.confidence.search import (
     rank,
 )
 from uwopt.solvers.confidence.states import Together
-from uwopt.solvers.confidence.summary import ids, missed_centrally, surest, told
+from uwopt.solvers.confidence.summary import missed_centrally, surest, told
 from uwopt.solvers.confidence.waters import BANDS
 from uwopt.solvers.confidence.worst_case import worse_problem
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.one_hardware import imagers_of, parts_of, problem_of
+from uwopt.solvers.one_hardware import ids_of_pieces, imagers_of, problem_of
 from uwopt.solvers.recommend import Sought
 
 NOTHING: dict[str, Any] = {
@@ -266,7 +266,7 @@ def murky(snr_at: str = "mean") -> Sought:
 def worked_out(sought: Sought, scenarios: Scenarios, index: int, f_number: float) -> float:
     """The objective in one scenario by the search over its parts in its water: nothing is interpolated."""
     base, found = sought.problem, sought.outcome.best[0]
-    own: dict[str, Any] = dict(parts_of(base, found))
+    own: dict[str, Any] = base.parts.of(found)
     lists: dict[str, list[Any]] = {
         "camera": [scenarios.each(own["camera"])[index]], "lens": [scenarios.each(own["lens"])[index]],
         "port": [scenarios.ports(own["port"])[scenarios.port[index]]], "light": [scenarios.lights(own["light"])[index]],
@@ -492,7 +492,7 @@ def test_what_holds_more_often_but_not_by_central_numbers_is_named() -> None:
         shown = surest(problem, objective, replace(certain, best=best, asked=asked))
         assert (shown is not None) == named
         if shown is not None:
-            assert shown.held == often.held and shown.hardware == ids(problem, often.found)
+            assert shown.held == often.held and shown.hardware == ids_of_pieces(problem, often.found)
 
 
 def test_what_fits_by_central_numbers_is_looked_for_where_the_surest_does_not(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,6 +13,7 @@ import yaml
 from one_of_each import one, with_parts
 
 from uwopt.catalog.parts.housing import Housing
+from uwopt.catalog.parts.part import OF_A_DESIGN
 from uwopt.catalog.parts.quantity import Quantity, exact
 from uwopt.deadline import NEVER
 from uwopt.forward.assembly import load_catalog
@@ -21,7 +22,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.solvers.explain.assumptions import assumptions, unit_of
 from uwopt.solvers.explain.lamp_places import missed_when_leaning
 from uwopt.solvers.explain.robustness import at_worst, doubtful, mixed_problem, robustness
-from uwopt.solvers.one_hardware import KINDS, among, at_end, best_of_each, parts_of, problem_of
+from uwopt.solvers.one_hardware import among, at_end, best_of_each, problem_of
 from uwopt.solvers.recommend import Sought, evaluated, seek
 
 ROOT = Path(__file__).parents[2]
@@ -84,7 +85,7 @@ def test_only_what_no_source_states_is_doubtful() -> None:
 def test_rivals_stand_at_their_good_end_and_the_winner_at_its_bad_one() -> None:
     """1500 against 950."""
     found = sought().outcome.best[0]
-    bad = {kind: at_end(part, "bad") for kind, part in parts_of(sought().problem, found)}
+    bad = {kind: at_end(part, "bad") for kind, part in sought().problem.parts.of(found).items()}
     mixed = mixed_problem(sought().problem, bad)
     assert [camera.price.value for camera in mixed.parts.cameras] == [1500.0, 950.0]
 
@@ -110,9 +111,9 @@ def test_the_quotes_that_matter_are_those_that_change_the_choice() -> None:
 def test_variants_of_a_lamp_are_each_worth_what_they_are_alone() -> None:
     """Of one optics, so in one light: at 500 and at 800 USD beside 1000 + 500 + 300."""
     problem, found = sought().problem, sought().outcome.best[0]
-    lists: dict[str, list[Any]] = {kind: [part] for kind, part in parts_of(problem, found)}
+    lists: dict[str, list[Any]] = {kind: [part] for kind, part in problem.parts.of(found).items()}
     lists["light"].append(replace(lists["light"][0], price=exact(800.0)))
-    places = [dict.fromkeys(KINDS, 0) | {"light": light} for light in (1, 0, 1)]
+    places = [dict.fromkeys(OF_A_DESIGN, 0) | {"light": light} for light in (1, 0, 1)]
     values = best_of_each(problem_of(problem, found, lists=lists), sought().search.objective, places)
     assert values == pytest.approx([2600.0, 2300.0, 2600.0])
 
@@ -192,7 +193,7 @@ def test_a_rival_dome_may_have_any_radius_of_its_range() -> None:
     """Once as estimated, once at either end; a dome whose radius is known stands there once."""
     case_ = with_parts(one("cost"), ports=[{"outer_radius_mm": RADIUS, "price": 400.0}])
     search, outcome = case_.solve(top=2)
-    bad = dict(parts_of(search.problem, outcome.best[0]))  # the one of 300 USD, whose radius is known
+    bad = search.problem.parts.of(outcome.best[0])  # the one of 300 USD, whose radius is known
     mixed = mixed_problem(search.problem, bad)
     radii = [port.outer_radius_mm.value for port in mixed.parts.ports if port.outer_radius_mm]
     assert sorted(radii) == [60.0, 80.0, 80.0, 100.0]

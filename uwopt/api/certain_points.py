@@ -14,6 +14,7 @@ from uwopt.api.searching import SETTINGS_SHARE, Searches
 from uwopt.api.solving import with_less_practice
 from uwopt.api.varied import Systems
 from uwopt.api.watch import Watch
+from uwopt.catalog.records import OF_A_DESIGN
 from uwopt.deadline import Deadline
 from uwopt.forward.assembly import load_catalog
 from uwopt.forward.problem import Problem
@@ -93,7 +94,7 @@ def gives_way_with_certainty(mission: Mission, deadline: Deadline) -> tuple[tupl
 def system_of(design: Design) -> WinningSystem:
     """The hardware of a design."""
     parts = design.hardware.named
-    ids = {kind: parts[kind].id for kind in ("camera", "lens", "port", "light")}
+    ids = {kind: parts[kind].id for kind in OF_A_DESIGN}
     generic = any(part.generic for part in parts.values())
     return WinningSystem(**ids, light_count=design.hardware.light_count, generic=generic)
 

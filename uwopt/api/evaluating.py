@@ -224,9 +224,9 @@ def scene_settings(problem: Problem, hardware: Hardware, system: System, name: s
 
 def with_compatibility(design: Design, problem: Problem, elsewhere: Sequence[Departure] = ()) -> Design:
     """A design with what does not fit together among its parts, or not on the vehicle, as margins that are missed."""
-    parts, mission = problem.parts, problem.mission
+    mission = problem.mission
     findings = explain_pair(
-        parts.cameras[0], parts.lenses[0], parts.ports[0], parts.lights[0],
+        **{kind: part for kind, (part,) in problem.parts.by_kind.items()},
         frame_rate_hz=max(float(s.settings["frame_rate_hz"] or 0.0) for s in design.scenes) or None,
     )  # fmt: skip
     strict = "lens rating" if mission.catalog.lens_rating == "limit" else ""

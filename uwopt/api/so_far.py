@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from uwopt.objectives.objective import Objective
 from uwopt.quantities import AT_LIKELIEST
-from uwopt.solvers.one_hardware import parts_of
 from uwopt.solvers.recommend import Sought
 from uwopt.units import format_quantity
 
@@ -21,7 +20,7 @@ def central_line(sought: Sought) -> str:
     """The best at likeliest values, where it is counted next how often hardware holds."""
     best, goal, mission = sought.outcome.best[0], sought.goal, sought.problem.mission
     value = goal.reported(best.minimised)
-    parts = (part.id for _, part in parts_of(sought.problem, best))
+    parts = (part.id for part in sought.problem.parts.of(best).values())
     return f"best {AT_LIKELIEST}: {of_parts(parts, goal, value, mission.limits.currency)}"
 
 

@@ -387,15 +387,8 @@ class ParetoCall:
         names = [o.name for o in self.axes_of_result()]
         for peer in sought.peers:
             for n in few(peer.values, self.frame(sought)) if len(peer.values) else []:
-                f = peer.found[int(n)]
-                kinds = (
-                    (parts.cameras, f.camera),
-                    (parts.lenses, f.lens),
-                    (parts.ports, f.port),
-                    (parts.lights, f.light),
-                )
                 values = dict(zip(names, (peer.values[n] * signs).tolist(), strict=True))
-                out.append(Peer(peer.algorithm, values, [group[index].id for group, index in kinds]))
+                out.append(Peer(peer.algorithm, values, [part.id for part in parts.of(peer.found[int(n)]).values()]))
         return out
 
     def assumed(self, sought: FrontSearched, founds: list[Found]) -> list[Assumption]:

@@ -15,6 +15,7 @@ from uwopt.mission.varying import Value, Varied, VariedMission
 from uwopt.mission.yielding import Yield, with_given_way
 from uwopt.objectives.objective import Objective
 from uwopt.results.whatif import Switch, WhatIfPoint, WinningSystem
+from uwopt.solvers.exact.ranking import ids_in
 from uwopt.solvers.recommend import check_claim, evaluated
 from uwopt.solvers.warm.parts import PartIds, ids_of, joined_ids
 from uwopt.solvers.warm.searches import Warm, WarmAnswer, weakest_first
@@ -38,10 +39,8 @@ class Systems:
         if answer.found is None or answer.sought is None:
             return None
         one, parts = answer.found, answer.sought.problem.parts
-        camera, lens = parts.cameras[one.camera], parts.lenses[one.lens]
-        port, light = parts.ports[one.port], parts.lights[one.light]
-        generic = any(part.generic for part in (camera, lens, port, light))
-        system = WinningSystem(camera.id, lens.id, port.enclosure_id, light.id, one.count, generic)
+        generic = any(part.generic for part in parts.of(one).values())
+        system = WinningSystem(*ids_in(parts, one), one.count, generic)
         if system not in self.found:
             check_claim(evaluated(answer.sought.problem, one, self.objective), one, self.objective)
             self.parts.append(ids_of(answer.sought.problem, one))

@@ -69,11 +69,8 @@ def subjects(missions: Sequence[str]) -> Iterator[Subject]:
             continue
         found = sought.outcome.best[0]
         given = tuple(given_of(sought.problem, found.hardware, found.settings))
-        all_parts = sought.problem.parts
-        parts = Parts(
-            (all_parts.cameras[found.camera],), (all_parts.lenses[found.lens],), (all_parts.ports[found.port],),
-            (all_parts.lights[found.light],),
-        )  # fmt: skip
+        own = sought.problem.parts.of(found)
+        parts = Parts.of_each(lambda kind, own=own: [own[kind]])
         name = mission.name if source is None else Path(source).stem
         yield Subject(
             name,

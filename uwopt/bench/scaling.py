@@ -100,10 +100,8 @@ def measured(name: str, size: float, *, physics: str = PHYSICS, deadline: Deadli
     outcome = search_of(mission, parts, deadline=deadline).run()
     took_s, elapsed_s = time.process_time() - start_s, time.perf_counter() - elapsed
     found = outcome.best[0] if outcome.best else None
-    ids = () if found is None else (
-        parts.cameras[found.camera].id, parts.lenses[found.lens].id, parts.ports[found.port].id,
-        f"{found.count} x {parts.lights[found.light].id}",
-    )  # fmt: skip
+    ids = [] if found is None else [part.id for part in parts.of(found).values()]
+    ids[3:] = [] if found is None else [f"{found.count} x {ids[3]}"]
     return Point(
         float(outcome.account.total), took_s, elapsed_s, peak_mib(), status_of(outcome), outcome.account.evaluated,
         None if found is None else found.minimised, ", ".join(ids),

@@ -10,12 +10,13 @@ from uwopt.catalog.parts.complete import Complete
 from uwopt.catalog.parts.housing import Housing
 from uwopt.catalog.parts.lens import Lens
 from uwopt.catalog.parts.light import Light
-from uwopt.catalog.parts.part import KINDS, Availability, Kind, Part
+from uwopt.catalog.parts.part import KINDS, OF_A_DESIGN, Availability, Kind, Part
 from uwopt.catalog.parts.port import Port
 from uwopt.catalog.parts.quantity import Curve, Quantity, Status, exact
 
 __all__ = [
     "KINDS",
+    "OF_A_DESIGN",
     "Availability",
     "Camera",
     "Complete",

@@ -20,15 +20,12 @@ PLAIN_PURPOSES = ("camera port", "vehicle lamp", "industrial camera")  # made fo
 
 def used_hardware(problem: Problem, hw: Hardware, spacer_m: float) -> UsedHardware:
     """The hardware by ids, and where its lights stand."""
-    parts = problem.parts
-    port = parts.ports[hw.port]
+    parts = problem.parts.of(hw)
+    port = parts["port"]
     asked = problem.mission.catalog.housing != "none"
     housing = port.housing if asked or not port.complete else None  # as of the other designs beside it
     return UsedHardware(
-        camera=used_part(parts.cameras[hw.camera]),
-        lens=used_part(parts.lenses[hw.lens]),
-        port=used_part(parts.ports[hw.port]),
-        light=used_part(parts.lights[hw.light]),
+        **{kind: used_part(part) for kind, part in parts.items()},
         camera_count=problem.mission.vehicle.camera_count,
         light_count=0 if problem.unlit(hw.light) else hw.count,
         orientation="landscape" if hw.landscape else "portrait",
@@ -61,17 +58,15 @@ def lamp_places(hw: Hardware) -> list[LampPlace]:
 
 def bought(problem: Problem, hw: Hardware) -> list[tuple[str, Part, int, int]]:
     """Each part of a design with how many there are and how many of them are owned."""
-    parts, n = problem.parts, problem.mission.vehicle.camera_count
-    light, port = parts.lights[hw.light], parts.ports[hw.port]
+    parts, n = problem.parts.of(hw), problem.mission.vehicle.camera_count
+    light, port = parts["light"], parts["port"]
     owned = min(hw.count, problem.owned_lights.get(light.id, 0))
     lamps: list[tuple[str, Part, int, int]] = [("light", light, hw.count, owned)]
     burning = [] if problem.unlit(hw.light) else lamps
     if port.complete:
         return [("complete", whole(port), n, 0), *burning]
     return [
-        ("camera", parts.cameras[hw.camera], n, 0),
-        ("lens", parts.lenses[hw.lens], n, 0),
-        ("port", port, n, 0),
+        *((kind, parts[kind], n, 0) for kind in ("camera", "lens", "port")),
         *([] if port.housing is None else [("housing", port.housing, n, 0)]),
         *burning,
     ]

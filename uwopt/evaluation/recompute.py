@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from uwopt.catalog.catalogue import plain_name
-from uwopt.catalog.records import Housing, Kind, Part, Port
+from uwopt.catalog.records import OF_A_DESIGN, Housing, Part, Port
 from uwopt.errors import UwoptError
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.evaluation.figures_by_name import illuminance, plain_figures
@@ -36,7 +36,6 @@ from uwopt.results.front import FrontResult
 from uwopt.results.result import Result
 from uwopt.tolerances import SATISFIED_REL
 
-KINDS: tuple[Kind, ...] = ("camera", "lens", "port", "light")
 SAME_REL = 1e-5  # of the figures that tell whether the inputs are still those of the result
 
 
@@ -136,16 +135,15 @@ def searched_problem(mission: Mission, design: Design) -> tuple[Problem, Hardwar
     from uwopt.forward.assembly import build_problem, load_catalog, owned_ids, selected
 
     chosen = design.hardware
-    wanted = {**{kind: chosen.parts[kind].id for kind in KINDS}, "port": enclosure_id(design)}
+    wanted = {**{kind: chosen.parts[kind].id for kind in OF_A_DESIGN}, "port": enclosure_id(design)}
     to_be_made, choice = any(part.generic for part in chosen.parts.values()), mission.catalog
     catalog = load_catalog(mission)
     generic = choice.generic_at_last if to_be_made else choice.generic_at_first
     selection = selected(mission, catalog, generic=generic)
     problem = build_problem(mission, selection)
-    rows = (problem.parts.cameras, problem.parts.lenses, problem.parts.ports, problem.parts.lights)
-    places = [place_of(part_id, row) for part_id, row in zip(wanted.values(), rows, strict=True)]
+    places = [place_of(wanted[kind], every) for kind, every in problem.parts.by_kind.items()]
     if None in places:
-        camera, lens, port, light = (catalog.part(chosen.parts[kind].id, kind) for kind in KINDS)
+        camera, lens, port, light = (catalog.part(chosen.parts[kind].id, kind) for kind in OF_A_DESIGN)
         if chosen.housing is not None and chosen.complete is None:
             port = replace(port, housing=catalog.part(chosen.housing.id, "housing"))  # pyrefly: ignore[unexpected-keyword]
         parts = Parts((camera,), (lens,), (port,), (light,))  # pyrefly: ignore[bad-argument-type]

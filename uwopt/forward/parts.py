@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from typing import Any
 
-from uwopt.catalog.records import Camera, Lens, Light, Port
+from uwopt.catalog.records import OF_A_DESIGN, Camera, Lens, Light, Port
 from uwopt.forward import switching
 from uwopt.forward.enclosures import camera_with_size, lens_with_size
 from uwopt.forward.spacers import lens_with_spacers, without_spacers
@@ -19,6 +21,20 @@ class Parts:
     lenses: tuple[Lens, ...]
     ports: tuple[Port, ...]
     lights: tuple[Light, ...]
+
+    @staticmethod
+    def of_each(some: Callable[[str], Iterable[Any]]) -> Parts:
+        """Those of each kind."""
+        return Parts(*(tuple(some(kind)) for kind in OF_A_DESIGN))
+
+    @property
+    def by_kind(self) -> dict[str, tuple[Any, ...]]:
+        """All of each kind."""
+        return {"camera": self.cameras, "lens": self.lenses, "port": self.ports, "light": self.lights}
+
+    def of(self, design: Any) -> dict[str, Any]:
+        """The four parts of a design by kind; whatever has their places by kind is one."""
+        return {kind: every[getattr(design, kind)] for kind, every in self.by_kind.items()}
 
 
 def estimated(mission: Mission, parts: Parts) -> Parts:

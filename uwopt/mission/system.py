@@ -21,6 +21,7 @@ from uwopt.catalog.inline import (
     InlinePort,
     inline_faults,
 )
+from uwopt.catalog.records import OF_A_DESIGN
 from uwopt.documents.faults import KeyPath, nearest
 from uwopt.documents.key_types import (
     CHOICE,
@@ -43,7 +44,7 @@ from uwopt.mission.checks import Fault, valid_values
 from uwopt.mission.mission import Mission
 from uwopt.mission.sections.vehicle import MAX_LIGHTS, LightMount
 
-PART_KINDS = ("camera", "lens", "port", "light", "housing")  # the last may be left out
+PART_KINDS = (*OF_A_DESIGN, "housing")  # the last may be left out
 PIECES = ("camera", "lens", "port", "housing")  # what a complete camera stands for
 LEVEL_KEYS = ("flux_lm", "dim_frac", "flash_energy_j")
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from uwopt.arrays import Array
+from uwopt.catalog.records import OF_A_DESIGN
 from uwopt.errors import MissionError
 from uwopt.quantities import QUANTITIES
 
@@ -18,7 +19,7 @@ DIRECTIONS = ("minimise", "maximise")
 #: Figure -> (unit, which scene counts where there are several: the one with the most or the least).
 FIGURES = {one.name: (one.unit, one.worst_scene) for one in QUANTITIES if one.name not in ("dof_m", "white_balance")}
 #: Beside them: index of each part into the search's parts, and its id.
-PARTS = ("camera", "lens", "port", "light")
+PARTS = OF_A_DESIGN
 
 
 @dataclass(frozen=True)

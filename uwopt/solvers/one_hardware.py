@@ -13,7 +13,7 @@ import numpy as np
 
 from uwopt.catalog.parts.doubts import doubtful, taken_as, with_numbers
 from uwopt.catalog.parts.kinds import EITHER
-from uwopt.catalog.records import Part, Port, Quantity, exact
+from uwopt.catalog.records import OF_A_DESIGN, Part, Port, Quantity, exact
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.designs import Hardware
 from uwopt.forward.part_columns import FAVOURED
@@ -26,29 +26,21 @@ from uwopt.solvers.exact.imager_rules import Behind
 from uwopt.solvers.exact.imagers import Imagers, imagers_in
 from uwopt.solvers.exact.lightings import Under
 from uwopt.solvers.exact.node_designs import NodeDesigns
-from uwopt.solvers.exact.ranking import Found
+from uwopt.solvers.exact.ranking import Found, ids_in
 from uwopt.solvers.exact.search import Search
 
-KINDS = ("camera", "lens", "port", "light")
+
+def pieces_of(problem: Problem, found: Found) -> dict[str, Part]:
+    """All pieces of a design by kind: its parts, and before its light the housing that its port is built into."""
+    parts = problem.parts.of(found)
+    port, light = parts["port"], parts.pop("light")
+    housing = {} if port.complete or port.housing is None else {"housing": port.housing}
+    return {**parts, **housing, "light": light}
 
 
-def parts_of(problem: Problem, found: Found | Hardware) -> list[tuple[str, Part]]:
-    """The four parts of a design by kind."""
-    parts = problem.parts
-    return [
-        ("camera", parts.cameras[found.camera]),
-        ("lens", parts.lenses[found.lens]),
-        ("port", parts.ports[found.port]),
-        ("light", parts.lights[found.light]),
-    ]
-
-
-def pieces_of(problem: Problem, found: Found) -> list[tuple[str, Part]]:
-    """All pieces of a design by kind: its parts, and the housing that its port is built into."""
-    before = problem.parts.ports[found.port]
-    housing = None if before.complete else before.housing
-    camera, lens, port, light = parts_of(problem, found)
-    return [camera, lens, port, *([] if housing is None else [("housing", housing)]), light]
+def ids_of_pieces(problem: Problem, found: Found) -> list[str]:
+    """Ids of all pieces of a design."""
+    return [part.id for part in pieces_of(problem, found).values()]
 
 
 def problem_of(
@@ -59,10 +51,10 @@ def problem_of(
 
     mission : another one brings its own scenes; scenes : in their place; lists : variants of a kind of part
     """
-    every: dict[str, Sequence[Any]] = {kind: [part] for kind, part in parts_of(base, found)} | dict(lists or {})
+    every: dict[str, Sequence[Any]] = {kind: [part] for kind, part in base.parts.of(found).items()} | dict(lists or {})
     mount = found.mount if isinstance(found, Hardware) else found.lighting.mount
     return base.over(
-        Parts(*(tuple(every[kind]) for kind in KINDS)), mission=mission, scenes=scenes,
+        Parts.of_each(lambda kind: every[kind]), mission=mission, scenes=scenes,
         counts=(found.count, found.count), mounts=[mount],
     )  # fmt: skip
 
@@ -90,11 +82,11 @@ def best_of(
     problem: Problem, objective: Objective, deadline: Deadline = NEVER, imagers: Imagers | None = None
 ) -> float:
     """Best objective of a problem over one part of each kind; inf where it is not feasible."""
-    return best_of_each(problem, objective, [dict.fromkeys(KINDS, 0)], deadline, imagers)[0]
+    return best_of_each(problem, objective, [dict.fromkeys(OF_A_DESIGN, 0)], deadline, imagers)[0]
 
 
 def best_of_each(
-    problem: Problem, objective: Objective, places: Sequence[dict[str, int]], deadline: Deadline = NEVER,
+    problem: Problem, objective: Objective, places: Sequence[Mapping[Any, int]], deadline: Deadline = NEVER,
     imagers: Imagers | None = None,
 ) -> list[float]:  # fmt: skip
     """Best objective of each choice of parts over all orientations; those in light of the same optics together.
@@ -142,7 +134,7 @@ def own_id(part: Part) -> str:
 
 def same_parts(one: Problem, a: Found, other: Problem, b: Found) -> bool:
     """Whether two designs are made of the same parts."""
-    return [own_id(p) for _, p in parts_of(one, a)] == [own_id(p) for _, p in parts_of(other, b)]
+    return ids_in(one.parts, a) == ids_in(other.parts, b)
 
 
 def among(problem: Problem, found: Found, mixed: Problem) -> Found:
@@ -150,11 +142,9 @@ def among(problem: Problem, found: Found, mixed: Problem) -> Found:
 
     Raises ValueError where a part is not there.
     """
-    own_parts = problem.parts
-    lists = dict(zip(KINDS, (own_parts.cameras, own_parts.lenses, own_parts.ports, own_parts.lights), strict=True))
+    lists = problem.parts.by_kind
     places: dict[str, Any] = {
-        kind: [own_id(own) for own in lists[kind]].index(own_id(part))
-        for kind, part in parts_of(mixed, found)
+        kind: [own_id(own) for own in lists[kind]].index(own_id(part)) for kind, part in mixed.parts.of(found).items()
     }
     return replace(found, **places)
 

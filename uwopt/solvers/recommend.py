@@ -281,11 +281,7 @@ def colour_notes(problem: Problem, hardware: Hardware) -> list[Note]:
 
 def part_warnings(problem: Problem, hardware: Hardware) -> list[Note]:
     """What should be known of these parts together: a lens rated for larger pixels, and the like."""
-    parts = problem.parts
-    findings = explain_pair(
-        parts.cameras[hardware.camera], parts.lenses[hardware.lens], parts.ports[hardware.port],
-        parts.lights[hardware.light],
-    )  # fmt: skip
+    findings = explain_pair(**problem.parts.of(hardware))
     return [Note(f.rule, "hardware", f.message) for f in findings if f.severity == "warning"]
 
 

@@ -9,6 +9,7 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from uwopt.catalog.records import OF_A_DESIGN
 from uwopt.mission.doubt import ENDS
 from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import gave_way_between, yields_of
@@ -122,7 +123,7 @@ def design_columns(best: Design, shown: Design) -> Row:
     totals, scene = shown.totals, shown.scenes[0]
     missed = [m.requirement for m in best.missed]
     row: Row = {
-        **{kind: getattr(used, kind).id for kind in ("camera", "lens", "port", "light")},
+        **{kind: getattr(used, kind).id for kind in OF_A_DESIGN},
         "housing": None if used.housing is None else used.housing.id,
         "complete": None if used.complete is None else used.complete.id,
         "camera_count": used.camera_count,

@@ -12,6 +12,7 @@ from uwopt.catalog.parts.quantity import Known, Quantity
 
 Kind = Literal["camera", "lens", "port", "light", "housing", "complete"]
 KINDS: tuple[Kind, ...] = ("camera", "lens", "port", "light", "housing", "complete")
+OF_A_DESIGN = KINDS[:4]  # each design has one of each; the port has its housing
 Availability = Literal["current", "discontinued", "not_a_product", "unknown"]
 PriceStatus = Literal["quoted", "derived", "estimated"]
 

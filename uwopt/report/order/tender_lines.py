@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from uwopt.catalog.columns import COLUMNS, REQUIRED, Column
-from uwopt.catalog.parts.part import KINDS, Kind
+from uwopt.catalog.parts.part import KINDS, OF_A_DESIGN, Kind
 from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import ResultError
 from uwopt.evaluation.recompute import replayed
@@ -26,7 +26,6 @@ from uwopt.report.text.stated import cells_of
 from uwopt.results.design import BillRow, Design
 from uwopt.results.result import Result
 from uwopt.solvers.explain.specification import PropertyLimit, specification
-from uwopt.solvers.one_hardware import KINDS as VARIED
 from uwopt.units import format_difference, format_number, unit_told
 
 #: What is asked of every maker beside the facts of the part.
@@ -112,7 +111,7 @@ def tender_lines(result: Result, design: Design, deadline: Deadline = NEVER) -> 
             continue
         rival, name = nearest_rival(result, kind, goal)
         limits: list[PropertyLimit] = []
-        if kind in VARIED and design.hardware.complete is None:
+        if kind in OF_A_DESIGN and design.hardware.complete is None:
             if deadline.passed():
                 deadline.left_out.append(f"the limits of the {kind}")
             else:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from uwopt.catalog.records import OF_A_DESIGN
 from uwopt.report.text import formats, words
 from uwopt.report.text.layout import Block, Line, Text, block, columns, fact_lines, sentence
 from uwopt.results.basis import Assumption, Opinion
@@ -230,7 +231,7 @@ def rival_text(rival: Any) -> str:
     if not isinstance(rival, Mapping):
         return formats.one_line(rival)
     hardware = rival.get("hardware", rival)
-    parts = [hardware[kind] for kind in ("camera", "lens", "port", "light") if hardware.get(kind)]
+    parts = [hardware[kind] for kind in OF_A_DESIGN if hardware.get(kind)]
     named = [formats.one_line(part) for part in words.as_bought(parts)]
     count = hardware.get("light_count")
     return " + ".join(named) + (f", {words.counted(count, 'light')}" if count else "")

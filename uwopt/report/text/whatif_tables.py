@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from uwopt.catalog.records import OF_A_DESIGN
 from uwopt.report.text import formats, words
 from uwopt.report.text.layout import Block, Text, block, columns, evenly, more_in_files, note_blocks, sentence
 from uwopt.report.text.nothing_fits import more_time
@@ -13,7 +14,6 @@ from uwopt.units import format_quantity
 
 MOST_ROWS = 14  # of points; the files hold all
 MOST_SENTENCES = 24  # of switches
-KINDS = ("camera", "lens", "port", "light")
 
 
 def whatif_blocks(table: WhatIf) -> Iterator[Block | Text]:
@@ -106,7 +106,7 @@ def switch_text(table: WhatIf, switch: Switch) -> str:
 
 def change_text(first: WinningSystem, second: WinningSystem) -> str:
     """What is different in the second of two systems."""
-    other = [kind for kind in KINDS if first[kind] != second[kind]]
+    other = [kind for kind in OF_A_DESIGN if first[kind] != second[kind]]
     told = [f"another {kind}, {formats.one_line(second[kind], 90)}" for kind in other]
     if first.light_count != second.light_count:
         told.append(f"{words.counted(second.light_count, 'light')} instead of {first.light_count}")
@@ -192,7 +192,7 @@ def spread(line: SpiderLine) -> float:
 def short_system(table: WhatIf, index: int) -> str:
     """A system's number with what is not the same in all systems of a table, for a legend."""
     system = table.systems[index]
-    differ = [kind for kind in KINDS if len({one[kind] for one in table.systems}) > 1] or list(KINDS)
+    differ = [kind for kind in OF_A_DESIGN if len({one[kind] for one in table.systems}) > 1] or list(OF_A_DESIGN)
     told = [formats.one_line(system[kind], 48) for kind in differ]
     if len({one.light_count for one in table.systems}) > 1:
         told.append(words.counted(system.light_count, "light"))

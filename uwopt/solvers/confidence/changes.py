@@ -37,7 +37,7 @@ from uwopt.solvers.confidence.search import unseen
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.infeasible.least_change import rounded_away
 from uwopt.solvers.infeasible.reached import miss
-from uwopt.solvers.one_hardware import pieces_of
+from uwopt.solvers.one_hardware import ids_of_pieces
 
 CHANGES_S = 4.0  # of work, for all of it, where no time is given
 JOINT_SHARE = 0.6  # of what is left then, for keys that are moved together
@@ -66,7 +66,7 @@ def told_with(trial: MovedKeys, found: Found, moves: Sequence[Move], ours: Found
         enough, held = drawn_back(replace(anew, deadline=trial.deadline), found, moves, enough, held)
     moves = by_share(moves, enough)
     same = ours is not None and names(trial.problem, found) == names(trial.problem, ours)
-    parts = [] if same else [part.id for _, part in pieces_of(trial.problem, found)]
+    parts = [] if same else ids_of_pieces(trial.problem, found)
     if parts and found.count > 1:
         parts[-1] = f"{found.count} x {parts[-1]}"
     return WouldHold([moved(*move) for move in moves], parts, held)

@@ -15,8 +15,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.fixed import Settings
 from uwopt.solvers.confidence.outcomes import Outcomes, outcomes_of_each
 from uwopt.solvers.confidence.scenarios import Scenarios
-from uwopt.solvers.exact.ranking import Found, told_apart
-from uwopt.solvers.one_hardware import own_id, parts_of
+from uwopt.solvers.exact.ranking import Found, ids_in, told_apart
 
 
 @dataclass(frozen=True)
@@ -105,5 +104,4 @@ def best_of(tried: Sequence[Counted], share: float) -> Counted | None:
 
 def names(problem: Problem, found: Found) -> tuple[Any, ...]:
     """What tells one hardware from another."""
-    ids = [own_id(part) for _, part in parts_of(problem, found)]
-    return (*ids, found.count, found.landscape, found.lighting.mount)
+    return (*ids_in(problem.parts, found), found.count, found.landscape, found.lighting.mount)

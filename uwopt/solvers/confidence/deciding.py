@@ -152,7 +152,7 @@ def numbers_of(
         yield "distance at which the lens stands", "", np.abs(scenarios.focus - 1.0)
     if not scenarios.doubt.parts:
         return
-    for kind, part in pieces_of(problem, found):
+    for kind, part in pieces_of(problem, found).items():
         for name in (name for name, _ in doubtful(part) if matters(name, problem, objective)):
             yield f"{kind}.{name}", part.id, drawn(scenarios, part, name)
 

@@ -140,9 +140,7 @@ class Prover:
     @property
     def _total(self) -> int:
         """All combinations."""
-        parts = self.seen.problem.parts
-        each = [len(one) for one in (parts.cameras, parts.lenses, parts.ports, parts.lights)]
-        return prod(each) * per_light(self.seen.problem)
+        return prod(map(len, self.seen.problem.parts.by_kind.values())) * per_light(self.seen.problem)
 
     def _variants(self, problem: Problem, best: Sequence[Found], ceiling: float) -> Iterator[Found]:
         """The same parts in every number, mount and orientation that is better in the panel; a search lists one."""

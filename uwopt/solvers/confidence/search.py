@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from uwopt.catalog.records import OF_A_DESIGN
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError, Progress
 from uwopt.errors import MissionError
 from uwopt.forward.problem import Problem
@@ -31,7 +32,7 @@ from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.worst_case import EndScenarios
 from uwopt.solvers.exact.ranking import Found, told_apart
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.one_hardware import KINDS, as_set
+from uwopt.solvers.one_hardware import as_set
 from uwopt.solvers.recommend import Sought
 from uwopt.solvers.settings.best import scenes_need_cells
 from uwopt.tolerances import LUCK, TIE, TIED_MEDIANS_REL
@@ -345,5 +346,5 @@ def at_its_stop(problem: Problem, objective: Objective, one: Counted, deadline: 
     best = Search(alone, objective, top=1, imagers=imagers, deadline=deadline).whole().best if len(imagers) else []
     if not best:
         return None
-    places = {kind: getattr(one.found, kind) for kind in KINDS}
+    places = {kind: getattr(one.found, kind) for kind in OF_A_DESIGN}
     return replace(best[0], **places, imager=one.found.imager, lighting=one.found.lighting)

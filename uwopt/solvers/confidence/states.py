@@ -52,7 +52,6 @@ from uwopt.solvers.exact.imagers import (
 )
 from uwopt.solvers.exact.lightings import Under
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.one_hardware import parts_of
 
 
 @dataclass(frozen=True)
@@ -103,7 +102,7 @@ class Together:
 
         in_focus : as if each lens stood where it is best in each scenario, which no focus betters that is set before
         """
-        own = [dict(parts_of(base, one)) for one in found]
+        own = [base.parts.of(one) for one in found]
         cameras, lenses = (States.of([one[kind] for one in own], scenarios.each) for kind in ("camera", "lens"))
         ports = States.of([one["port"] for one in own], scenarios.ports)
         lights = States.of([one["light"] for one in own], scenarios.lights)

@@ -29,7 +29,7 @@ from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.search import Certain
 from uwopt.solvers.confidence.waters import may_leave_band
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.one_hardware import pieces_of
+from uwopt.solvers.one_hardware import ids_of_pieces
 from uwopt.units import ratio_to_db
 
 Z95 = 1.959964
@@ -53,7 +53,7 @@ def told(problem: Problem, objective: Objective, certain: Certain, central: Foun
     return counted(
         problem, objective, seen, asked="ends" if ends else certain.asked, share=certain.asked,
         in_choice=certain.best,
-        central_objective=objective.reported(central.minimised), central_hardware=ids(problem, central),
+        central_objective=objective.reported(central.minimised), central_hardware=ids_of_pieces(problem, central),
         central_held=first.held, central_p50=reported(objective, first.quantile(0.5)),
         counted=len(certain.tried), complete=certain.complete, fresh=ends or certain.fresh is not None,
         proof=None if certain.proof is None else proof_told(problem, objective, certain.proof),
@@ -72,7 +72,7 @@ def surest(problem: Problem, objective: Objective, certain: Certain) -> Surest |
     first = min(certain.tried, key=lambda one: rank(one, certain.asked))
     if certain.enough or first.held <= certain.best.held:
         return None
-    return Surest(ids(problem, first.found), first.held, missed_centrally(problem, objective, first))
+    return Surest(ids_of_pieces(problem, first.found), first.held, missed_centrally(problem, objective, first))
 
 
 def missed_centrally(problem: Problem, objective: Objective, one: Counted) -> list[str]:
@@ -145,12 +145,7 @@ def curve(problem: Problem, objective: Objective, certain: Certain) -> Iterator[
         stops = [Counted(one.found, one.outcomes, one.outcomes.best(level)) for one in tried]
         best = min(stops, key=lambda one: rank(one, level))
         if best.held >= level and np.isfinite(best.quantile(0.5)):
-            yield CertaintyPoint(level, objective.reported(best.quantile(0.5)), ids(problem, best.found))
-
-
-def ids(problem: Problem, found: Found) -> list[str]:
-    """A design's parts by id."""
-    return [part.id for _, part in pieces_of(problem, found)]
+            yield CertaintyPoint(level, objective.reported(best.quantile(0.5)), ids_of_pieces(problem, best.found))
 
 
 def drawn(doubt: Doubt, problem: Problem) -> Iterator[str]:

@@ -16,7 +16,7 @@ from uwopt.solvers.continuous.solve_settings import FEASIBLE, solve_settings
 from uwopt.solvers.exact.imager_rules import limit
 from uwopt.solvers.exact.node_designs import WithLamps
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.one_hardware import as_set, parts_of
+from uwopt.solvers.one_hardware import as_set
 from uwopt.solvers.recommend import Sought, scene_rows_of
 from uwopt.solvers.settings.best import scenes_need_cells
 from uwopt.solvers.settings.closed_form import Chosen
@@ -150,7 +150,7 @@ def mixed_opinion(sought: Sought, *, max_seconds: float) -> Opinion:
 
 def part_ids(sought: Sought, found: Found) -> list[str]:
     """Camera, lens, port and light by id."""
-    return [part.id for _, part in parts_of(sought.problem, found)]
+    return [part.id for part in sought.problem.parts.of(found).values()]
 
 
 def shortlist(sought: Sought) -> list[Found]:

@@ -60,12 +60,8 @@ def attack(problem: Problem, hardware: Hardware, objective: Objective, rng: np.r
 
 def fits(problem: Problem, hardware: Hardware) -> bool:
     """Whether camera and lens go together, and the lens is sharp enough where that is a limit."""
-    parts = problem.parts
     strict = "lens rating" if problem.mission.catalog.lens_rating == "limit" else ""
-    faults = explain_pair(
-        parts.cameras[hardware.camera], parts.lenses[hardware.lens], parts.ports[hardware.port],
-        parts.lights[hardware.light], required_depth_m=problem.mission.required_depth_m,
-    )  # fmt: skip
+    faults = explain_pair(**problem.parts.of(hardware), required_depth_m=problem.mission.required_depth_m)
     return not any(
         (f.severity == "fault" or f.rule == strict) and f.rule in ("complete", "mount", "image circle", "lens rating")
         for f in faults

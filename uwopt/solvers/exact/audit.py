@@ -79,10 +79,9 @@ def least_that_beats(problem: Problem, objective: Objective, best_value: float) 
 
 def facts(problem: Problem, objective: Objective, attempt: Retry) -> dict[str, Any]:
     """One attempt in the words of a result."""
-    parts, at = problem.parts, attempt.hardware
+    at = attempt.hardware
     return {
-        "rule": attempt.rule, "camera": parts.cameras[at.camera].id, "lens": parts.lenses[at.lens].id,
-        "port": parts.ports[at.port].id, "light": parts.lights[at.light].id, "light_count": at.count,
+        "rule": attempt.rule, **{kind: part.id for kind, part in problem.parts.of(at).items()}, "light_count": at.count,
         "objective_value": objective.reported(attempt.value),
     }  # fmt: skip
 

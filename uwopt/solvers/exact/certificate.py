@@ -7,13 +7,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from uwopt.catalog.choose import Selection
-from uwopt.catalog.records import Part
+from uwopt.catalog.records import OF_A_DESIGN, Part
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
 from uwopt.results.result import Certificate, PartsLeft
 from uwopt.solvers.exact.account import RULES, Outcome
-
-KINDS = ("camera", "lens", "port", "light")
 
 
 def per_light(problem: Problem) -> int:
@@ -47,7 +45,7 @@ def accounted(
 ) -> dict[str, Any]:
     """Where every combination of the catalogue went: loaded, selected, evaluated, discarded by rule."""
     catalog, asked = selection.catalog, problem.mission.catalog
-    kinds = [*KINDS, *(kind for kind in ("housing", "complete") if getattr(asked, kind) != "none")]
+    kinds = [*OF_A_DESIGN, *(kind for kind in ("housing", "complete") if getattr(asked, kind) != "none")]
     left: dict[str, int] = {kind: len(catalog.parts(kind)) for kind in kinds}  # pyrefly: ignore[bad-argument-type]
     factor = per_light(problem)
     loaded = combinations(left)

@@ -197,10 +197,10 @@ class Ranking:
         return self.known_ids[place]
 
 
-def ids_in(parts: Parts, design: Found) -> tuple[str, ...]:
+def ids_in(parts: Parts, design: Found) -> tuple[str, str, str, str]:
     """Ids of a design's parts."""
-    port = parts.ports[design.port].enclosure_id
-    return parts.cameras[design.camera].id, parts.lenses[design.lens].id, port, parts.lights[design.light].id
+    own = parts.of(design)
+    return own["camera"].id, own["lens"].id, own["port"].enclosure_id, own["light"].id
 
 
 def comes_before(a: Found, b: Found, parts: Parts) -> bool:

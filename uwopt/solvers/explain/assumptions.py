@@ -30,7 +30,7 @@ def assumptions(problem: Problem, found: Found) -> list[Assumption]:
             f"{kind}.{name}", part.id, value.value, value.low, value.high, unit_of(name, part), value.status,
             value.source,
         )
-        for kind, part in pieces_of(problem, found)
+        for kind, part in pieces_of(problem, found).items()
         for name, value in doubtful(part)
     ]  # fmt: skip
     hardware = found.hardware

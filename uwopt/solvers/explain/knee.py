@@ -69,7 +69,8 @@ def best_within(
     if not outcome.best:
         return 0.0, {}
     best = outcome.best[0]
-    return quality.share(mine - best.minimised, mine), {kind: part.id for kind, part in pieces_of(problem, best)}
+    ids = {kind: part.id for kind, part in pieces_of(problem, best).items()}
+    return quality.share(mine - best.minimised, mine), ids
 
 
 def with_limits(problem: Problem, limits: dict[str, float]) -> Problem:

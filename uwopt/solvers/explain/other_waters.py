@@ -19,7 +19,7 @@ from uwopt.catalog.curves.spectra import water_types
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.scene import LampLeg, SceneOptics, scene_optics
 from uwopt.mission.mission import Mission
-from uwopt.solvers.one_hardware import best_of, pieces_of, problem_of
+from uwopt.solvers.one_hardware import best_of, ids_of_pieces, problem_of
 from uwopt.solvers.recommend import Sought
 from uwopt.solvers.settings.best import scenes_need_cells
 
@@ -126,7 +126,7 @@ def verdict(
     return {
         "feasible": math.isfinite(values[0]),
         "objective_value": objective.reported(values[0]) if math.isfinite(values[0]) else None,
-        "best_of_shown": [part.id for _, part in pieces_of(problem, shown[best])]
+        "best_of_shown": ids_of_pieces(problem, shown[best])
         if math.isfinite(values[best])
         else None,
         "changes": not math.isfinite(values[0]) or values[best] < values[0] - 1e-9 * abs(values[0]),

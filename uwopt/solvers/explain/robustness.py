@@ -20,7 +20,7 @@ from typing import Any
 
 from uwopt.catalog.parts.doubts import doubtful
 from uwopt.catalog.parts.kinds import EITHER
-from uwopt.catalog.records import Part, Quantity
+from uwopt.catalog.records import OF_A_DESIGN, Part, Quantity
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.forward.parts import Parts
 from uwopt.forward.problem import Problem
@@ -29,15 +29,14 @@ from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain.assumptions import unit_of
 from uwopt.solvers.one_hardware import (
-    KINDS,
     among,
     at_end,
     best_of,
     best_of_each,
     housing_at_end,
+    ids_of_pieces,
     matters,
     own_id,
-    parts_of,
     pieces_of,
     problem_of,
     same_parts,
@@ -55,7 +54,7 @@ def at_worst(
     problem: Problem, found: Found, objective: Objective, deadline: Deadline
 ) -> tuple[dict[str, Part], float]:
     """A design's parts at the bad ends, and its best objective with them; inf where infeasible then."""
-    bad = {kind: at_end(part, "bad") for kind, part in parts_of(problem, found)}
+    bad = {kind: at_end(part, "bad") for kind, part in problem.parts.of(found).items()}
     worst, worst_value = bad, -math.inf
     for port in with_either_end(bad["port"]):
         lists = {kind: [part] for kind, part in (bad | {"port": port}).items()}
@@ -78,10 +77,10 @@ def values_with(
     pass evaluates them.
     """
     base = sought.problem
-    lists: dict[str, list[Any]] = {kind: [part] for kind, part in parts_of(base, found)}
+    lists: dict[str, list[Any]] = {kind: [part] for kind, part in base.parts.of(found).items()}
     places = []
     for variant in variants:
-        place = dict.fromkeys(KINDS, 0)
+        place: dict[str, int] = dict.fromkeys(OF_A_DESIGN, 0)
         if variant is not None:
             kind, name, end = variant
             slot = "port" if kind == "housing" else kind
@@ -138,26 +137,22 @@ def robustness(
 def mixed_problem(problem: Problem, bad: dict[str, Part]) -> Problem:
     """The winner's parts at their bad end among all others at their good end."""
 
-    def mixed(kind: str, parts: Sequence[Any]) -> tuple[Any, ...]:
-        return tuple(
+    def mixed(kind: str) -> list[Any]:
+        return [
             variant
-            for part in parts
+            for part in problem.parts.by_kind[kind]
             for variant in (
                 [bad[kind]] if own_id(part) == own_id(bad[kind]) else with_either_end(at_end(part, "good"))
             )
-        )
+        ]
 
-    parts = problem.parts
-    return problem.over(Parts(
-        mixed("camera", parts.cameras), mixed("lens", parts.lenses), mixed("port", parts.ports),
-        mixed("light", parts.lights),
-    ))  # fmt: skip
+    return problem.over(Parts.of_each(mixed))
 
 
 def rival_dict(problem: Problem, rival: Found, objective: Objective) -> dict[str, Any]:
     """A rival by its ids, with what it would reach."""
     return {
-        **{kind: part.id for kind, part in pieces_of(problem, rival)},
+        **{kind: part.id for kind, part in pieces_of(problem, rival).items()},
         "light_count": rival.count,
         "objective_value": objective.reported(rival.minimised),
     }
@@ -185,7 +180,7 @@ def quotes_that_matter(
         asked = [
             (kind, part, name, doubt, end)
             for design, end in ((winner, "bad"), (rival, "good"))
-            for kind, part in pieces_of(problem, design)
+            for kind, part in pieces_of(problem, design).items()
             for name, doubt in doubtful(part)
             if matters(name, problem, sought.goal)
             for end in (("low", "high") if name in EITHER else (end,))
@@ -199,7 +194,7 @@ def quotes_that_matter(
                     {
                         "part": part.id, "kind": kind, "field": name, "value": doubt.value, "low": doubt.low,
                         "high": doubt.high, "unit": unit_of(name, part),
-                        "then_better": " + ".join(p.id for _, p in pieces_of(problem, rival)),
+                        "then_better": " + ".join(ids_of_pieces(problem, rival)),
                     }
                 )  # fmt: skip
     return matter[: 4 * top]
@@ -210,7 +205,7 @@ def with_changes(
     deadline: Deadline = NEVER,
 ) -> list[float]:  # fmt: skip
     """A design's objective under each change in turn; changes of parts it does not have leave it as it is."""
-    own = {kind: part.id for kind, part in pieces_of(sought.problem, design)}
+    own = {kind: part.id for kind, part in pieces_of(sought.problem, design).items()}
     variants: list[Variant | None] = [
         (kind, name, end) if own.get(kind) == part.id else None for kind, part, name, _, end in asked
     ]
@@ -256,8 +251,8 @@ def ends_if_equal(
     problem: Problem, winner: Found, other: Found, objective: Objective, patience: Deadline
 ) -> dict[str, float] | None:
     """A runner-up's value and best end, and the worst of the first, where they cannot be told apart."""
-    own, slow = dict(parts_of(problem, winner)), scenes_need_cells(problem.scenes, objective)
-    differing = [kind for kind, part in parts_of(problem, other) if own_id(part) != own_id(own[kind])]
+    own, slow = problem.parts.of(winner), scenes_need_cells(problem.scenes, objective)
+    differing = [kind for kind, part in problem.parts.of(other).items() if own_id(part) != own_id(own[kind])]
     tied = other.minimised - winner.minimised <= TIE * abs(winner.minimised)
     if not differing or (slow and not tied):
         return None
@@ -273,7 +268,7 @@ def with_ends(
     problem: Problem, own: Found, other: Found, differing: list[str], end: str, objective: Objective, deadline: Deadline
 ) -> float:  # fmt: skip
     """Best objective of a design whose parts of these kinds are at one end of their estimates; inf: infeasible."""
-    parts, against = dict(parts_of(problem, own)), dict(parts_of(problem, other))
+    parts, against = problem.parts.of(own), problem.parts.of(other)
     lists: dict[str, list[Any]] = {}
     for kind in differing:
         part: Any = parts[kind]

@@ -10,8 +10,9 @@ import math
 from typing import Any
 
 from uwopt.catalog.parts.camera import Camera
+from uwopt.catalog.parts.part import OF_A_DESIGN
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError
-from uwopt.solvers.one_hardware import KINDS, best_of_each, problem_of
+from uwopt.solvers.one_hardware import best_of_each, problem_of
 from uwopt.solvers.recommend import Sought
 
 COMPLETE = "complete camera"
@@ -28,7 +29,7 @@ def siblings(sought: Sought, deadline: Deadline = NEVER) -> list[dict[str, Any]]
     if not alike:
         return []
     others = problem_of(problem, winner, lists={"camera": alike})
-    places = [dict.fromkeys(KINDS, 0) | {"camera": place} for place in range(len(alike))]
+    places = [dict.fromkeys(OF_A_DESIGN, 0) | {"camera": place} for place in range(len(alike))]
     try:
         values = best_of_each(others, objective, places, deadline)
     except OutOfTimeError:

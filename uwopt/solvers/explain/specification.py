@@ -20,11 +20,11 @@ from typing import Any
 import numpy as np
 
 from uwopt.catalog.parts.kinds import ALL_FIELDS, FAVOURED
-from uwopt.catalog.records import Part, Quantity, exact
+from uwopt.catalog.records import OF_A_DESIGN, Part, Quantity, exact
 from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.one_hardware import KINDS, best_of_each, parts_of, problem_of
+from uwopt.solvers.one_hardware import best_of_each, problem_of
 
 FARTHEST, STEPS = 100.0, 7  # how much worse is tried: a factor; a share comes down to a hundredth
 HALVINGS = 10  # of a step: a limit to a thousandth
@@ -103,13 +103,13 @@ class PartTrial:
 
     def __init__(self, problem: Problem, hardware: Hardware, objective: Objective, kind: str):
         self.base, self.hardware, self.objective, self.kind = problem, hardware, objective, kind
-        self.part = dict(parts_of(problem, hardware))[kind]
+        self.part = problem.parts.of(hardware)[kind]
 
     def values(self, variants: Sequence[dict[str, float]]) -> list[float]:
         """Best minimised objective of each variant of the part's numbers; inf where no settings do."""
         made = [changed(self.part, variant) for variant in variants]
         one = problem_of(self.base, self.hardware, lists={self.kind: made})
-        places = [dict.fromkeys(KINDS, 0) | {self.kind: n} for n in range(len(made))]
+        places = [dict.fromkeys(OF_A_DESIGN, 0) | {self.kind: n} for n in range(len(made))]
         return best_of_each(one, self.objective, places)
 
     def limits(self, asked: Sequence[Asked], rivals: Sequence[float]) -> list[list[float | None]]:

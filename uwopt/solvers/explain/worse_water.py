@@ -24,7 +24,7 @@ from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL
 from uwopt.results.design import Design
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain.other_makers import furthest_rule
-from uwopt.solvers.one_hardware import parts_of, problem_of
+from uwopt.solvers.one_hardware import problem_of
 from uwopt.solvers.recommend import evaluated
 
 WORSE = (1.25, 1.5, 2.0)  # of a reading
@@ -76,7 +76,7 @@ def with_its_iris(mission: Mission, problem: Problem, hardware: Hardware, given:
 
 def alone(problem: Problem, hardware: Hardware, mission: Mission) -> Problem:
     """Tables of one hardware in another mission; parts written out without a mount stand together as they do."""
-    own, lists = dict[str, Any](parts_of(problem, hardware)), dict[str, list[Any]]()
+    own, lists = problem.parts.of(hardware), dict[str, list[Any]]()
     if not (own["camera"].mounts and own["lens"].mounts):
         lists = {kind: [replace(own[kind], mounts=ANY_MOUNT)] for kind in ("camera", "lens")}
     return problem_of(problem, hardware, mission=mission, lists=lists)

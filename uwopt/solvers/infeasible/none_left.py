@@ -6,11 +6,11 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from uwopt.catalog.catalogue import Exclusion
 from uwopt.catalog.choose import PATTERN_KEYS, Selection, matches
-from uwopt.catalog.records import Kind, Part
+from uwopt.catalog.records import OF_A_DESIGN, Kind, Part
 from uwopt.mission.mission import Mission
 from uwopt.results.basis import NoneLeft, TooShallow
 
-KINDS: tuple[Kind, ...] = ("camera", "lens", "port", "light", "housing")
+KINDS: tuple[Kind, ...] = (*OF_A_DESIGN, "housing")
 MOST_NAMED = 3
 NOT_NAMED = ("pattern", "generic", "form", "exclude")  # rules of parts that the mission does not want
 NOT_SOLD = ("availability", "purpose")  # rules of parts that no fact and no limit would let in

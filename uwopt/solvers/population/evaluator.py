@@ -240,7 +240,7 @@ class Evaluator:
 
     def _more(self, worst: Callable[..., Array], built: CodedHardware) -> dict[str, Array]:
         """What only own objectives ask for."""
-        problem, imagers, parts = self.problem, self.search.imagers, self.problem.parts
+        problem, imagers = self.problem, self.search.imagers
         level = worst(lambda k, r, t, f: t.level, most=True)
         views = [scene.view for scene in problem.scenes]
         kept = [1.0 - view.requirements.sidelap for view in views]
@@ -273,13 +273,8 @@ class Evaluator:
             "data_rate_mb_s": worst(lambda k, r, t, f: f.data_rate_mb_s, most=True)
             * problem.mission.vehicle.camera_count,
         }
-        index = {
-            "camera": (imagers.camera[built.imager], parts.cameras),
-            "lens": (imagers.lens[built.imager], parts.lenses),
-            "port": (imagers.port[built.imager], parts.ports),
-            "light": (built.light, parts.lights),
-        }
-        for kind, (column, every) in index.items():
+        for kind, every in problem.parts.by_kind.items():
+            column = built.light if kind == "light" else getattr(imagers, kind)[built.imager]
             found[kind] = column
             found[f"{kind}_id"] = np.array([part.id for part in every])[column]
         return found

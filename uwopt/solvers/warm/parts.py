@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from uwopt.catalog.choose import Selection
-from uwopt.catalog.records import Kind
+from uwopt.catalog.records import OF_A_DESIGN, Kind
 from uwopt.forward.problem import Problem
 from uwopt.solvers.exact.ranking import Found
 
@@ -15,16 +15,11 @@ PartIds = Mapping[Kind, frozenset[str]]
 
 def ids_of(problem: Problem, found: Found) -> PartIds:
     """Ids of a design's parts by kind as the catalogue has them, complete cameras whole."""
-    parts = problem.parts
-    port = parts.ports[found.port]
-    light = frozenset({parts.lights[found.light].id})
-    if port.complete:
-        return {"complete": frozenset({port.complete}), "light": light}
-    housing = frozenset() if port.housing is None else frozenset({port.housing.id})
-    return {
-        "camera": frozenset({parts.cameras[found.camera].id}), "lens": frozenset({parts.lenses[found.lens].id}),
-        "port": frozenset({port.id}), "housing": housing, "light": light,
-    }  # fmt: skip
+    own = problem.parts.of(found)
+    ids: dict[Kind, frozenset[str]] = {kind: frozenset({own[kind].id}) for kind in OF_A_DESIGN}
+    if whole := own["port"].complete:
+        return {"complete": frozenset({whole}), "light": ids["light"]}
+    return ids | {"housing": frozenset() if own["port"].housing is None else frozenset({own["port"].housing.id})}
 
 
 def joined_ids(several: list[PartIds]) -> PartIds:
