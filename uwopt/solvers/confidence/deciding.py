@@ -48,10 +48,8 @@ def decided_by(problem: Problem, objective: Objective, seen: Counted, scenarios:
         return []
     numbers = list(numbers_of(problem, objective, scenarios, seen.found))
     luck = np.random.default_rng(scenarios.seed).random((OF_LUCK * len(numbers), len(held)))
-    least = max(LEAST, *(abs(np.subtract(*shares(held, number))) for number in luck))
-    every = [
-        Decides(what, part, *shares(held, number)) for what, part, number in numbers
-    ]
+    least = np.abs(np.subtract(*thirds(held, np.argsort(luck, axis=1)))).max(initial=LEAST)
+    every = [Decides(what, part, *shares(held, number)) for what, part, number in numbers]
     told = [one for one in every if apart(one) > least]
     return sorted(told, key=apart, reverse=True)[:MOST_TOLD]
 
@@ -66,9 +64,14 @@ def shares(held: NDArray[np.bool_], number: Array) -> tuple[float, float]:
     values = np.unique(number)
     if len(values) == 2:
         return tuple(float(held[number == value].mean()) for value in values)  # pyrefly: ignore[bad-return]
-    order = np.argsort(number, kind="stable")
-    count = max(len(order) // PART, 1)
-    return float(held[order[:count]].mean()), float(held[order[-count:]].mean())
+    low, high = thirds(held, np.argsort(number, kind="stable"))
+    return float(low), float(high)
+
+
+def thirds(held: NDArray[np.bool_], order: NDArray[np.int64]) -> tuple[Array, Array]:
+    """The same of the first third and the last of scenarios in order, (..., n_scenarios)."""
+    count = max(order.shape[-1] // PART, 1)
+    return held[order[..., :count]].mean(axis=-1), held[order[..., -count:]].mean(axis=-1)
 
 
 # ---------------------------------------------------------------- what a number is worth
