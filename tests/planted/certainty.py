@@ -657,8 +657,8 @@ DEFECTS = (
     Defect(
         name="a number decides where it is high as where it is low",
         file=f"{ROOM}/deciding.py",
-        old="float(held[order[-count:]].mean())",
-        new="float(held[order[:count]].mean())",
+        old="held[order[..., -count:]].mean(axis=-1)",
+        new="held[order[..., :count]].mean(axis=-1)",
         test="tests/solvers/test_confidence_deciding.py::test_shares_are_of_the_low_and_of_the_high_third",
     ),
     Defect(
