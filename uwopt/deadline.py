@@ -151,6 +151,10 @@ class Deadline:
         """This deadline; where nobody has set one, one in so many seconds of a clock."""
         return Deadline.after(seconds, clock) if math.isinf(self.end_s) else self
 
+    def of_work(self, seconds: float) -> Deadline:
+        """So many seconds of work at most, or of the clock where somebody has set a deadline; as `at_most`."""
+        return self.or_after(seconds, effort_s).at_most(seconds)
+
     def but_for(self, share: float) -> Deadline:
         """So much sooner by a share of the time left; what is left out is told to the same caller."""
         return self if math.isinf(self.end_s) else replace(self, end_s=self.end_s - share * self.left_s)

@@ -104,7 +104,12 @@ def unit_told(name: str) -> str:
 
     Knows UNIT_SUFFIXES alone, of which the longest that fits is the unit: `e_s` of `dark_current_e_s`, not `s`.
     """
-    return symbol(max((suffix for suffix in UNIT_SUFFIXES if name.endswith(suffix)), key=len, default=""))
+    return symbol(unit_suffix(name))
+
+
+def unit_suffix(name: str) -> str:
+    """The longest of UNIT_SUFFIXES with which a public name ends; "" of none."""
+    return max((suffix for suffix in UNIT_SUFFIXES if name.endswith(suffix)), key=len, default="")
 
 
 def convert(value: float, from_unit: str, into_unit: str) -> float | None:

@@ -104,7 +104,7 @@ DEFECTS = (
     Defect(
         name="what would make an answer hold is looked for without end where no time is given",
         file="uwopt/solvers/confidence/eased.py",
-        old="patience, was_coarse = deadline.or_after(TRIED_S, effort_s).at_most(TRIED_S), True",
+        old="patience, was_coarse = deadline.of_work(TRIED_S), True",
         new="patience, was_coarse = deadline, True",
         test="tests/solvers/test_confidence_deciding.py::test_what_would_hold_is_looked_for_in_counted_work",
     ),

@@ -112,8 +112,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a difference of rates is told as an interval",
         file="uwopt/report/text/formats.py",
-        old="+ format_difference(value, unit, digits)",
-        new="+ format_quantity(value, unit, digits)",
+        old="+ format_difference(value, unit)",
+        new="+ format_quantity(value, unit)",
         test="tests/report/test_words.py::test_what_is_left_of_a_rate_is_no_interval",
     ),
     Defect(

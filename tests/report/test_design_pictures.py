@@ -18,7 +18,6 @@ from uwopt.evaluation.recompute import replayed, telling_figures
 from uwopt.report.pictures.curves import DepthOfField
 from uwopt.report.pictures.design_pictures import (
     MOST_BYTES,
-    Picture,
     design_pictures,
     png_bytes,
     png_uri,
@@ -103,17 +102,6 @@ def test_pairs_are_the_details(made):
     chart, seen = design_pictures(result, result.best, whole=False)
     by_id = {one.id: one for one in pictures}
     assert (chart.content, seen.content) == (by_id["chart-detail"].content, by_id["picture-detail"].content)
-
-
-def test_other_scenes_have_other_ids():
-    result = evaluated("paper-tool-window")
-    two = {
-        **result.mission,
-        "scenes": [result.mission["scenes"][0], {**result.mission["scenes"][0], "name": "b"}],
-    }
-    both = uwopt.evaluate(two, result.system)
-    second = design_pictures(both, both.best, scene=1)
-    assert all(isinstance(one, Picture) and one.id.endswith("-scene2") for one in second)
 
 
 def test_an_image_with_dark_parts_has_pictures_too():

@@ -66,7 +66,7 @@ def estimator_of_search(sought: Sought, deadline: Deadline = NEVER) -> Estimator
         if slow:  # searched to a gap; the value at fixed settings tells of quality, but not of power
             return replace(design, objective_value=None) if goal.weight("power") else design
         value = best_of(at, goal, deadline)
-        told = goal.reported(value) if math.isfinite(value) else None
+        told = goal.told(value)
         return replace(design, objective_value=told)
 
     return estimator_of(small, evaluate)

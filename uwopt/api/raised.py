@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from uwopt.api.certainty import eased
 from uwopt.api.counting import Counts
-from uwopt.deadline import Deadline, OutOfTimeError, effort_s, unheard
+from uwopt.deadline import Deadline, OutOfTimeError, unheard
 from uwopt.results.certainty import Confidence, WouldHold
 from uwopt.solvers.confidence.changes import limits_of, with_limits_far, with_limits_raised
 from uwopt.solvers.confidence.counted import Looked
@@ -42,7 +42,7 @@ def raised(sought: Sought, seen: Looked, deadline: Deadline) -> tuple[list[Would
     problem, goal = sought.problem, sought.goal
     if not limits_of(problem):
         return [], None
-    patience = deadline.or_after(RAISED_S, effort_s).at_most(RAISED_S)
+    patience = deadline.of_work(RAISED_S)
     mission = with_limits_far(problem)
     wider = problem.over(problem.parts, mission=mission, scenes=problem.scenes_for(mission))
     looking = patience.part(SEARCH_SHARE)

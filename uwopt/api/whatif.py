@@ -28,7 +28,7 @@ from uwopt.results.design import Note
 from uwopt.results.version import __version__
 from uwopt.results.whatif import SpiderLine, Switch, VariedKey, WhatIf, WhatIfPoint
 from uwopt.solvers.warm.searches import Warm
-from uwopt.units import UNIT_SUFFIXES
+from uwopt.units import unit_suffix
 
 MOST_KEYS, MOST_POINTS = 2, 10_000
 SPIDER_FACTORS = (0.8, 0.9, 1.0, 1.1, 1.2)
@@ -353,10 +353,7 @@ def unit_of(key: Varied, mission: Mission) -> str:
     """The unit of a key's values."""
     if not key.is_numeric:
         return ""
-    if key.name == "cost":
-        return mission.limits.currency
-    fits = [unit for unit in UNIT_SUFFIXES if key.name.endswith(unit)]
-    return max(fits, key=len, default="").lstrip("_")
+    return mission.limits.currency if key.name == "cost" else unit_suffix(key.name).lstrip("_")
 
 
 def notes_of(points: Sequence[WhatIfPoint], keys: Sequence[Varied], status: str) -> list[Note]:

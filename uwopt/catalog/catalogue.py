@@ -82,19 +82,22 @@ class Catalog:
         return of_completes | {plain_name(part.id): (kind, part) for kind in KINDS for part in self.parts(kind)}
 
 
+MOST_NEAR = 3  # names that are told
+
+
 @lru_cache(maxsize=8192)
 def plain_name(name: str) -> str:
     """A name as patterns see it: lower case, `-` and blanks as `_`."""
     return name.strip().casefold().replace("-", "_").replace(" ", "_")
 
 
-def near_names(name: str, known: Iterable[str], count: int = 3) -> list[str]:
+def near_names(name: str, known: Iterable[str]) -> list[str]:
     """Known names that resemble or contain a name, best first."""
     by_key = {plain_name(other): other for other in known if other}
     key = plain_name(name)
-    close = difflib.get_close_matches(key, by_key, n=count, cutoff=0.6)
+    close = difflib.get_close_matches(key, by_key, n=MOST_NEAR, cutoff=0.6)
     containing = [other for other in by_key if key and key in other]
-    return [by_key[other] for other in dict.fromkeys((*close, *containing))][:count]
+    return [by_key[other] for other in dict.fromkeys((*close, *containing))][:MOST_NEAR]
 
 
 def unknown_part(part_id: str, known: Iterable[str]) -> str:

@@ -136,7 +136,7 @@ def told(
     bill = bill_of_materials(problem, hardware, model.spacer_m, most_w, model.disks_gb)
     return Design(
         hardware=used_hardware(problem, hardware, model.spacer_m),
-        objective_value=objective.reported(minimised) if math.isfinite(minimised) else None,
+        objective_value=objective.told(minimised),
         feasible=feasible,
         totals=Totals(
             cost=cost_range(problem, bill),

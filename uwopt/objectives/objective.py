@@ -143,6 +143,10 @@ class Objective:
         value = minimised / self.weights[self.single] if self.weights[self.single] else 0.0
         return -value if self.single in MAXIMISED else value
 
+    def told(self, minimised: float) -> float | None:
+        """The same where it is finite; None where no design has it."""
+        return self.reported(minimised) if math.isfinite(minimised) else None
+
     def step(self, share: float, minimised: float) -> float:
         """By how much what is minimised falls when the value gets better by a share of itself."""
         return math.log1p(share) if self.quality else share * abs(minimised)

@@ -22,10 +22,8 @@ from uwopt.report.text import doubts, exactness, formats, nothing_fits, tables, 
 from uwopt.report.text.certainty import percent
 from uwopt.report.text.front_tables import METHOD_HEADS, method_rows, pick_names
 from uwopt.report.text.in_hand import fails_first
-from uwopt.report.text.knee import knee_blocks
 from uwopt.report.text.layout import Block, Line, fact_lines
 from uwopt.report.text.looked_at import in_figure, in_page, wording_of
-from uwopt.report.text.prices import price_blocks
 from uwopt.report.text.short import goal_sentence, how_far, noise_clause, practice_sentences, short_blocks
 from uwopt.report.text.verdict import verdict
 from uwopt.results.design import Design
@@ -206,14 +204,7 @@ def trust_blocks(result: Result | FrontResult) -> Iterator[Block]:
     """Certificate, doubts, second opinions, assumptions, model, accuracy, warnings."""
     yield from tables.warning_blocks(result)
     if isinstance(result, Result):
-        if result.certificate is not None:
-            yield doubts.certificate_block(result, result.certificate)
-        yield from knee_blocks(result)
-        yield from price_blocks(result)
-        if result.robustness:
-            yield doubts.robustness_block(result)
-        if result.solvers or result.audit:
-            yield doubts.second_opinion_block(result)
+        yield from tables.argument_blocks(result)
     elif result.certificate:
         yield Block("Certificate", tuple(front_certificate(result.certificate)))
     yield doubts.model_block(result)

@@ -28,7 +28,7 @@ from uwopt.results.basis import OtherMaker
 from uwopt.results.design import BillRow, Cost, Design, Margin
 from uwopt.results.front import FrontResult
 from uwopt.results.result import Result
-from uwopt.units import UNIT_SUFFIXES, format_number
+from uwopt.units import format_number, unit_suffix
 
 #: Key figures.
 FIGURES = ("snr_db", "gsd_mm", "dof_m", "frame_rate_hz", "swath_m")
@@ -188,8 +188,7 @@ def figure_rows(design: Design) -> list[tuple[str, list[str]]]:
         values = [scene.figures.get(name) for scene in design.scenes]
         if all(value is None for value in values):
             continue
-        unit = next((suffix for suffix in UNIT_SUFFIXES if name.endswith(suffix)), "")
-        rows.append((formats.one_line(name, 60), [figure_text(value, unit) for value in values]))
+        rows.append((formats.one_line(name, 60), [figure_text(value, unit_suffix(name)) for value in values]))
     return rows
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import base64
 import io
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, Literal
 
@@ -63,25 +63,25 @@ class Picture:
 
 
 def design_pictures(
-    result: Result | FrontResult, design: Design, *, whole: bool = True, scene: int = 0, width_mm: float | None = None,
+    result: Result | FrontResult, design: Design, *, whole: bool = True, width_mm: float | None = None,
     deadline: Deadline = NEVER,
 ) -> list[Picture]:  # fmt: skip
-    """All pictures of a design of a result in one scene, or not `whole`: the chart and its simulated picture alone.
+    """All pictures of a design in a result's first scene, or not `whole`: the chart and its simulated picture alone.
 
     With the same `width_mm` of floor the details of several designs can be compared side by side.
     Those for which the deadline leaves no time are left out. Raises ReplayError where the design cannot be recomputed.
     Physics `paper` knows no field: it has no maps.
     """
     steps: dict[str, Callable[[Replay], Sequence[Picture]]] = {
-        "drawings": lambda made: drawings(rig_measures(made, scene), on_axis=made.model.problem.paper),
-        "simulated pictures": lambda made: simulated(made, scene, width_mm),
-        "spectra": lambda made: [light_picture(spectrum_way(made, scene))],
-        "sharpness": lambda made: sharp_pictures(depth_of_field(made, scene)),
-        "operation": lambda made: operation_pictures(operation_curves(made, scene)),
-        "maps": lambda made: map_pictures(image_map(made, scene), floor_map(made, scene)),
+        "drawings": lambda made: drawings(rig_measures(made), on_axis=made.model.problem.paper),
+        "simulated pictures": lambda made: simulated(made, width_mm),
+        "spectra": lambda made: [light_picture(spectrum_way(made))],
+        "sharpness": lambda made: sharp_pictures(depth_of_field(made)),
+        "operation": lambda made: operation_pictures(operation_curves(made)),
+        "maps": lambda made: map_pictures(image_map(made), floor_map(made)),
     } if whole else {
         "the detail": lambda made: view_pictures(
-            detail_view(made, scene, width_mm=width_mm), "detail", "Detail, pixel by pixel"
+            detail_view(made, width_mm=width_mm), "detail", "Detail, pixel by pixel"
         )
     }  # fmt: skip
     if deadline.passed():
@@ -89,10 +89,7 @@ def design_pictures(
         return []
     made = replayed(result, design)
     none: Sequence[Picture] = ()
-    pictures = [one for what, make in steps.items() for one in deadline.within(what, partial(make, made), none)]
-    if scene == 0:
-        return pictures
-    return [replace(one, id=f"{one.id}-scene{scene + 1}") for one in pictures]
+    return [one for what, make in steps.items() for one in deadline.within(what, partial(make, made), none)]
 
 
 def rounded(value: float) -> str:
@@ -320,16 +317,16 @@ def oblique_drawings(rig: RigMeasures) -> list[Picture]:
 # ---------------------------------------------------------------- simulated pictures
 
 
-def simulated(made: Replay, scene: int, width_mm: float | None = None) -> list[Picture]:
+def simulated(made: Replay, width_mm: float | None = None) -> list[Picture]:
     """Chart and picture of the whole image and of a detail, and a detail of the corner."""
-    whole = view_pictures(whole_view(made, scene), "whole", "Whole image, shrunk")
+    whole = view_pictures(whole_view(made), "whole", "Whole image, shrunk")
     detail = view_pictures(
-        detail_view(made, scene, width_mm=width_mm), "detail", "Detail of the middle, pixel by pixel"
+        detail_view(made, width_mm=width_mm), "detail", "Detail of the middle, pixel by pixel"
     )
     if made.model.problem.paper:
         return [*whole, *detail]
     corner = view_pictures(
-        detail_view(made, scene, place="corner", width_mm=width_mm),
+        detail_view(made, place="corner", width_mm=width_mm),
         "corner",
         "Detail of a corner, pixel by pixel",
     )

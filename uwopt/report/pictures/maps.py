@@ -150,9 +150,7 @@ def image_points(design: Replay, columns: int, rows: int) -> tuple[Array, Array]
     return (-v, u) if design.model.hardware.landscape else (u, v)
 
 
-def floor_map(
-    design: Replay, scene_index: int = 0, *, columns: int = COLUMNS, rows: int = ROWS
-) -> FloorMap | None:
+def floor_map(design: Replay, scene_index: int = 0) -> FloorMap | None:
     """Illuminance by the lamps over the footprint and around it; None without lamps, and in physics `paper`."""
     model, settings = design.model, design.settings[scene_index]
     problem, hw = model.problem, model.hardware
@@ -184,11 +182,11 @@ def floor_map(
     ring_across = tan_across * np.concatenate([-one, way, one, -way])
     edge_along, edge_across = traced(ring_along, ring_across)
     near_m, far_m = float(edge_along.min()), float(edge_along.max())
-    along_m = 0.5 * (near_m + far_m) + np.linspace(-1.0, 1.0, rows) * BEYOND * 0.5 * (far_m - near_m)
-    across_m = np.linspace(-1.0, 1.0, columns) * BEYOND * float(edge_across.max())
+    along_m = 0.5 * (near_m + far_m) + np.linspace(-1.0, 1.0, ROWS) * BEYOND * 0.5 * (far_m - near_m)
+    across_m = np.linspace(-1.0, 1.0, COLUMNS) * BEYOND * float(edge_across.max())
     around = lux(*np.meshgrid(along_m, across_m, indexing="ij"))
     cell_along, cell_across = np.meshgrid(
-        tan_along * cells(rows)[0], tan_across * cells(columns)[0], indexing="ij"
+        tan_along * cells(ROWS)[0], tan_across * cells(COLUMNS)[0], indexing="ij"
     )
     inside = lux(*traced(cell_along, cell_across))
     area = floor_area_ratio(cell_along, cell_across, shape=shape, range_m=range_m)

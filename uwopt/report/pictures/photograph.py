@@ -94,7 +94,7 @@ class View:
 # ---------------------------------------------------------------- views
 
 
-def whole_view(design: Replay, scene_index: int = 0, *, width_px: int = WHOLE_WIDTH_PX) -> View:
+def whole_view(design: Replay, scene_index: int = 0) -> View:
     """The whole image, shrunk: each pixel shown is the mean of a block, and its noise that of the mean.
 
     It is as wide as the design's figures say: what a lens that moves as a whole still sees at this focus.
@@ -102,7 +102,7 @@ def whole_view(design: Replay, scene_index: int = 0, *, width_px: int = WHOLE_WI
     cam, settings = design.model.cameras, design.settings[scene_index]
     view = design.model.view_at(scene_index, float(settings.dioptre_per_m[0]))
     full_x, full_y = float(cam.resolution_x_px[0]), float(cam.resolution_y_px[0])
-    width = int(min(width_px, full_x))
+    width = int(min(WHOLE_WIDTH_PX, full_x))
     height = max(round(width * full_y / full_x), 1)
     block_px = full_x / width
     step_mm = field_of_view_m(view, design.model.hardware.landscape)[0] * 1e3 / width

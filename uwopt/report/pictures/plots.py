@@ -23,7 +23,7 @@ BAND = "rgba(0,114,178,0.18)"
 ALTITUDES = "rgba(128,128,128,0.22)"
 CLEAR = "rgba(0,0,0,0)"
 LEGEND = {"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom"}
-DIGITS = 5
+DIGITS, MAP_DIGITS = 5, 4
 SPECTRUM_STEP = 6  # of the model's grid: curves are smooth at 3 nm
 FAR_SHOWN = 4.0  # times the highest altitude; beyond it, the far limit leaves the plot
 STOPS = (0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0, 16.0, 22.0, 32.0, 45.0, 64.0)
@@ -63,9 +63,9 @@ def curve(x: Any, y: Any, name: str, colour: str, dash: str = "solid", **more: A
     }  # fmt: skip
 
 
-def dot(x: float, y: float, name: str, symbol: str = "circle", colour: str = VERMILLION) -> dict[str, Any]:
+def dot(x: float, y: float, name: str, symbol: str = "circle") -> dict[str, Any]:
     """A marked point."""
-    marker = {"color": colour, "size": 11, "symbol": symbol}
+    marker = {"color": VERMILLION, "size": 11, "symbol": symbol}
     place = {"x": numbers([x]), "y": numbers([y])}
     return {"type": "scatter", "mode": "markers", **place, "name": name, "marker": marker}
 
@@ -245,10 +245,10 @@ def exposure_plot(curves: Operation) -> Plot:
 # ---------------------------------------------------------------- maps
 
 
-def heat(x: Any, y: Any, z: Any, unit: str, *, scale: str, digits: int = 4) -> dict[str, Any]:
+def heat(x: Any, y: Any, z: Any, unit: str, *, scale: str) -> dict[str, Any]:
     """A map with its bar."""
     return {
-        "type": "heatmap", "x": numbers(x, digits), "y": numbers(y, digits), "z": numbers(z, digits),
+        "type": "heatmap", **{name: numbers(column, MAP_DIGITS) for name, column in (("x", x), ("y", y), ("z", z))},
         "colorscale": scale, "colorbar": {"title": {"text": unit}, "thickness": 14}, "zsmooth": "best",
         "hovertemplate": f"%{{x}}, %{{y}}: %{{z}} {unit}<extra></extra>",
     }  # fmt: skip

@@ -110,11 +110,11 @@ def prefixed(unit: str, largest: float) -> tuple[float, str]:
     return per, f"{prefix}bit/m²"
 
 
-def change(value: float, unit: str, scale: float, digits: int = 3) -> str:
+def change(value: float, unit: str, scale: float) -> str:
     """A difference with its sign; what is only rounding of numbers as large as `scale` is 0."""
     if abs(value) <= 1e-9 * abs(scale):
         return format_difference(0.0, unit)
-    return ("+" if value > 0 else "") + format_difference(value, unit, digits)
+    return ("+" if value > 0 else "") + format_difference(value, unit)
 
 
 def margin_ends(margin: Margin, cost: Cost | None = None) -> tuple[str, str]:

@@ -49,6 +49,17 @@ def system_blocks(result: Result) -> Iterator[Block]:
 def proof_blocks(result: Result) -> Iterator[Block | Text]:
     """What stands behind it: other choices, the proof, what requirements cost, how firm it is, what it assumes."""
     yield from runner_up_blocks(result)
+    yield from argument_blocks(result)
+    if has_errors(result):
+        yield exactness_block(result)
+    yield from assumption_blocks(result)
+    yield from warning_blocks(result)
+    if result.timing_s:
+        yield sentence(f"Took {words.run_time_sentence(result.timing_s)}.", style="dim")
+
+
+def argument_blocks(result: Result) -> Iterator[Block]:
+    """The proof, what more of power, money and requirements would do, how firm it is, and what others say."""
     if result.certificate is not None:
         yield certificate_block(result, result.certificate)
     yield from knee_blocks(result)
@@ -57,12 +68,6 @@ def proof_blocks(result: Result) -> Iterator[Block | Text]:
         yield robustness_block(result)
     if result.solvers or result.audit:
         yield second_opinion_block(result)
-    if has_errors(result):
-        yield exactness_block(result)
-    yield from assumption_blocks(result)
-    yield from warning_blocks(result)
-    if result.timing_s:
-        yield sentence(f"Took {words.run_time_sentence(result.timing_s)}.", style="dim")
 
 
 def nearest_miss(result: Result | FrontResult) -> Design | None:

@@ -12,7 +12,7 @@ from dataclasses import replace
 from functools import partial
 from itertools import combinations, islice
 
-from uwopt.deadline import NEVER, Deadline, OutOfTimeError, effort_s
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.weakened import DEEP, RELAXABLE
@@ -112,7 +112,7 @@ def other_changes(
 
     shares : in which it was found to hold with one key moved; of these nothing is counted again
     """
-    patience = deadline.or_after(CHANGES_S, effort_s).at_most(CHANGES_S)
+    patience = deadline.of_work(CHANGES_S)
     trial, ours = MovedKeys(problem, objective, scenarios, share, patience), seen.found
     may_move = [*eases(problem.mission, all_missed(problem, objective, seen, scenarios))]
     alone: list[tuple[Move, float]] = []

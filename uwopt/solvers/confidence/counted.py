@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -100,6 +100,11 @@ def rank(one: Counted, share: float) -> tuple[Any, ...]:
 def best_of(tried: Sequence[Counted], share: float) -> Counted | None:
     """The best of what was counted."""
     return min(tried, key=lambda one: rank(one, share), default=None)
+
+
+def each_once(problem: Problem, some: Iterable[Found], had: Collection[Any] = ()) -> dict[Any, Found]:
+    """Hardware by what tells it apart, without what was had."""
+    return {name: one for one in some if (name := names(problem, one)) not in had}
 
 
 def names(problem: Problem, found: Found) -> tuple[Any, ...]:

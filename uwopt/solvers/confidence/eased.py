@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from uwopt.deadline import NEVER, Deadline, OutOfTimeError, effort_s
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError
 from uwopt.errors import MissionError
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
@@ -191,12 +191,12 @@ def would_hold(
     shares : what was counted goes into it
     """
     made, was_coarse, known = [], False, {} if shares is None else shares
-    patience = deadline.or_after(EASED_S, effort_s).at_most(EASED_S)
+    patience = deadline.of_work(EASED_S)
     trial = MovedKeys(problem, objective, scenarios, share, patience)
     for ease in eases(problem.mission, all_missed(problem, objective, seen, scenarios)):
         coarse = len(ease.values) > 1
         if coarse and not was_coarse:  # these come last
-            patience, was_coarse = deadline.or_after(TRIED_S, effort_s).at_most(TRIED_S), True
+            patience, was_coarse = deadline.of_work(TRIED_S), True
         if made and ease.key == ALTITUDE:
             break
 

@@ -19,7 +19,7 @@ import numpy as np
 from uwopt.arrays import Array
 from uwopt.deadline import Deadline, OutOfTimeError
 from uwopt.forward.problem import Problem
-from uwopt.solvers.confidence.counted import Counted, Looked, names
+from uwopt.solvers.confidence.counted import Counted, Looked, each_once, names
 from uwopt.solvers.confidence.outcomes import outcomes_of_each
 from uwopt.solvers.confidence.scenarios import SomeScenarios
 from uwopt.solvers.confidence.states import colours_of
@@ -58,10 +58,9 @@ def polish(seen: Looked, deadline: Deadline, a_round_s: float = math.inf, serves
         best = next(filter(serves, seen.ranked), None)
         if best is None:
             return True
-        near = [one for one in [*both, *neighbours(problem, best.found)] if names(problem, one) not in known]
-        near = list({names(problem, one): one for one in near}.values())
-        known.update(names(problem, one) for one in near)
-        beside = compare(seen, near, deadline.at_most(a_round_s), best)
+        near = each_once(problem, [*both, *neighbours(problem, best.found)], known)
+        known.update(near)
+        beside = compare(seen, [*near.values()], deadline.at_most(a_round_s), best)
         better = next(filter(serves, seen.ranked), None)
         if better is best or better is None:
             if math.isfinite(a_round_s) and not deadline.passed():  # else all is looked at, or proven
@@ -185,7 +184,7 @@ def neighbours(problem: Problem, found: Found) -> list[Found]:
     that differ in their housing alone no housing that another betters.
     """
     made = [*other_lamps(problem, found), *other_views(problem, found)]
-    return list({names(problem, one): one for one in made}.values())
+    return [*each_once(problem, made).values()]
 
 
 def other_views(problem: Problem, found: Found) -> Iterator[Found]:

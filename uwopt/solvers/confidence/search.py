@@ -23,7 +23,7 @@ from uwopt.forward.problem import Problem
 from uwopt.mission.doubt import ENDS
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.beside import ahead
-from uwopt.solvers.confidence.counted import Counted, Looked, names, rank
+from uwopt.solvers.confidence.counted import Counted, Looked, each_once, names, rank
 from uwopt.solvers.confidence.local_search import polish
 from uwopt.solvers.confidence.outcomes import outcomes, outcomes_of_each
 from uwopt.solvers.confidence.proof import NoneBetter, Prover
@@ -277,8 +277,9 @@ def candidates(
     provable = can_be_proven(problem, objective)
     rungs = WORSE if not provable else () if known else WORSE[:1]
     had, first = {names(problem, one.found) for one in seen.tried}, (*sought.outcome.best[:OF_CENTRAL], *known)
-    waiting = list({name: one for one in first if (name := names(problem, one)) not in had}.values())
-    had.update(names(problem, found) for found in waiting)
+    new = each_once(problem, first, had)
+    waiting = [*new.values()]
+    had.update(new)
     searches = RoomySearches.of(
         problem, objective, seen.scenarios, rungs=rungs, with_room=with_room, had=had, fits=seen.fits
     )

@@ -54,7 +54,7 @@ def told(problem: Problem, objective: Objective, certain: Certain, central: Foun
         problem, objective, seen, asked="ends" if ends else certain.asked, share=certain.asked,
         in_choice=certain.best,
         central_objective=objective.reported(central.minimised), central_hardware=ids_of_pieces(problem, central),
-        central_held=first.held, central_p50=reported(objective, first.quantile(0.5)),
+        central_held=first.held, central_p50=objective.told(first.quantile(0.5)),
         counted=len(certain.tried), complete=certain.complete, fresh=ends or certain.fresh is not None,
         proof=None if certain.proof is None else proof_told(problem, objective, certain.proof),
         surest=None if ends else surest(problem, objective, certain),
@@ -87,7 +87,7 @@ def missed_centrally(problem: Problem, objective: Objective, one: Counted) -> li
 def proof_told(problem: Problem, objective: Objective, proof: NoneBetter) -> CertaintyProof:
     """A proof as a result tells it."""
     return CertaintyProof(
-        best_possible=reported(objective, proof.lower_bound), complete=proof.left == 0, combinations=proof.total,
+        best_possible=objective.told(proof.lower_bound), complete=proof.left == 0, combinations=proof.total,
         by_panel=proof.by_panel, by_bounds=proof.by_bounds, counted=proof.counted, left=proof.left,
         argued=list(argued(problem)) if proof.by_panel or proof.by_bounds else [],
     )  # fmt: skip
@@ -117,8 +117,8 @@ def counted(
         asked=asked, enough=bool(chosen.held >= share <= max(seen.held, high)), held=seen.held, held_low=low,
         held_high=high, scenarios=count,
         held_in_choice=chosen.held, scenarios_in_choice=chosen.outcomes.value.shape[1],
-        p50_in_choice=reported(objective, chosen.quantile(0.5)),
-        objective_p50=reported(objective, seen.quantile(0.5)), objective_p90=reported(objective, seen.quantile(0.9)),
+        p50_in_choice=objective.told(chosen.quantile(0.5)),
+        objective_p50=objective.told(seen.quantile(0.5)), objective_p90=objective.told(seen.quantile(0.9)),
         price_p50=None if asked == "ends" or not math.isfinite(seen.outcomes.price) else seen.outcomes.price,
         f_number=seen.f_number, lost_to=[LostTo(name, number / count) for name, number in missed],
         fixed=[
@@ -127,11 +127,6 @@ def counted(
         ],
         drawn=list(drawn(problem.mission.doubt, problem)), **more,  # pyrefly: ignore[bad-argument-type]
     )  # fmt: skip
-
-
-def reported(objective: Objective, minimised: float) -> float | None:
-    """An objective as results show it; None where there is none."""
-    return objective.reported(minimised) if math.isfinite(minimised) else None
 
 
 def curve(problem: Problem, objective: Objective, certain: Certain) -> Iterator[CertaintyPoint]:

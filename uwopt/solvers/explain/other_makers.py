@@ -15,7 +15,7 @@ import numpy as np
 
 from uwopt.catalog.choose import Selection
 from uwopt.catalog.records import Part
-from uwopt.deadline import NEVER, Deadline, effort_s
+from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.problem import Problem
 from uwopt.objectives.axes import Axes
 from uwopt.objectives.objective import Objective
@@ -89,7 +89,7 @@ def told(
 ) -> list[OtherMaker]:  # fmt: skip
     """One entry a maker whose parts are not shown; `first`: the search of all, which may have listed imagers."""
     problem, every = first.problem, first.every_imager
-    patience, out = deadline.or_after(LONGEST_S, effort_s).at_most(LONGEST_S), []
+    patience, out = deadline.of_work(LONGEST_S), []
     for kind, maker, mask in other_makers(selection, problem, shown):
         item = OtherMaker(kind, maker)
         if mask is None:

@@ -125,7 +125,7 @@ def verdict(
     best = int(np.argmin(values))
     return {
         "feasible": math.isfinite(values[0]),
-        "objective_value": objective.reported(values[0]) if math.isfinite(values[0]) else None,
+        "objective_value": objective.told(values[0]),
         "best_of_shown": ids_of_pieces(problem, shown[best])
         if math.isfinite(values[best])
         else None,

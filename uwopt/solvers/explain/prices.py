@@ -198,7 +198,7 @@ def reached(
             return before
     problem = problem_of(sought.problem, found, mission=mission, scenes=sought.problem.scenes_for(mission))
     best = best_of(problem, goal)
-    solved.append((mission, goal.reported(best) if math.isfinite(best) else None))
+    solved.append((mission, goal.told(best)))
     return solved[-1][1]
 
 

@@ -47,6 +47,7 @@ from uwopt.solvers.settings.best import scenes_need_cells
 from uwopt.tolerances import TIE
 
 SLOW_S = 2.5  # for a rival, where settings have no closed form
+MOST_QUOTES = 12  # that are told
 TURN = 0.5  # of the time left: what the search for a rival may take of it
 
 
@@ -91,9 +92,7 @@ def values_with(
     return best_of_each(problem_of(base, found, lists=lists), sought.goal, places, deadline)
 
 
-def robustness(
-    sought: Sought, *, top: int = 3, deadline: Deadline = NEVER
-) -> dict[str, Any] | None:
+def robustness(sought: Sought, deadline: Deadline = NEVER) -> dict[str, Any] | None:
     """Regret, rival, and the quotes that could change the answer.
 
     The search for a rival ends after half of the time left, or after a while where settings have no closed form
@@ -116,7 +115,7 @@ def robustness(
     return {
         "max_regret": None if regret is None else objective.amount(regret, bad_value),
         "regret_rel": None if regret is None else objective.share(regret, winner.minimised),
-        "value_at_bad_end": objective.reported(bad_value) if math.isfinite(bad_value) else None,
+        "value_at_bad_end": objective.told(bad_value),
         "feasible_at_bad_end": math.isfinite(bad_value),
         "complete": outcome.complete and not slow,
         "rival": None
@@ -127,7 +126,7 @@ def robustness(
         else deadline.within(
             "which quotes matter",
             lambda: quotes_that_matter(
-                sought, outcome_rivals(sought, outcome.best, mixed), top=top, deadline=deadline
+                sought, outcome_rivals(sought, outcome.best, mixed), deadline
             ),
             list[dict[str, Any]](),
         ),
@@ -170,7 +169,7 @@ def outcome_rivals(sought: Sought, good: Sequence[Found], mixed: Problem) -> lis
 
 
 def quotes_that_matter(
-    sought: Sought, rivals: Sequence[Found], *, top: int, deadline: Deadline = NEVER
+    sought: Sought, rivals: Sequence[Found], deadline: Deadline = NEVER
 ) -> list[dict[str, Any]]:
     """Single numbers whose bad end for the winner, or good end for a rival, would change the answer."""
     problem = sought.problem
@@ -197,7 +196,7 @@ def quotes_that_matter(
                         "then_better": " + ".join(ids_of_pieces(problem, rival)),
                     }
                 )  # fmt: skip
-    return matter[: 4 * top]
+    return matter[:MOST_QUOTES]
 
 
 def with_changes(
@@ -240,8 +239,7 @@ def equals(
         for place, other in enumerate(others):
             ends = ends_if_equal(sought.problem, winner, other, objective, patience)
             if ends is not None:
-                told = {name: objective.reported(end) if math.isfinite(end) else None for name, end in ends.items()}
-                found.append({"runner_up": place, **told})
+                found.append({"runner_up": place, **{name: objective.told(end) for name, end in ends.items()}})
     except OutOfTimeError:
         deadline.left_out.append(UNREACHED)
     return found
