@@ -95,3 +95,25 @@ def test_faults_of_duration_are_told(changes: dict[str, Any], told: str) -> None
 
 def test_the_text_says_what_the_mission_uses_up() -> None:
     assert power_sentence(design().totals).endswith("energy 26.0 Wh, storage 105 GB, battery lasts 116 h")
+
+
+@pytest.mark.parametrize(
+    ("vehicle", "drawn_w"),
+    [({"lamp_supply": "battery"}, 0.0), ({"supply": "battery"}, 0.0), ({}, 1.0)],
+    ids=["torches are asked for", "the system has a battery", "the vehicle feeds all"],
+)
+@pytest.mark.parametrize("kind", ["pulsed_led", "flash"])
+def test_lamps_on_batteries_of_their_own_draw_nothing_from_that_of_the_system(
+    kind: str, vehicle: dict[str, str], drawn_w: float
+) -> None:
+    """By hand: lamps fed from outside add 0.1 W and 0.4 W to the camera's 4 W, or 2 x 35 J at the frame rates."""
+    flash = {"kind": "flash", "flash_energy_j": 35.0, "flash_duration_us": 1000.0, "flash_duration_at_frac": 1.0}
+    light = {"beam": "cosine-power", "beam_half_angle_deg": 40.0, "supply": "battery", "trigger": "electrical"}
+    lamp = light | (flash if kind == "flash" else {"kind": kind, "flux_lm": 10_000, "power_w": 100.0})
+    asked = {**MISSION, "vehicle": MISSION["vehicle"] | vehicle}
+    found = uwopt.evaluate(asked, SYSTEM | {"light": lamp}).design
+    assert found is not None
+    by_scene = (35.0, 140.0) if kind == "flash" else (0.1, 0.4)
+    assert [scene.figures["light_power_w"] for scene in found.scenes] == pytest.approx([drawn_w * w for w in by_scene])
+    far_w, near_w = (4.0 + drawn_w * w for w in by_scene)
+    assert found.totals.energy_wh == pytest.approx(6.0 * (0.25 * far_w + 0.75 * near_w))

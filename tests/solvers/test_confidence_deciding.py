@@ -174,6 +174,16 @@ def test_images_of_noise_alone_are_no_way_to_be_certain(asked_db: float, least_d
     assert ease.values == pytest.approx((least_db,))
 
 
+@pytest.mark.parametrize(
+    ("supply", "moved"), [("battery", {"battery_wh", "cost"}), ("vehicle", {"battery_wh"})], ids=["own", "there"]
+)
+def test_a_larger_battery_may_cost_more_where_it_is_bought(supply: str, moved: set[str]) -> None:
+    """A year of coral was told that another battery is no help: the budget stood in its way, not named at all."""
+    vehicle = {"duration_h": 10.0, "battery_wh": 100.0, "supply": supply}
+    mission = one(vehicle=vehicle, limits={"cost": 8000.0}).mission
+    assert {ease.key for ease in eases(mission, ["energy_wh"])} == moved | {"altitude_m"}
+
+
 def test_light_in_a_narrower_band_is_that_worked_out_there() -> None:
     """In murky water that is not known, within 0.4 of 0.9 m: by what is known of all of it, and worked out anew."""
     doubt = {"clarity": True, "lamp_leg": True}

@@ -455,14 +455,18 @@ def housing_columns(
 
 def light_rows(
     parts: Sequence[Light], *, money: Money, optics_index: Sequence[int], end: End = "central", paper: bool = False,
-    high_basis: bool = False,
+    high_basis: bool = False, self_fed: bool = False,
 ) -> Lights:  # fmt: skip
-    """Lights as columns; physics `paper` does not derate lumens, and its flashes do not fade."""
+    """Lights as columns; physics `paper` does not derate lumens, and its flashes do not fade.
+
+    self_fed : whether lamps with a battery of their own draw nothing from that of the system or vehicle
+    """
     known = columns_of(Light, parts, end)
     kind = np.array([KIND_CODES[part.kind] for part in parts], int)
     flash = kind == FLASH
     stored, rate = known["flash_energy_j"], known["max_rate_hz"]
-    drawn_j, recycle_s = np.where(flash, stored / known["charging_efficiency_frac"], 0.0), known["recycle_s"]
+    fed = np.array([not (self_fed and part.supply == "battery") for part in parts], float)
+    drawn_j, recycle_s = np.where(flash, stored / known["charging_efficiency_frac"], 0.0) * fed, known["recycle_s"]
     with np.errstate(divide="ignore", invalid="ignore"):
         rate = np.where(flash, np.minimum(rate, 1.0 / recycle_s), rate)
         charging_w = np.where(flash & (recycle_s > 0.0), drawn_j / recycle_s, 0.0)
@@ -476,7 +480,8 @@ def light_rows(
             "kind": kind,
             "full_light": np.where(flash, flash_lm_s, known["flux_lm"]),
             "output_factor": np.ones(len(parts)) if paper else _output(parts, known),
-            "full_power_w": np.where(flash, 0.0, known["power_w"]),
+            "full_power_w": np.where(flash, 0.0, fed * known["power_w"]),
+            "standby_w": fed * known["standby_w"],
             "pulse_energy_j": drawn_j,
             "charging_power_w": charging_w,
             "flash_duration_s": flash_model.whole_s(known["flash_duration_s"], at_frac=faded_to),

@@ -143,9 +143,12 @@ class Problem:
         self.optics, optics_index = distinct_optics(
             parts.lights, [scene.n_water for scene in self.scenes], end, paper=paper
         )
+        vehicle = mission.vehicle
+        self_fed = "battery" in (vehicle.lamp_supply, vehicle.supply)  # else the lamps' power counts whatever feeds it
         self.lights: Lights = tabulated(
-            "lights", light_rows, paper, tuple(optics_index), paper=paper, optics_index=optics_index
-        )
+            "lights", light_rows, paper, tuple(optics_index), self_fed,
+            paper=paper, optics_index=optics_index, self_fed=self_fed,
+        )  # fmt: skip
         self.cameras = at_exposure(self.cameras, fixed.exposure_ms)
         self.lights = at_level(self.lights, fixed.dim_frac)
         if self.rest:

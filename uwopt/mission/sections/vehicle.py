@@ -130,7 +130,8 @@ class Vehicle(Section):
     lamp_supply: Annotated[Literal["any", "external", "battery"], CHOICE] = Field(
         default="any",
         description="lamps that may be used: external (fed by the vehicle, recommended), battery (with their own, as "
-        "divers' torches) or any; a lamp that catalog.lights names by its id, or that is owned, may have either",
+        "divers' torches, which then draw nothing from the system's) or any; a lamp that catalog.lights names by its "
+        "id, or that is owned, may have either",
     )
     lamps_between_images: BetweenImages = Field(
         default="on",

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from uwopt.catalog.interfaces import IN_HOUSING
 from uwopt.report.text import formats, words
 from uwopt.report.text.helps import factor_of_depth
-from uwopt.report.text.stated import has_own_battery, supply_volts
+from uwopt.report.text.stated import cells_of, has_own_battery, supply_volts
 from uwopt.results.design import BillRow, Design
 from uwopt.results.result import Result
 from uwopt.units import format_number
@@ -57,6 +57,8 @@ def _not_counted(result: Result, best: Design) -> Iterator[NotCounted]:
             yield NotCounted("batteries", f"{drawn}; {own}")
         else:
             yield NotCounted("power from the vehicle", f"{drawn}; vehicle.supply: battery brings one", bought=False)
+    if lasts := charge_needed(result, best):
+        yield NotCounted("charge of the lamps", lasts, bought=False)
     in_camera = hardware.housing is not None and any(row.note.startswith(IN_HOUSING) for row in best.bom)
     apart = [name for name in UNHOUSED if name != "host-computer" or not in_camera]
     if inside := [row.model for row in best.bom if row.id in apart]:
@@ -94,6 +96,16 @@ def brings_batteries(result: Result, best: Design) -> str:
     asked = (result.mission.get("vehicle") or {}).get("lamp_supply") == "battery"
     own_lamps = asked or has_own_battery(best.hardware.light.id)
     return "the lamps have their own, the vehicle feeds the rest" if own_lamps and best.hardware.light_count else ""
+
+
+def charge_needed(result: Result, best: Design) -> str:
+    """How long lamps with batteries of their own must burn, where no source states how long these last; else empty."""
+    hours, light = (result.mission.get("vehicle") or {}).get("duration_h"), best.hardware.light
+    cells = cells_of(light.id) if best.hardware.light_count else {}
+    if hours is None or cells.get("supply") != "battery" or cells.get("run_time_min"):
+        return ""
+    needed = formats.quantity(hours, "h")
+    return f"nobody states how long {words.part_name(light)} burns at full; {needed} are needed: ask"
 
 
 def place_needed(names: Sequence[str], depth: str) -> str:

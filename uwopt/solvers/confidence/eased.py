@@ -39,6 +39,7 @@ FOR_LIGHT = ("min_snr_db", "min_snr_mean_db", "min_snr_red_db", "min_contrast", 
 FOR_TIME = ("max_blur_px", "max_skew_px", "overlap", "frame_rate")  # what a slower vehicle leaves more time for
 ALTITUDE, TOLERANCE, SPEED = "altitude_m", "altitude_tolerance_m", "speed_m_s"
 BATTERY, OF_BATTERY = "battery_wh", "energy_wh"  # what holds too little where that is missed
+OF_LARGER = {"cost", "mass_kg"}  # what a larger one that the system brings along takes more of
 FARTHEST = 4.0  # times as much, or as little
 FARTHEST_DB = 20.0
 LOWER = (0.9, 0.75)  # of the altitude that is asked, in turn
@@ -80,10 +81,12 @@ def all_missed(problem: Problem, objective: Objective, seen: Counted, scenarios:
 def eases(mission: Mission, missed: Iterable[str]) -> Iterator[Ease]:
     """What may be eased where these requirements are missed: they, and what a vehicle would do to meet them.
 
-    A battery where it holds too little; a steadier height, for all must hold over the band; at last a lower one, which
-    eases most, but takes longest: light is worked out anew.
+    A battery where it holds too little, with price and mass where it is part of the system; a steadier height, for all
+    must hold over the band; at last a lower one, which eases most, but takes longest: light is worked out anew.
     """
     wanted = {key for name in missed for key in (FOR_LIGHT if name == "light" else (name,))}
+    if OF_BATTERY in wanted and mission.vehicle.supply == "battery":
+        wanted |= OF_LARGER
     for name, (_, key, _) in RELAXABLE.items():
         asked = asked_value(mission, name) if wanted.intersection((name, key)) else None
         if not asked:
