@@ -25,6 +25,13 @@ DEFECTS = (
         test=DARK,
     ),
     Defect(
+        name="flashes may be too slow for all lightings at once",
+        file=ANY,
+        old="                enough &= need.rate_hz <= ablest.max_rate_hz * COARSE_ROUND\n",
+        new="",
+        test=f"{TESTS}::test_flashes_that_take_longer_to_load_than_images_are_apart_light_nothing",
+    ),
+    Defect(
         name="all lightings at once discard nothing",
         file=ANY,
         old="            dark &= ~enough\n",

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from reef_of_few import reef_of_few_parts
 
+from uwopt.catalog.choose import ToBeMade
 from uwopt.forward.assembly import build_problem, load_catalog, selected
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.mission.weakened import without
@@ -36,9 +37,9 @@ def searched(wanted: Mission) -> Sought:
     return seek(wanted, load_catalog(wanted), POWER, generic="never", top=1)
 
 
-def bounds_of(wanted: Mission) -> Bounds:
+def bounds_of(wanted: Mission, generic: ToBeMade = "never") -> Bounds:
     """Bounds of all its imagers."""
-    problem = build_problem(wanted, selected(wanted, load_catalog(wanted), generic="never"))
+    problem = build_problem(wanted, selected(wanted, load_catalog(wanted), generic=generic))
     search = searching.Search(problem, POWER, top=1)
     search.prepare()
     return search.bounds
@@ -56,6 +57,16 @@ def test_only_what_is_dark_under_each_lighting_is_left_dark(pitch_deg):
         assert not (found & ~dark).any()
         known, every = known + int(found.sum()), every + int(dark.sum())
     assert 0.9 * every <= known < 40
+
+
+def test_flashes_that_take_longer_to_load_than_images_are_apart_light_nothing():
+    """However bright: no lighting has to be looked at by itself."""
+    base = reef(20.0).to_dict()
+    catalog = base["catalog"] | {"generic": "allow", "lights": ["generic-flash-200j"]}
+    bounds = bounds_of(load_mission(base | {"catalog": catalog}), "allow")
+    flash = next(light for light in bounds.problem.parts.lights if light.kind == "flash")
+    assert flash.recycle_s and flash.recycle_s.value * bounds.imagers.scenes[0].focused.rate_hz.min() > 1.0
+    assert bounds.leaves_dark(np.arange(len(bounds.imagers))).all()
 
 
 def test_the_whole_catalogue_is_searched_imager_by_imager():

@@ -3,8 +3,8 @@
     light_i(V, q) = max_o [ max_m response_om(q) max_m light_om(rectangle) ]
 
 is no less than the light under any lighting of optics o at a mount m, and the ablest lamp of a kind, however its light
-spreads, is no less able than any. Who needs more than both together is discarded by the rule of light under each
-lighting, so that where nothing fits one bound of an imager stands for those under all.
+spreads, is no less able than any. Who needs more than both together, or images sooner than the quickest of a kind
+flashes again, is discarded by the rule of light under each lighting: one bound of an imager stands for those under all.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from uwopt.deadline import NEVER, Deadline, spend
 from uwopt.solvers.exact.floor_rectangles import FloorLightBound
 from uwopt.solvers.exact.light_tables import FieldTables
 from uwopt.solvers.exact.lightings import Lighting
+from uwopt.tolerances import COARSE_ROUND
 
 if TYPE_CHECKING:
     from uwopt.solvers.exact.bounds import Bounds
@@ -36,6 +37,7 @@ class Ablest:
 
     light: Array
     most: float  # effective light of the ablest, lm, or lm s a pulse; inf where one has no number
+    max_rate_hz: float  # images that the quickest keeps up with
     optics: frozenset[int]
 
 
@@ -55,7 +57,9 @@ class AnyLighting:
             effective = np.concatenate([table.effective[mine] for _, table, mine in own])
             most = float(np.where(np.isnan(effective), np.inf, effective).max())
             light = np.unique(np.concatenate([table.light[mine] for _, table, mine in own]))
-            made[kind] = Ablest(light, most, frozenset(lighting.optics for lighting, _, mine in own if mine.any()))
+            rate_hz = max(float(table.max_rate_hz[mine].max(initial=0.0)) for _, table, mine in own)
+            optics = frozenset(lighting.optics for lighting, _, mine in own if mine.any())
+            made[kind] = Ablest(light, most, rate_hz, optics)
         return made
 
     def leaves_dark(self, rows: Array, deadline: Deadline = NEVER) -> Array:
@@ -69,9 +73,10 @@ class AnyLighting:
             spend("bounds", n)
             enough = np.ones(n, bool)
             for index, by_optics in enumerate(signals):
-                signal = np.max([by_optics[optics] for optics in ablest.optics], axis=0)
-                wanted = bounds.capacity_needed(bounds.needs.of(index, rows), signal, kind, ablest.light)
+                need, signal = bounds.needs.of(index, rows), np.max([by_optics[o] for o in ablest.optics], axis=0)
+                wanted = bounds.capacity_needed(need, signal, kind, ablest.light)
                 enough &= wanted * (1.0 - ROUNDING) <= ablest.most
+                enough &= need.rate_hz <= ablest.max_rate_hz * COARSE_ROUND
             dark &= ~enough
         return dark
 
