@@ -10,7 +10,7 @@ import itertools
 import math
 from collections.abc import Callable, Iterable, Mapping
 from types import MappingProxyType
-from typing import Any
+from typing import Any, TypeGuard
 
 from uwopt.tolerances import SATISFIED_REL
 
@@ -110,6 +110,11 @@ def unit_told(name: str) -> str:
 def unit_suffix(name: str) -> str:
     """The longest of UNIT_SUFFIXES with which a public name ends; "" of none."""
     return max((suffix for suffix in UNIT_SUFFIXES if name.endswith(suffix)), key=len, default="")
+
+
+def is_number(value: Any) -> TypeGuard[float]:
+    """Whether a value can be counted with; a flag is none."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
 def convert(value: float, from_unit: str, into_unit: str) -> float | None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -20,6 +18,7 @@ from uwopt.api.solving import solve
 from uwopt.catalog.changes import log_text
 from uwopt.catalog.update import planned
 from uwopt.deadline import Progress
+from uwopt.documents.files import csv_text
 from uwopt.errors import MissionError, SolverError, UwoptError
 from uwopt.forward.assembly import system_problem
 from uwopt.forward.designs import Hardware, SceneSettings
@@ -249,12 +248,9 @@ def floor_csv(optics: SceneOptics, factor: float) -> str:
 
 def table(names: Sequence[str], columns: Sequence[Any]) -> str:
     """Columns as CSV."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(names)
     rows = zip(*columns, strict=True)
-    writer.writerows([value if isinstance(value, str) else f"{value:.6g}" for value in row] for row in rows)
-    return text.getvalue()
+    told = ([value if isinstance(value, str) else f"{value:.6g}" for value in row] for row in rows)
+    return csv_text([names, *told])
 
 
 def lamp_written(

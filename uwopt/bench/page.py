@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +10,7 @@ from typing import Any
 from uwopt.bench.charts import charts
 from uwopt.bench.run import MODULES, Bench
 from uwopt.bench.suite import COLUMNS, BenchTable, Suite
+from uwopt.documents.files import csv_text
 from uwopt.report.page.html_file import compact_json, packed, rendered
 from uwopt.report.text import formats
 from uwopt.report.text.cells import defused
@@ -38,11 +37,7 @@ def write_bench(bench: Bench, folder: str | Path) -> list[Path]:
 
 def suite_csv(bench: Bench, suite: Suite) -> str:
     """Rows of one suite."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    writer.writerows([defused(row.as_dict()[name]) for name in COLUMNS] for row in bench.of(suite))
-    return text.getvalue()
+    return csv_text([COLUMNS, *([defused(row.as_dict()[name]) for name in COLUMNS] for row in bench.of(suite))])
 
 
 def suite_tables(bench: Bench, suite: Suite) -> list[BenchTable]:

@@ -9,7 +9,7 @@ from statistics import median
 from typing import Any
 
 from uwopt.bench.suite import BenchRow, BenchTable, Budget, Suite, error_text, timed
-from uwopt.evaluation.accuracy import FINEST, is_number, relative_change
+from uwopt.evaluation.accuracy import FINEST, relative_change
 from uwopt.evaluation.design import evaluate_design
 from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.effects import effects_kept
@@ -20,6 +20,7 @@ from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.objectives.goal import goal_of
 from uwopt.results.design import Design
 from uwopt.solvers.settable.rounding import given_of
+from uwopt.units import is_number
 
 NAME = "physics"
 COARSE, FINE = Fineness(*[0.5] * len(Fineness.names())), Fineness(*[2.0] * len(Fineness.names()))

@@ -7,8 +7,6 @@ and their record, so that the two cannot part.
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
@@ -20,6 +18,7 @@ from uwopt.catalog.parts.kinds import PARTS
 from uwopt.catalog.parts.part import KINDS, Kind
 from uwopt.catalog.tables import DATA_DIR, Row, Table, read_table
 from uwopt.catalog.userparts import PartRow, typed_rows
+from uwopt.documents.files import csv_text
 from uwopt.errors import CatalogError
 
 COLUMNS_OF_LOG = ("date", "part", "id", "cell", "old", "new", "source")
@@ -79,12 +78,7 @@ def read_changes(path: Path) -> list[CellChange] | None:
 
 def log_text(changes: Iterable[CellChange]) -> str:
     """The log as CSV."""
-    text = io.StringIO()
-    text.write(HEAD)
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(COLUMNS_OF_LOG)
-    writer.writerows([getattr(change, name) for name in COLUMNS_OF_LOG] for change in changes)
-    return text.getvalue()
+    return HEAD + csv_text([COLUMNS_OF_LOG, *([getattr(one, name) for name in COLUMNS_OF_LOG] for one in changes)])
 
 
 def kind_named(name: str) -> Kind | None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -15,6 +13,7 @@ from uwopt.catalog.parts.kinds import PARTS
 from uwopt.catalog.records import KINDS
 from uwopt.catalog.tables import Table, parse_table, read_text
 from uwopt.catalog.userparts import PriceQuote, check_parts, check_prices, is_price_table
+from uwopt.documents.files import csv_text
 from uwopt.errors import CatalogError
 
 Content = Literal["parts", "prices", "curve", "changes", "unreadable"]
@@ -132,13 +131,8 @@ def template(kind: str) -> str:
     if found is None:
         raise CatalogError(f"no template for {kind!r}; there are {', '.join(TEMPLATE_KINDS)}.")
     columns = [column for name, column in COLUMNS[found].items() if name not in ("part", "correction")]
-    text = io.StringIO()
-    text.write(
-        f"# Your own parts of kind {found}. Unknown: an empty cell, never 0. Columns may be dropped.\n"
-    )
+    head = f"# Your own parts of kind {found}. Unknown: an empty cell, never 0. Columns may be dropped.\n"
     for column in columns:
-        text.write(f"# {column.name}: {column.allowed()}{'; ' + column.meaning if column.meaning else ''}\n")
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([column.name for column in columns])
-    writer.writerow([PARTS[found].example.get(column.name, "") for column in columns])
-    return text.getvalue()
+        head += f"# {column.name}: {column.allowed()}{'; ' + column.meaning if column.meaning else ''}\n"
+    names = [column.name for column in columns]
+    return head + csv_text([names, [PARTS[found].example.get(name, "") for name in names]])

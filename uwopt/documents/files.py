@@ -1,8 +1,12 @@
-"""Files that a person names: read only where they can end, and are not larger than such a file ever is."""
+"""Files that a person names: read only where they can end, and are not larger than such a file ever is; CSV written."""
 
 from __future__ import annotations
 
+import csv
+import io
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 MOST_BYTES = 100_000_000  # of a table or a result; missions are held to less
 FORMULA_SIGNS = ("=", "+", "-", "@", "\t", "\r", "\n")  # a spreadsheet takes a cell that begins so for a formula
@@ -22,3 +26,10 @@ def content(path: Path, most_bytes: int = MOST_BYTES) -> bytes:
     if status.st_size > most_bytes:
         raise UnfitFileError(f"holds {status.st_size / 1e6:.0f} MB, more than {most_bytes / 1e6:.0f}")
     return path.read_bytes()
+
+
+def csv_text(rows: Iterable[Iterable[Any]]) -> str:
+    """Rows as CSV, with the same ends of lines on every system."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    return text.getvalue()

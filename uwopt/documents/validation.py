@@ -12,7 +12,7 @@ from uwopt.documents.faults import KeyPath, nearest, path_text, show
 from uwopt.documents.key_types import keys_of, spelled_keys
 from uwopt.documents.reading import Document
 from uwopt.errors import MissionError
-from uwopt.units import convert, split_unit
+from uwopt.units import convert, is_number, split_unit
 
 Origin = Callable[[KeyPath], Iterator[KeyPath]]
 Sections = Mapping[str, type[BaseModel]]
@@ -205,7 +205,7 @@ def _other_unit(key: str, value: Any, known: tuple[str, ...]) -> tuple[str, str]
         right_stem, right_unit = split_unit(name)
         if not right_unit or right_stem != stem or name == key:
             continue
-        number = value if isinstance(value, (int, float)) and not isinstance(value, bool) else None
+        number = value if is_number(value) else None
         if not unit:
             return (
                 name,

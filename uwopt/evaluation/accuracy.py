@@ -18,6 +18,7 @@ from typing import Any
 
 from uwopt.model.fineness import DEFAULT, Fineness
 from uwopt.results.design import Design
+from uwopt.units import is_number
 
 Evaluate = Callable[[Fineness], Design]
 
@@ -146,11 +147,6 @@ class Estimator:
 def coarsest(parts: Sequence[str]) -> Fineness:
     """Where the search for the cheapest fineness begins."""
     return replace(DEFAULT, **dict.fromkeys(parts, COARSEST))
-
-
-def is_number(value: Any) -> bool:
-    """Whether a figure has an error at all; flags and names have none."""
-    return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
 def changes_of(base: Design, finer: Design) -> dict[tuple[str, str], float]:

@@ -161,7 +161,7 @@ def told(
 def housing_notes(model: DesignModel) -> list[Note]:
     """What is to be measured before the housing is bought: sizes that are estimates, and may not fit."""
     problem, hardware = model.problem, model.hardware
-    port = problem.ports.take(np.array([hardware.port]))
+    port = model.port
     if not port.roomy[0]:
         return []
     camera, lens = problem.parts.cameras[hardware.camera], problem.parts.lenses[hardware.lens]
@@ -178,7 +178,7 @@ def housing_notes(model: DesignModel) -> list[Note]:
 
 def housed_totals(model: DesignModel) -> dict[str, Any]:
     """Mass in water and outer size, as totals name them; nothing without a housing."""
-    port = model.problem.ports.take(np.array([model.hardware.port]))
+    port = model.port
     if not port.housed[0]:
         return {}
     size_mm = [float(measure[0]) * 1e3 for measure in (port.outer_length_m, port.outer_diameter_m)]

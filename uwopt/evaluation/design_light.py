@@ -14,7 +14,7 @@ from uwopt.forward.floor_light import footprint_light
 from uwopt.forward.lamp_light import ImageLight, SunLight, image_light, kind_of_field
 from uwopt.forward.lamp_views import lamp_clearance_m
 from uwopt.forward.lamps import LampGroup
-from uwopt.forward.part_columns import Cameras, Lenses, Lights
+from uwopt.forward.part_columns import Cameras, Lenses, Lights, Ports
 from uwopt.forward.problem import Problem
 from uwopt.forward.remembered import LoneField
 from uwopt.forward.scene import Pixels
@@ -35,7 +35,8 @@ class DesignLight:
         self.cameras: Cameras = problem.cameras.take(one + hardware.camera)
         self.lenses: Lenses = problem.lenses.take(one + hardware.lens)
         self.lights: Lights = problem.lights.take(one + hardware.light)
-        self.optics = int(self.lights.optics_index[0])
+        self.port: Ports = problem.ports.take(one + hardware.port)
+        self.optics, self.efficiency = int(self.lights.optics_index[0]), int(self.cameras.qe_index[0])
         self.lit = LampGroup(self.optics, hardware.mount, hardware.count)
         self.shapes = [problem.shape(hardware.port, i) for i in range(len(problem.scenes))]
         self.views = [
@@ -74,7 +75,7 @@ class DesignLight:
     def _light_at_centre(self, index: int) -> ImageLight:
         problem = self.problem
         field = kind_of_field(problem, self.optics)(
-            problem, index, port_index=self.hardware.port, lit=self.lit, efficiency=int(self.cameras.qe_index[0])
+            problem, index, port_index=self.hardware.port, lit=self.lit, efficiency=self.efficiency
         )
         middle, ranges_m, at = np.zeros((1, 1)), problem.scenes[index].range_m, problem.scenes[index].nominal
         signal, veil = field.at_pixels(

@@ -284,10 +284,8 @@ class DesignModel(DesignLight):
         wanted = self.problem.scenes[index].view.requirements.max_airy_px
         if wanted is None:
             return []
-        optics, efficiency = self.optics, int(self.cameras.qe_index[0])
-        disc_m = airy_diameter_m(
-            airy_wavelength_nm(self.problem, index, optics, efficiency), working_f_number=figures.working_f_number
-        )
+        wave_nm = airy_wavelength_nm(self.problem, index, self.optics, self.efficiency)
+        disc_m = airy_diameter_m(wave_nm, working_f_number=figures.working_f_number)
         disc_px = np.asarray(disc_m / self.cameras.pixel_pitch_m)
         return [MarginRows("max_airy_px", disc_px, np.full(len(disc_px), wanted), "<=", "px")]
 
@@ -296,7 +294,7 @@ class DesignModel(DesignLight):
 
         A hemisphere's rim cuts no view; that of a spherical cap may.
         """
-        port = self.problem.ports.take(np.array([self.hardware.port]))
+        port = self.port
         open_wide = port.is_dome[0] and port.rim_gap_m[0] == 0.0
         if self.problem.paper or open_wide or not np.isfinite(port.clear_radius_m[0]):
             return []
@@ -342,7 +340,7 @@ class DesignModel(DesignLight):
 
     def housing_margins(self) -> list[MarginRows]:
         """Whether camera and lens have room in the housing, and the housing where it is to go; none without one."""
-        port = self.problem.ports.take(np.array([self.hardware.port]))
+        port = self.port
         if not port.housed[0]:
             return []
         limits = self.problem.mission.limits
@@ -367,7 +365,7 @@ class DesignModel(DesignLight):
 
     def mass_in_water_kg(self) -> Array:
         """Mass in water of all cameras in their housings, lamps not counted."""
-        port = self.problem.ports.take(np.array([self.hardware.port]))
+        port = self.port
         count = self.problem.mission.vehicle.camera_count
         return mass_in_water_kg(count, self.cameras, self.lenses, self.rings.get("mass_kg", 0.0), port)[:, 0]
 
@@ -421,11 +419,10 @@ class DesignModel(DesignLight):
         problem, hw = self.problem, self.hardware
         n = problem.mission.vehicle.camera_count
         extra_cost, extra_mass, _ = problem.extras
-        port = problem.ports.take(np.array([hw.port]))
         lamps = np.array([hw.light]), np.array([hw.count])
 
         def cameras(name: str) -> Array:
-            pieces = getattr(self.cameras, name) + getattr(self.lenses, name) + getattr(port, name)
+            pieces = getattr(self.cameras, name) + getattr(self.lenses, name) + getattr(self.port, name)
             return np.asarray(n * (pieces + self.rings.get(name, 0.0)))
 
         def money(name: Literal["price", "limit_price"]) -> Array:

@@ -88,7 +88,7 @@ def plain_figures(
     near = float(figures.dof_near_m[0])
     cam = model.cameras
     mean_level = float(figures.mean_level[0, at])
-    blur_limit = float(blur_time_s(_at_nominal(scene), model.shapes[index], _nominal_view(view))[0])
+    blur_limit = float(blur_time_s(scene.at_nominal, model.shapes[index], _nominal_view(view))[0])
     most, worst = (model.snr_at(pixels, index, settings) for pixels in ("frame", "darkest"))
     plain, totals = plain_settings(model, settings, figures), model.totals(figures)
     out: dict[str, Any] = {
@@ -219,10 +219,6 @@ def pair_figures(scene: SceneOptics, view: Views) -> dict[str, float]:
     }  # fmt: skip
 
 
-def _at_nominal(scene: Any) -> Any:
-    return replace(scene, range_m=scene.range_m[scene.nominal : scene.nominal + 1], nominal=0)
-
-
 def _nominal_view(view: Any) -> Any:
     middle = {
         name: np.repeat(getattr(view, name)[:, 1:2], 3, axis=1)
@@ -262,7 +258,7 @@ def sharpness_figures(
     dioptre = float(settings.dioptre_per_m[0])
     f_number, working = settings.f_number, figures.working_f_number
     spectrum = int(problem.contractions[index].spectrum_of[model.optics])
-    electrons = arriving(scene, problem.contractions[index], spectrum, int(model.cameras.qe_index[0]))
+    electrons = arriving(scene, problem.contractions[index], spectrum, model.efficiency)
     corner, shape = CORNER_FIELD * np.hypot(view.tan_along, view.tan_across), model.shapes[index]
     colour = 0.0
     if not shape.is_dome:
@@ -369,7 +365,7 @@ def colour_figures(
 ) -> dict[str, float | None]:
     """SNR of each channel of a colour sensor at the nominal altitude; None for a mono sensor."""
     names = COLOURS
-    if not sees_colours(model.problem.efficiencies[int(model.cameras.qe_index[0])]):
+    if not sees_colours(model.problem.efficiencies[model.efficiency]):
         return dict.fromkeys((*(f"snr_{name}" for name in names), *WHITE_BALANCE))
     scene, cam = model.problem.scenes[index], model.cameras
     out: dict[str, float | None] = {}
@@ -408,8 +404,7 @@ def centre_db(model: DesignModel, index: int, settings: SettingRows) -> float | 
 
 def airy_um(model: DesignModel, index: int, working_f_number: float) -> float:
     """Airy disc at the electron-weighted mean wavelength of the light that arrives."""
-    optics, efficiency = model.optics, int(model.cameras.qe_index[0])
-    wave_nm = airy_wavelength_nm(model.problem, index, optics, efficiency)
+    wave_nm = airy_wavelength_nm(model.problem, index, model.optics, model.efficiency)
     return float(lens_model.airy_diameter_m(wave_nm, working_f_number=working_f_number)) * 1e6
 
 

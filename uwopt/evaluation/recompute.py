@@ -16,9 +16,9 @@ import numpy as np
 
 from uwopt.catalog.catalogue import plain_name
 from uwopt.catalog.records import OF_A_DESIGN, Housing, Part, Port
-from uwopt.errors import UwoptError
+from uwopt.errors import RangeError, UwoptError
 from uwopt.evaluation.design_model import DesignModel
-from uwopt.evaluation.figures_by_name import illuminance, plain_figures
+from uwopt.evaluation.figures_by_name import field_of_view_m, illuminance, plain_figures
 from uwopt.evaluation.resolved import Measured, resolved
 from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.figures import Figures, SettingRows
@@ -62,8 +62,13 @@ class Replay:
         return plain_figures(self.model, scene, self.settings[scene], every[scene], sharp[scene])
 
 
-def replayed(result: Result | FrontResult, design: Design) -> Replay:
-    """The model and settings of one design of a result; raises ReplayError as `replay` does."""
+def replayed(result: Result | FrontResult, design: Design, scene: int = 0) -> Replay:
+    """The model and settings of one design of a result, to be looked at in a scene.
+
+    Raises RangeError where there is no such scene, ReplayError as `replay` does.
+    """
+    if not 0 <= scene < len(design.scenes):
+        raise RangeError(f"there is no scene {scene}; the mission has {len(design.scenes)}, counted from 0")
     system = result.system if isinstance(result, Result) and result.command == "evaluate" else None
     return replay(result.mission, design, physics=result.physics, mission_file=result.mission_file, system=system)
 
@@ -230,8 +235,7 @@ def telling_figures(made: Replay, index: int) -> dict[str, float]:
     model, settings = made.model, made.settings[index]
     view, at = model.view_at(index, float(settings.dioptre_per_m[0])), model.problem.scenes[index].nominal
     figures = made.figures(index, information=False)
-    sides_m = (float(view.covered_across_m[0, 1]), float(view.covered_along_m[0, 1]))
-    wide_m, high_m = sides_m if model.hardware.landscape else sides_m[::-1]
+    wide_m, high_m = field_of_view_m(view, model.hardware.landscape)
     return {
         "fov_x_m": wide_m, "fov_y_m": high_m, "gsd_mm": 1e3 * float(view.gsd_m[0, 1]),
         "electrons_signal": float(figures.electrons_signal[0, at]), "snr": float(figures.snr[0, at]),

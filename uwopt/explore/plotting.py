@@ -153,9 +153,7 @@ def drawn_by(result: Result, scene: int, draw: Callable[[Replay, int], list[Pict
 
     design = result.best
     assert design is not None  # `designed` has seen to it
-    if not 0 <= scene < len(design.scenes):
-        raise RangeError(f"there is no scene {scene}; the mission has {len(design.scenes)}, counted from 0")
-    return draw(replayed(result, design), scene)
+    return draw(replayed(result, design, scene), scene)
 
 
 def designed(

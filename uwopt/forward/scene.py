@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal, Self, TypeVar
 
 import numpy as np
 
@@ -116,6 +116,11 @@ class SceneOptics:
         return bool(self.scattering) or not np.array_equal(
             self.attenuation_per_m, self.lamp_attenuation_per_m
         )
+
+    @property
+    def at_nominal(self) -> Self:
+        """With its nominal altitude alone."""
+        return replace(self, range_m=self.range_m[self.nominal : self.nominal + 1], nominal=0)
 
     @property
     def counts_orders(self) -> bool:

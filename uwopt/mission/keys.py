@@ -10,6 +10,7 @@ from pydantic import BeforeValidator
 from uwopt.documents.faults import nearest, show
 from uwopt.documents.key_types import one_of, refusal, to_choice, to_number, to_text
 from uwopt.quantities import TERMS
+from uwopt.units import is_number
 
 JERLOV_TYPES = ("I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C")
 CLARITY_KEYS = ("c_per_m", "visibility_m", "secchi_m", "turbidity_ntu")  # the best known first
@@ -61,7 +62,7 @@ def to_pitch(value: Any) -> float:
 
 def to_water(value: Any) -> str:
     """A Jerlov type in its usual spelling, or the name of a CSV."""
-    if isinstance(value, (int, float)) and not isinstance(value, bool):
+    if is_number(value):
         near = {1: "I or 1C", 2: "II", 3: "III or 3C", 5: "5C", 7: "7C", 9: "9C"}.get(
             int(value) if value == value and abs(value) < 99 else 0
         )

@@ -155,11 +155,9 @@ def figure(result: AnyResult, name: str, *, scene: int = 0, point: str | None = 
     if isinstance(result, FrontResult) and name == FRONT:
         return go.Figure(front_plot(result))
     design = design_of(result, point)
-    if not 0 <= scene < len(design.scenes):
-        raise RangeError(f"there is no scene {scene}; the mission has {len(design.scenes)}, counted from 0")
     from uwopt.evaluation.recompute import replayed
 
-    made = replayed(result, design)
+    made = replayed(result, design, scene)
     picture = next((one for one in plot_makers()[name](made, scene) if one.id == name), None)
     if picture is None:
         why = f"physics {result.physics.name} knows no field, or no lamp shines"

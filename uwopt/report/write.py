@@ -6,7 +6,6 @@ What is written belongs together: the JSON, the table made from it, and the page
 from __future__ import annotations
 
 import contextlib
-import csv
 import io
 import json
 import os
@@ -18,6 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from uwopt.deadline import NEVER, Deadline
+from uwopt.documents.files import csv_text
 from uwopt.errors import OutputError
 from uwopt.report.text.cells import defused, to_pay
 from uwopt.results.design import BillRow
@@ -287,15 +287,13 @@ def json_text(result: AnyResult, encoding: str = "utf-8") -> str:
 
 def bom_csv(rows: Sequence[BillRow]) -> str:
     """A bill of materials as CSV that a spreadsheet takes for text and numbers only."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(BOM_COLUMNS)
+    made: list[Sequence[Any]] = [BOM_COLUMNS]
     for row in rows:
         low, high = row.unit_price_low, row.unit_price_high
         due = {"to_pay": to_pay(row, row.unit_price), "to_pay_low": to_pay(row, low), "to_pay_high": to_pay(row, high)}
         values = {**due, **asdict(row)}
-        writer.writerow([defused(values[column]) for column in BOM_COLUMNS])
-    return text.getvalue()
+        made.append([defused(values[column]) for column in BOM_COLUMNS])
+    return csv_text(made)
 
 
 def system_yaml(result: Result) -> str:
@@ -319,11 +317,8 @@ def front_csv(front: FrontResult) -> str:
 def rows_csv(rows: Sequence[Mapping[str, Any]], otherwise: Sequence[str]) -> str:
     """Rows by column as CSV; columns are those of any row, or others where there is none."""
     columns = list(dict.fromkeys(key for row in rows for key in row)) or list(otherwise)
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([defused(column) for column in columns])
-    writer.writerows([defused(row.get(column)) for column in columns] for row in rows)
-    return text.getvalue()
+    cells = [columns, *([row.get(column) for column in columns] for row in rows)]
+    return csv_text(map(defused, row) for row in cells)
 
 
 def reason(fault: Exception) -> str:

@@ -96,7 +96,12 @@ class UsedHardware(Record):
     @property
     def ids(self) -> list[str]:
         """Ids of camera, lens, port, housing where there is one, and light."""
-        return [part.id for part in self.parts.values()]
+        return [*self.ids_by_kind.values()]
+
+    @property
+    def ids_by_kind(self) -> dict[str, str]:
+        """The same by kind."""
+        return {kind: part.id for kind, part in self.parts.items()}
 
 
 @dataclass(frozen=True, config=RECORD)

@@ -63,7 +63,7 @@ def design_rows(designs: list[Design]) -> Rows:
     """One row a design: parts, objective, cost, power and mass."""
     return [
         {
-            **{kind: part.id for kind, part in design.hardware.parts.items()},
+            **design.hardware.ids_by_kind,
             **{key: design.hardware[key] for key in ("camera_count", "light_count", "orientation")},
             "objective": design.objective_value,
             **{f"cost_{key}": value for key, value in asdict(design.totals.cost).items()},

@@ -148,7 +148,7 @@ def point_row(point: FrontPoint, pick: str) -> dict[str, Any]:
     hardware, totals = point.design.hardware, point.design.totals
     row: dict[str, Any] = {"point": point.id, "pick": pick, "curve": point.curve, "method": point.method}
     row |= {f"objective: {name}": value for name, value in point.values.items()}
-    row |= {kind: part.id for kind, part in hardware.parts.items()}
+    row |= hardware.ids_by_kind
     row |= {key: hardware[key] for key in ("camera_count", "light_count", "orientation")}
     row |= {"cost_low": totals.cost.low, "cost_high": totals.cost.high}
     for index, scene in enumerate(point.design.scenes):

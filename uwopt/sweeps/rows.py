@@ -15,6 +15,7 @@ from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import gave_way_between, yields_of
 from uwopt.results.design import Design
 from uwopt.results.result import Result
+from uwopt.units import is_number
 
 if TYPE_CHECKING:
     from uwopt.results.front import FrontResult
@@ -156,8 +157,3 @@ def design_columns(best: Design, shown: Design) -> Row:
         ]  # fmt: skip
         row["scenes"] = json.dumps(told, allow_nan=False)
     return row
-
-
-def is_number(value: Any) -> bool:
-    """Whether a figure goes into a column of numbers."""
-    return isinstance(value, (int, float)) and not isinstance(value, bool)

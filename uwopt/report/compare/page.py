@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterable, Sequence
+from typing import Any
 
+from uwopt.documents.files import csv_text
 from uwopt.report.compare.rows import ComparedRow, facts, figure_rows, requirement_rows, sentences
 from uwopt.report.page.html_file import rendered
 from uwopt.report.text import formats
@@ -73,10 +73,8 @@ def comparison_html(comparison: Comparison) -> str:
 
 def comparison_csv(comparison: Comparison) -> str:
     """The comparison as CSV: a row a line, of each system the value and whether it is met."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
     heads = [head for one in comparison.systems for head in (one.name, f"{one.name}: met")]
-    writer.writerow([defused(cell) for cell in ("table", "scene", "key", "what", "asked", "unit", *heads)])
+    made: list[tuple[Any, ...]] = [("table", "scene", "key", "what", "asked", "unit", *heads)]
     tables = {"system": facts, "requirement": requirement_rows, "figure": figure_rows}
     for table, rows in tables.items():
         for row in rows(comparison):
@@ -85,6 +83,5 @@ def comparison_csv(comparison: Comparison) -> str:
                 for cell in row.cells
                 for value in (cell.text if cell.value is None else cell.value, cell.met)
             ]
-            told = (table, row.scene, row.key, row.name, row.asked, row.unit, *values)
-            writer.writerow([defused(value) for value in told])
-    return text.getvalue()
+            made.append((table, row.scene, row.key, row.name, row.asked, row.unit, *values))
+    return csv_text(map(defused, row) for row in made)

@@ -48,7 +48,7 @@ def other_systems(result: Result) -> list[OtherSystem]:
             continue
         if not ids or tuple(sorted(ids.items())) in known:
             continue
-        own = {kind: part.id for kind, part in best.hardware.parts.items()}
+        own = best.hardware.ids_by_kind
         differs = ", ".join(f"{kind} {part_id}" for kind, part_id in ids.items() if own.get(kind) != part_id)
         place = f"best with a {other.kind} of {formats.one_line(other.maker, 60)}"
         found.append(OtherSystem(place, differs, ids, None, value, worse_frac(result, value), None))
@@ -57,7 +57,7 @@ def other_systems(result: Result) -> list[OtherSystem]:
 
 def of_design(result: Result, best: Design, one: Design, place: str) -> OtherSystem:
     """A design beside the best."""
-    ids = {kind: part.id for kind, part in one.hardware.parts.items()}
+    ids = one.hardware.ids_by_kind
     share = worse_frac(result, one.objective_value)
     differs = words.differing_parts(one, best)
     return OtherSystem(place, differs, ids, one.hardware.light_count, one.objective_value, share, one)
@@ -85,7 +85,7 @@ def instead_of(result: Result, row: BillRow) -> list[str]:
 
 def replacements(result: Result, best: Design, kind: str) -> Iterator[tuple[float, str]]:
     """Systems that differ from the best in one kind of part alone: by how much they are worse, and in words."""
-    own = {name: part.id for name, part in best.hardware.parts.items()}
+    own = best.hardware.ids_by_kind
     for other in other_systems(result):
         changed = [name for name, part_id in other.hardware.items() if own.get(name) != part_id]
         if changed == [kind] and other.worse_frac is not None:

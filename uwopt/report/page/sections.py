@@ -28,7 +28,7 @@ from uwopt.results.basis import OtherMaker
 from uwopt.results.design import BillRow, Cost, Design, Margin
 from uwopt.results.front import FrontResult
 from uwopt.results.result import Result
-from uwopt.units import format_number, unit_suffix
+from uwopt.units import format_number, is_number, unit_suffix
 
 #: Key figures.
 FIGURES = ("snr_db", "gsd_mm", "dof_m", "frame_rate_hz", "swath_m")
@@ -177,7 +177,7 @@ def cards(design: Design) -> list[Card]:
 def scene_value(figures: Mapping[str, Any], settings: Mapping[str, Any], name: str) -> float | None:
     """A figure of a scene, or a setting where no figure has that name."""
     value = figures.get(name, settings.get(name))
-    return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else None
+    return float(value) if is_number(value) else None
 
 
 def figure_rows(design: Design) -> list[tuple[str, list[str]]]:

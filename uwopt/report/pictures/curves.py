@@ -163,7 +163,7 @@ def spectrum_way(design: Replay, scene_index: int = 0) -> SpectrumWay:
     area_m2 = float(view.collecting_m2[0]) / passes  # p^2 times the efficiency's scale
 
     def electrons(channel: str | None) -> Array:
-        curve = efficiency_curve(problem.efficiencies[int(model.cameras.qe_index[0])], grid, channel=channel)
+        curve = efficiency_curve(problem.efficiencies[model.efficiency], grid, channel=channel)
         rate = sensor.electron_rate_per_m2_s_nm(at_sensor, wavelength_nm=grid, quantum_efficiency=curve)
         return np.asarray(rate * area_m2 * at_peak_s)
 
@@ -218,7 +218,7 @@ def axis_gain_per_m2(
 def is_colour(design: Replay) -> bool:
     """Whether the camera has a red, a green and a blue channel."""
     model = design.model
-    return all(name in model.problem.efficiencies[int(model.cameras.qe_index[0])] for name in CHANNELS)
+    return all(name in model.problem.efficiencies[model.efficiency] for name in CHANNELS)
 
 
 # ---------------------------------------------------------------- depth of field
@@ -389,9 +389,9 @@ def lamp_field(design: Replay, scene_index: int, channel: str | None = None) -> 
     model = design.model
     field = LampField(
         model.problem, scene_index, port_index=model.hardware.port, lit=model.lit,
-        efficiency=int(model.cameras.qe_index[0]), channel=channel,
+        efficiency=model.efficiency, channel=channel,
     )  # fmt: skip
-    field.scene = at_nominal(field.scene)
+    field.scene = field.scene.at_nominal
     return field
 
 
@@ -399,13 +399,8 @@ def sun_field(design: Replay, scene_index: int, channel: str | None = None) -> S
     """Daylight as the design's camera sees it, at the nominal altitude alone."""
     model = design.model
     sun = SunField(
-        model.problem, scene_index, port_index=model.hardware.port, efficiency=int(model.cameras.qe_index[0]),
+        model.problem, scene_index, port_index=model.hardware.port, efficiency=model.efficiency,
         channel=channel,
     )  # fmt: skip
-    sun.scene = at_nominal(sun.scene)
+    sun.scene = sun.scene.at_nominal
     return sun
-
-
-def at_nominal(scene: SceneOptics) -> SceneOptics:
-    """The scene with its nominal altitude alone."""
-    return replace(scene, range_m=scene.range_m[scene.nominal : scene.nominal + 1], nominal=0)

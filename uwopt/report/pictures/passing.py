@@ -88,7 +88,7 @@ def sensor_curves(design: Replay, scene_index: int = 0) -> SensorCurves:
     """The design's sensor, lens and port as the model takes them."""
     model = design.model
     scene = model.problem.scenes[scene_index]
-    curves = model.problem.efficiencies[int(model.cameras.qe_index[0])]
+    curves = model.problem.efficiencies[model.efficiency]
     grid = scene.wavelength_nm
     names = CHANNELS if is_colour(design) else (None,)
     return SensorCurves(

@@ -11,7 +11,7 @@ from uwopt.report.text.layout import Block, Line, Text, block, columns, fact_lin
 from uwopt.results.basis import Assumption, Opinion
 from uwopt.results.certainty import Confidence
 from uwopt.results.result import Certificate, Result
-from uwopt.units import format_number, format_within, split_unit
+from uwopt.units import format_number, format_within, is_number, split_unit
 
 if TYPE_CHECKING:
     from uwopt.results.front import FrontResult
@@ -401,11 +401,6 @@ def assumed_texts(item: Assumption) -> tuple[str, str]:
     if item.path.endswith("price") and is_number(item.value) and low is not None and high is not None:
         return "~" + format_within(item.value, low, high, item.unit), formats.price(low, high, item.unit)
     return assumed(item.value, item.unit), range_text(low, high, item.unit)
-
-
-def is_number(value: Any) -> bool:
-    """Whether it can be counted with."""
-    return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
 def assumed(value: Any, unit: str) -> str:

@@ -110,8 +110,7 @@ def told(
             continue
         found = outcome.best[0]
         design = evaluated(problem, found, goal)
-        ids = {name: part.id for name, part in design.hardware.parts.items()}
-        out.append(judged(replace(item, hardware=ids), design))
+        out.append(judged(replace(item, hardware=design.hardware.ids_by_kind), design))
     return out
 
 
