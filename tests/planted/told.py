@@ -416,4 +416,33 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/report/test_short.py"
         "::test_a_focus_nearer_than_what_is_sharp_is_on_purpose_only_where_it_was_chosen[evaluate-sharp farther away]",
     ),
+    Defect(
+        name="what saves money may be as much worse as it likes",
+        file="uwopt/solvers/explain/less_money.py",
+        old="within = no_more_than(problem, limit, (1.0 + GIVEN_UP) * best.minimised)",
+        new="within = no_more_than(problem, limit, 4.0 * best.minimised)",
+        test="tests/solvers/test_less_money.py::test_what_saves_little_or_draws_much_more_is_not",
+    ),
+    Defect(
+        name="any saving is worth telling",
+        file="uwopt/solvers/explain/less_money.py",
+        old="ceiling = (1.0 - SAVED) * best.cost",
+        new="ceiling = best.cost",
+        test="tests/solvers/test_less_money.py::test_what_saves_little_or_draws_much_more_is_not",
+    ),
+    Defect(
+        name="what saves money may hold as seldom as it likes",
+        file="uwopt/solvers/explain/less_money.py",
+        old="serves = one.held >= seen.share and ",
+        new="serves = ",
+        test="tests/solvers/test_less_money.py::test_in_doubt_it_holds_as_often_as_asked",
+    ),
+    Defect(
+        name="the limit that asks for it lets it not through",
+        file="uwopt/report/text/prices.py",
+        old="math.ceil(cheap.cost_limit)",
+        new="math.floor(cheap.cost_limit)",
+        test="tests/report/test_less_money_text.py::"
+        "test_what_is_saved_and_given_up_is_told_with_the_limit_that_asks_for_it",
+    ),
 )

@@ -98,6 +98,11 @@ def told_together(
         from uwopt.api.raised import eased_or_raised
 
         works["eased"] = partial(eased_or_raised, sought, counted, choice, chosen.counts, deadline)
+    if wanted.doubts and sought.outcome.complete:
+        from uwopt.solvers.explain.less_money import less_money
+
+        cheapest = partial(less_money, sought, deadline, choice)
+        works["less_money"] = partial(deadline.within, STAGES["less_money"], cheapest, None)
     if chosen.listed is not None:
         works["next_best"] = partial(others_in_time, chosen.listed, deadline)
     works = {name: work if name == costs else partial(clock.stand_still, work) for name, work in works.items()}
@@ -122,14 +127,14 @@ def told_together(
         cut = True
     told = {name: value for name, (value, _) in answers.items()}
     opinions, prices, lasted_s = told.get(costs, (made.solvers, made.prices, {}))
-    timed = ("search_generic", "eased", "next_best", "alternatives")
+    timed = ("search_generic", "eased", "less_money", "next_best", "alternatives")
     lasted_s |= {name: answers[name][1] for name in timed if name in answers}
     for name, seconds in lasted_s.items():
         watch.timing_s[name] = watch.timing_s.get(name, 0.0) + seconds
     firm = told.get("robustness") if doubts.keys() <= told.keys() else None
     made = replace(
         made, runners_up=told.get("next_best", []), confidence=told.get("eased", counted), solvers=opinions,
-        prices=prices, generic_alternative=told.get("search_generic"),
+        prices=prices, generic_alternative=told.get("search_generic"), less_money=told.get("less_money"),
         alternatives=told.get("alternatives", made.alternatives),
         robustness=None if firm is None else {**firm, **{name: told[name] for name in doubts if name != "robustness"}},
     )  # fmt: skip

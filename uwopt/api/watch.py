@@ -20,6 +20,7 @@ STAGES = {
     "eased": "what would make it certain enough",
     "knee": "what more power and money would buy",
     "robustness": "how firm the answer is", "second_opinion": "second opinions",
+    "less_money": "what would cost less",
     "next_best": "more of the next best systems",
     "prices": "what requirements cost", "ranges": "where other systems take over",
     "search_generic": "what parts to be made would give",

@@ -126,6 +126,23 @@ class Knee(Record):
 
 
 @dataclass(frozen=True, config=RECORD)
+class LessMoney(Record):
+    """A system that costs much less than the best and is little worse; by medians where scenarios were counted."""
+
+    hardware: dict[str, str] = Field(description="its ids by kind")
+    light_count: Whole = Field(description="how many lamps it has")
+    price: Number = Field(description="sum of the likeliest prices, or the median of it over the scenarios")
+    price_of_best: Number = Field(description="the same of the best system")
+    currency: str = Field(description="of the prices")
+    value: Number = Field(description="of the objective, by exact settings, or its median")
+    value_of_best: Number = Field(description="the same of the best system")
+    held: Number | None = Field(default=None, description="share of the choice's scenarios; null: none were counted")
+    cost_limit: Number | None = Field(
+        default=None, description="limits.cost within which nothing is better; null where scenarios were counted"
+    )
+
+
+@dataclass(frozen=True, config=RECORD)
 class Excluded(Record):
     """What a rule keeps from being a solution."""
 

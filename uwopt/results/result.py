@@ -13,6 +13,7 @@ from pydantic.dataclasses import dataclass
 from uwopt.results.basis import (
     Assumption,
     Knee,
+    LessMoney,
     ObjectiveValue,
     Opinion,
     OtherMaker,
@@ -135,6 +136,9 @@ class Result(Shown, FiledRecord):
     versions: dict[str, str] = Field(default_factory=dict, description="of Python and libraries")
     schema: str = Field(default=RESULT_SCHEMA, description="of this file")
     knee: Knee | None = Field(default=None, description="of the best image: what more power and money would buy")
+    less_money: LessMoney | None = Field(
+        default=None, description="the cheapest system that is at most a quarter worse; null: none saves a tenth"
+    )
     alternatives: list[OtherMaker] = Field(
         default_factory=list, description="other makers' best, and why not"
     )

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 
 from uwopt.quantities import AT_LIKELIEST
 from uwopt.report.text import formats, words
+from uwopt.report.text.certainty import percent
 from uwopt.report.text.layout import Block, Line, block, sentence
-from uwopt.results.basis import Price
+from uwopt.results.basis import LessMoney, Price
+from uwopt.results.design import Design
 from uwopt.results.result import Result
 from uwopt.units import format_quantity, without_zeros
 
@@ -31,6 +34,33 @@ def short_price_sentence(result: Result) -> str:
     said = "; ".join(short_price(result, price) for price in told[:MOST_TOLD])
     by = f"{AT_LIKELIEST.capitalize()}: " if result.confidence is not None else ""
     return f"{by}{said}."
+
+
+def less_money_block(result: Result) -> Iterator[Block]:
+    """`With 1 light: 3 300 USD less of 7 200 USD for 0.07 % more power, 2.785 W; limits.cost: 3896 asks for it.`"""
+    if result.less_money is not None and result.best is not None:
+        yield block("For less money", [sentence(less_money_text(result, result.less_money, result.best))])
+
+
+def less_money_text(result: Result, cheap: LessMoney, best: Design) -> str:
+    """The same as a sentence."""
+    ours, lamps = best.hardware.named, cheap.light_count
+    other = [
+        f"{kind} {formats.one_line(part, 60)}" for kind, part in cheap.hardware.items()
+        if kind not in ours or ours[kind].id != part
+    ]  # fmt: skip
+    other += [words.counted(lamps, "light")] if lamps != best.hardware.light_count else []
+    saved, price = (
+        formats.money(float(f"{amount:.2g}"), cheap.currency)
+        for amount in (cheap.price_of_best - cheap.price, cheap.price_of_best)
+    )
+    more, value = cheap.value / cheap.value_of_best - 1.0, words.objective_text(result, cheap.value)
+    how = f"{100.0 * abs(more):.2g} % {'more' if more >= 0.0 else 'less'}"
+    said = f"With {words.listed(other)}: {saved} less of about {price} for {how} "
+    said += f"{words.requirement_name(result.objective.name)}, {value} "
+    if cheap.cost_limit is not None:
+        return f"{said}by exact settings; limits.cost: {math.ceil(cheap.cost_limit)} asks for it, or better."
+    return f"{said}by medians; it holds in {percent(cheap.held or 0.0)} of the scenarios of the choice."
 
 
 def short_price(result: Result, price: Price) -> str:

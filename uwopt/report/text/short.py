@@ -30,7 +30,7 @@ from uwopt.report.text.nothing_fits import (
     no_change_helps,
     none_left_lines,
 )
-from uwopt.report.text.prices import short_price_sentence
+from uwopt.report.text.prices import less_money_block, short_price_sentence
 from uwopt.report.text.tables import (
     hardware_block,
     nearest_miss,
@@ -102,6 +102,7 @@ def full_text_blocks(result: Result) -> Iterator[Block | Text]:
         if said := not_in_it(result, design):
             yield block("Not in the price", [sentence(words.as_sentence(said))])
         yield from certainty_block(result)
+        yield from less_money_block(result)
         yield from risk_blocks(result)
         yield from question_blocks(result, design)
     yield from proof_blocks(result)
@@ -146,6 +147,7 @@ def rest_of_blocks(result: Result) -> Iterator[Block]:
         yield from nothing_blocks(result)
         yield from cut_short_block(result)
         return
+    yield from less_money_block(result)
     yield from risk_blocks(result)
     if alike := words.sibling_sentence(result):
         yield block("Would do as well", [sentence(words.as_sentence(alike))])

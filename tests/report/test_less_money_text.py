@@ -1,0 +1,47 @@
+"""A system that costs much less, in words."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from uwopt.report.text.console import print_blocks
+from uwopt.report.text.short import full_text_blocks, short_text_blocks
+from uwopt.results.basis import LessMoney
+from uwopt.results.result import Result
+
+Make = Callable[..., Any]
+PARTS = {"camera": "acme-cam", "lens": "cheap-[red]lens", "port": "acme-dome", "light": "acme-lamp"}
+
+
+def said(make_result: Make, blocks: Callable[[Result], Any] = short_text_blocks, **changes: Any) -> str:
+    """What is printed of a result with such a system, on one line; 40 W and 7 206 USD are the best system's."""
+    values: dict[str, Any] = {
+        "hardware": PARTS, "light_count": 9, "price": 3895.0, "price_of_best": 7206.0, "currency": "USD", "value": 40.4,
+        "value_of_best": 40.0, "cost_limit": 3894.2,
+    }  # fmt: skip
+    stream = io.StringIO()
+    print_blocks(blocks(replace(make_result(), less_money=LessMoney(**values | changes))), stream)
+    return " ".join(stream.getvalue().split())
+
+
+def test_what_is_saved_and_given_up_is_told_with_the_limit_that_asks_for_it(make_result: Make) -> None:
+    expected = (
+        "For less money With lens cheap-[red]lens and 9 lights: 3 300 USD less of about 7 200 USD for 1 % more power, "
+        "40.40 W by exact settings; limits.cost: 3895 asks for it, or better."
+    )
+    assert expected in said(make_result) and expected in said(make_result, full_text_blocks)
+
+
+def test_over_scenarios_it_is_told_by_medians(make_result: Make) -> None:
+    assert (
+        "for 2.5 % less power, 39.00 W by medians; it holds in 98 % of the scenarios of the choice."
+    ) in said(make_result, value=39.0, cost_limit=None, held=0.98)
+
+
+def test_where_nothing_saves_enough_nothing_is_said(make_result: Make) -> None:
+    stream = io.StringIO()
+    print_blocks(short_text_blocks(make_result()), stream)
+    assert "For less money" not in stream.getvalue()
