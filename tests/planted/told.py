@@ -432,7 +432,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="what saves money may hold as seldom as it likes",
-        file="uwopt/solvers/explain/less_money.py",
+        file="uwopt/solvers/confidence/less_money.py",
         old="serves = one.held >= seen.share and ",
         new="serves = ",
         test="tests/solvers/test_less_money.py::test_in_doubt_it_holds_as_often_as_asked",

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+from uwopt.api.risks import risks_of
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.short import full_text_blocks, short_text_blocks
 from uwopt.results.basis import LessMoney
@@ -16,14 +17,20 @@ Make = Callable[..., Any]
 PARTS = {"camera": "acme-cam", "lens": "cheap-[red]lens", "port": "acme-dome", "light": "acme-lamp"}
 
 
-def said(make_result: Make, blocks: Callable[[Result], Any] = short_text_blocks, **changes: Any) -> str:
-    """What is printed of a result with such a system, on one line; 40 W and 7 206 USD are the best system's."""
+def with_cheaper(make_result: Make, **changes: Any) -> Result:
+    """A result with such a system; 40 W and 7 206 USD are the best system's."""
     values: dict[str, Any] = {
         "hardware": PARTS, "light_count": 9, "price": 3895.0, "price_of_best": 7206.0, "currency": "USD", "value": 40.4,
         "value_of_best": 40.0, "cost_limit": 3894.2,
     }  # fmt: skip
+    made: Result = replace(make_result(), less_money=LessMoney(**values | changes))
+    return made
+
+
+def said(make_result: Make, blocks: Callable[[Result], Any] = short_text_blocks, **changes: Any) -> str:
+    """What is printed of it, on one line."""
     stream = io.StringIO()
-    print_blocks(blocks(replace(make_result(), less_money=LessMoney(**values | changes))), stream)
+    print_blocks(blocks(with_cheaper(make_result, **changes)), stream)
     return " ".join(stream.getvalue().split())
 
 
@@ -45,3 +52,12 @@ def test_where_nothing_saves_enough_nothing_is_said(make_result: Make) -> None:
     stream = io.StringIO()
     print_blocks(short_text_blocks(make_result()), stream)
     assert "For less money" not in stream.getvalue()
+
+
+def test_what_is_as_good_for_much_less_is_a_great_risk(make_result: Make) -> None:
+    def risks(value: float) -> list[str]:
+        return [f"{one.what}: {one.figure}" for one in risks_of(with_cheaper(make_result, value=value))]
+
+    told = "it costs more than it must: 7 200 USD against 3 900 USD"
+    assert told in risks(40.3)[:2] and told in risks(39.8)
+    assert told not in risks(40.5)

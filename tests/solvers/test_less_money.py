@@ -12,6 +12,7 @@ from random_cases import Case
 from test_confidence import FAST, FEW, between, sought_of
 
 from uwopt.results.basis import LessMoney
+from uwopt.solvers.confidence.less_money import less_money_in_doubt
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain.knee import with_limits
 from uwopt.solvers.explain.less_money import less_money
@@ -66,11 +67,11 @@ def test_in_doubt_it_holds_as_often_as_asked() -> None:
         sought = sought_of(case_, scenarios=FEW)
         choice = most_certain(sought, asked)
         assert choice is not None
-        found = less_money(sought, choice=choice)
+        found = less_money_in_doubt(sought, choice)
         assert (found is not None) == expected
         if found is not None:
             assert found.hardware["camera"] == "camera-0" and found.cost_limit is None
             assert found.held is not None and found.held >= asked
             assert found.value == pytest.approx(found.value_of_best + 0.4, rel=1e-6)
             assert found.price == pytest.approx(found.price_of_best - 600.0)
-        assert less_money(sought, choice=replace(choice, asked=1.1)) is None  # of what is not certain enough
+        assert less_money_in_doubt(sought, replace(choice, asked=1.1)) is None  # of what is not certain enough

@@ -15,7 +15,7 @@ from uwopt.api.search_notes import cut_warnings, patience_warnings
 from uwopt.api.searching import leaves_out_generic, much_better_if_made
 from uwopt.api.watch import STAGES, Watch
 from uwopt.deadline import Deadline, PatientClock, processor_s
-from uwopt.results.basis import Opinion, Price
+from uwopt.results.basis import LessMoney, Opinion, Price
 from uwopt.results.design import Design
 from uwopt.results.result import Result
 from uwopt.solvers.beside import side_by_side
@@ -99,9 +99,7 @@ def told_together(
 
         works["eased"] = partial(eased_or_raised, sought, counted, choice, chosen.counts, deadline)
     if wanted.doubts and sought.outcome.complete:
-        from uwopt.solvers.explain.less_money import less_money
-
-        cheapest = partial(less_money, sought, deadline, choice)
+        cheapest = partial(for_less_money, sought, choice, deadline)
         works["less_money"] = partial(deadline.within, STAGES["less_money"], cheapest, None)
     if chosen.listed is not None:
         works["next_best"] = partial(others_in_time, chosen.listed, deadline)
@@ -139,6 +137,18 @@ def told_together(
         robustness=None if firm is None else {**firm, **{name: told[name] for name in doubts if name != "robustness"}},
     )  # fmt: skip
     return made, cut
+
+
+def for_less_money(sought: Sought, choice: Certain | None, deadline: Deadline) -> LessMoney | None:
+    """What costs much less and is little worse. Raises OutOfTimeError."""
+    if choice is not None:
+        from uwopt.solvers.confidence.less_money import less_money_in_doubt
+
+        return less_money_in_doubt(sought, choice, deadline)
+
+    from uwopt.solvers.explain.less_money import less_money
+
+    return less_money(sought, deadline)
 
 
 def others_in_time(sought: Sought, deadline: Deadline) -> list[Design]:

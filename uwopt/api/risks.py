@@ -76,6 +76,7 @@ WARMEST_C = 50.0  # around an industrial camera, by most makers' sheets (assumed
 CARRIED_KG = 10.0  # of lead, beyond which nobody adds it without a thought: a diver's belt holds some 5 to 10 kg
 BUOYANT_KG = 0.5  # that a mount and its screws weigh in water; beyond it ballast is needed (assumed)
 MOST_GAIN_DB = RECOMMENDED_RESERVE["max_gain_db"]
+UNNOTICED = 0.01  # of a goal: its estimated numbers leave far more open
 MUCH_ESTIMATED = 0.3  # of the price
 
 #: Weights of notes by code; of those that are not named, the last. 0: another rule tells it, or it is no risk.
@@ -409,6 +410,17 @@ def price(result: Result, design: Design) -> Weighed:
         yield 57.0, Risk("parts without a price", because, counted(unknown, "part"))
 
 
+def dearer_than_it_must(result: Result, design: Design) -> Weighed:
+    """A system that costs much less and is as good, as far as anybody will notice."""
+    cheap = result.less_money
+    if cheap is None or abs(cheap.value / cheap.value_of_best - 1.0) > UNNOTICED:
+        return
+    prices = (float(f"{amount:.2g}") for amount in (cheap.price_of_best, cheap.price))
+    ours, theirs = (format_money(amount, cheap.currency) for amount in prices)
+    because = "another system is as good within what anybody notices: `For less money` names it"
+    yield 90.0, Risk("it costs more than it must", because, f"{ours} against {theirs}")
+
+
 def held_back(result: Result, design: Design) -> Weighed:
     """A limit of power or cost below which the best image has not come to its knee."""
     if result.knee is None:
@@ -480,7 +492,7 @@ def noted(result: Result, design: Design) -> Weighed:
 RULES: Sequence[Callable[[Result, Design], Weighed]] = (
     missed, uncertain, at_bad_ends, nothing_in_hand, shallow, drained, overheated, floats, in_other_water, lamps_off,
     noisy, uneven, lost_in_corners, seen_in_the_image, smeared_subjects, must_stand_still, weak_colours, wide_open,
-    high_gain, held_back, price, to_be_made, maybe_withdrawn, idle_lamps, better_elsewhere, noted,
+    high_gain, held_back, dearer_than_it_must, price, to_be_made, maybe_withdrawn, idle_lamps, better_elsewhere, noted,
 )  # fmt: skip
 
 
