@@ -9,7 +9,7 @@ from functools import partial
 from numbers import Real
 from typing import TYPE_CHECKING, Any
 
-from uwopt.deadline import NEVER, Deadline
+from uwopt.deadline import Deadline
 from uwopt.errors import MissionError
 from uwopt.evaluation.accuracy import Accuracy, Estimator, coarsest, parts_that_count
 from uwopt.evaluation.design import evaluate_design
@@ -48,7 +48,7 @@ def checked_tolerance(tolerance: Any) -> float | None:
     return float(tolerance)
 
 
-def estimator_of_search(sought: Sought, deadline: Deadline = NEVER) -> Estimator:
+def estimator_of_search(sought: Sought, deadline: Deadline) -> Estimator:
     """Errors of the best design of a search: of figures with its settings, of the objective with the best ones."""
     from uwopt.solvers.one_hardware import best_of, problem_of
     from uwopt.solvers.settable.rounding import given_of
@@ -84,7 +84,7 @@ def estimator_of(problem: Problem, evaluate: Callable[[Problem], Design]) -> Est
 
 
 def search_within(
-    tolerance: float, mission: Mission, search: Callable[[Fineness], Searched], deadline: Deadline = NEVER
+    tolerance: float, mission: Mission, search: Callable[[Fineness], Searched], deadline: Deadline
 ) -> tuple[Searched, Accuracy | None]:
     """Search with integrals as coarse as the tolerance allows at the design that is found.
 

@@ -192,7 +192,7 @@ def clocked(work: Callable[[], Any]) -> tuple[Any, float]:
 
 
 def doubts_of(
-    sought: Sought, winner: Design, deadline: Deadline, choice: Certain | None = None
+    sought: Sought, winner: Design, deadline: Deadline, choice: Certain | None
 ) -> dict[str, Callable[[], Any]]:
     """What the estimates, the choice of water table and the lamps' places could change: how to find out each."""
     from uwopt.solvers.confidence.search import tied_with_best
@@ -242,7 +242,7 @@ def beside_it(made: Result, sought: Sought, deadline: Deadline) -> list[Any]:
 
 
 def second_opinions(
-    sought: Sought, solver: str, deadline: Deadline, choice: Certain | None = None
+    sought: Sought, solver: str, deadline: Deadline, choice: Certain | None
 ) -> list[Opinion]:
     """The winner's settings solved again by continuous solvers, compared by objective.
 

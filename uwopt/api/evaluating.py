@@ -222,7 +222,7 @@ def scene_settings(problem: Problem, hardware: Hardware, system: System, name: s
     )
 
 
-def with_compatibility(design: Design, problem: Problem, elsewhere: Sequence[Departure] = ()) -> Design:
+def with_compatibility(design: Design, problem: Problem, elsewhere: Sequence[Departure]) -> Design:
     """A design with what does not fit together among its parts, or not on the vehicle, as margins that are missed."""
     mission = problem.mission
     findings = explain_pair(

@@ -529,7 +529,7 @@ def sharp_where(result: Result) -> str:
     return TO_CORNERS if asked == "corner" and result.physics.name != "paper" else ""
 
 
-def missed_figure(margin: Margin, where: str = "") -> str:
+def missed_figure(margin: Margin, where: str) -> str:
     """Value and limit of what is missed; of an end of the depth of field what is sharp, where, and what should be."""
     if stem_of(margin.requirement) not in OFF_FOCUS or margin.value is None:
         return against_limit(margin)
@@ -538,7 +538,7 @@ def missed_figure(margin: Margin, where: str = "") -> str:
     return f"sharp{where} only {side} {value}, not {side} {limit}"
 
 
-def tight_figure(margin: Margin, where: str = "") -> str:
+def tight_figure(margin: Margin, where: str) -> str:
     """What is tightest, with value and limit; an end of the depth of field as what is still sharp there."""
     if stem_of(margin.requirement) not in OFF_FOCUS:
         return f"{asked_name(margin)} {against_limit(margin)}"

@@ -75,7 +75,7 @@ def measured(problem: Problem, hardware: Hardware, given: list[SceneSettings]) -
 
 
 def meets_all(
-    problem: Problem, hardware: Hardware, given: list[SceneSettings], *, level_tolerance_rel: float = 1e-6
+    problem: Problem, hardware: Hardware, given: list[SceneSettings], *, level_tolerance_rel: float
 ) -> bool:
     """Whether a design with these settings meets every requirement; no more is worked out of it."""
     found = margins_of(problem, measured(problem, hardware, given), level_tolerance_rel)

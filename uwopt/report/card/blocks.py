@@ -212,7 +212,7 @@ def waking_sentences(model: DesignModel, index: int) -> Iterator[str]:
 
 
 def trigger_sentences(
-    model: DesignModel, scene: SceneResult, limits: dict[str, SettingLimit], index: int = 0
+    model: DesignModel, scene: SceneResult, limits: dict[str, SettingLimit], index: int
 ) -> Iterator[str]:  # fmt: skip
     """When the lamps fire, and how late they may be."""
     settings, kind = as_set(scene), int(model.lights.kind[0])

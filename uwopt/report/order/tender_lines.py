@@ -99,7 +99,7 @@ def falls_short(result: Result) -> str:
     return "" if known is None or known.enough else f"This system is not certain enough: it {held_text(known)}"
 
 
-def tender_lines(result: Result, design: Design, deadline: Deadline = NEVER) -> list[TenderLine]:
+def tender_lines(result: Result, design: Design, deadline: Deadline) -> list[TenderLine]:
     """A line a part that is to be bought, its limits found anew by the model."""
     made = replayed(result, design)
     problem, hardware = made.model.problem, made.model.hardware

@@ -116,7 +116,7 @@ def opening(result: Result | FrontResult) -> tuple[str, str]:
 
 
 def design_parts(
-    result: Result | FrontResult, pictures: Pictures, deadline: Deadline = NEVER
+    result: Result | FrontResult, pictures: Pictures, deadline: Deadline
 ) -> Iterator[DesignPart]:
     """The designs that the page shows in full: the best, or the nearest miss, or a front's picks."""
     if isinstance(result, FrontResult) and result.points:

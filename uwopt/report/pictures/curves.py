@@ -384,7 +384,7 @@ def pitched_edges_m(model: DesignModel, scene_index: int, closer: Array) -> tupl
     return tuple(made)
 
 
-def lamp_field(design: Replay, scene_index: int, channel: str | None = None) -> LampField:
+def lamp_field(design: Replay, scene_index: int, channel: str | None) -> LampField:
     """The lamps' light as the design's camera sees it, at the nominal altitude alone."""
     model = design.model
     field = LampField(

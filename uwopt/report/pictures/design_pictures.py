@@ -317,7 +317,7 @@ def oblique_drawings(rig: RigMeasures) -> list[Picture]:
 # ---------------------------------------------------------------- simulated pictures
 
 
-def simulated(made: Replay, width_mm: float | None = None) -> list[Picture]:
+def simulated(made: Replay, width_mm: float | None) -> list[Picture]:
     """Chart and picture of the whole image and of a detail, and a detail of the corner."""
     whole = view_pictures(whole_view(made), "whole", "Whole image, shrunk")
     detail = view_pictures(

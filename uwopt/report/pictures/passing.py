@@ -66,7 +66,7 @@ class SensorCurves:
         return name, float(self.wavelength_nm[at]), float(self.efficiency[name][at])
 
 
-def water_curves(design: Replay, scene_index: int = 0) -> WaterCurves:
+def water_curves(design: Replay, scene_index: int) -> WaterCurves:
     """The water of one scene as the model takes it."""
     model = design.model
     scene = model.problem.scenes[scene_index]
@@ -84,7 +84,7 @@ def water_curves(design: Replay, scene_index: int = 0) -> WaterCurves:
     )
 
 
-def sensor_curves(design: Replay, scene_index: int = 0) -> SensorCurves:
+def sensor_curves(design: Replay, scene_index: int) -> SensorCurves:
     """The design's sensor, lens and port as the model takes them."""
     model = design.model
     scene = model.problem.scenes[scene_index]

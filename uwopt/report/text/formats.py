@@ -94,7 +94,7 @@ def in_step(step: tuple[float, str], value: float | None, digits: int) -> str:
     return format_quantity(None if value is None else value / per, unit, digits)
 
 
-def quantities_apart(*values: float | None, unit: str = "", digits: int = 3) -> tuple[str, ...]:
+def quantities_apart(*values: float | None, unit: str, digits: int = 3) -> tuple[str, ...]:
     """Quantities that stand side by side, in one unit and with as many digits as tell them apart."""
     step = prefixed(unit, max((abs(value) for value in values if value is not None), default=0.0))
     return texts_apart(*values, text=partial(in_step, step), digits=digits)

@@ -44,7 +44,7 @@ def part_list_blocks(lines: Sequence[PartLine]) -> Iterator[Block | Text]:
         yield sentence(LEGEND, "dim")
 
 
-def stale_blocks(rows: Sequence[StaleRow], legend: str = "") -> Iterator[Block | Text]:
+def stale_blocks(rows: Sequence[StaleRow], legend: str) -> Iterator[Block | Text]:
     """Parts with what is old or missing of them."""
     counted = any(row.uses for row in rows)
     table = columns(("part", "left"), *([("used", "right")] if counted else []), ("what to ask for", "left"))

@@ -254,7 +254,7 @@ def margin_table(margins: Sequence[Margin], design: Design, exact: Mapping[str, 
     return table
 
 
-def exact_text(margin: Margin, exact: Margin | None, cost: Cost | None = None) -> str:
+def exact_text(margin: Margin, exact: Margin | None, cost: Cost | None) -> str:
     """What the exact optimum reaches of a requirement; "" where that is what is reached as set."""
     if exact is None or exact.value == margin.value:
         return ""
@@ -277,7 +277,7 @@ def margin_state(margin: Margin, exact: Margin | None = None) -> str:
     return "binding" if margin.binding or (exact is not None and exact.binding) else "met"
 
 
-def margin_texts(margin: Margin, kinds: Mapping[str, str], cost: Cost | None = None) -> tuple[str, str, str, str, str]:
+def margin_texts(margin: Margin, kinds: Mapping[str, str], cost: Cost | None) -> tuple[str, str, str, str, str]:
     """Requirement, value, limit, what is left, and the altitude where it is worst."""
     sign = {"<=": "at most ", ">=": "at least "}.get(margin.sense, "exactly ")
     value, limit = formats.margin_ends(margin, cost)

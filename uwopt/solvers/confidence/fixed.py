@@ -44,7 +44,7 @@ Settings = list[SceneSetting]  # by scene
 
 
 def best_fixed(
-    judge: Judge, adapted: Best, sizes: Sequence[int], count: int, share: float, given: Settings | None = None
+    judge: Judge, adapted: Best, sizes: Sequence[int], count: int, share: float, given: Settings | None
 ) -> tuple[tuple[Array, Array], list[Settings]]:
     """The verdict of the best settings of each block of rows, one hardware at one stop each; and those settings.
 

@@ -119,7 +119,7 @@ class Way:
             solver.add_equality_mconstraint(evaluations.rules(1), equalities)
 
     def optimised(
-        self, evaluations: Evaluations, start: Array, max_seconds: float, first_step: float | None = None
+        self, evaluations: Evaluations, start: Array, max_seconds: float, first_step: float | None
     ) -> tuple[Array, int, str]:
         """One run on a program as it is."""
         low, high = evaluations.program.bounds

@@ -139,7 +139,7 @@ class NodeRows:
         return self.problem.scenes[scene_index].at_worst or self.has_rules(scene_index)
 
     def keep_rules(
-        self, imager: Array, light: Array, count: Array, under: Under, *, whole: bool = True
+        self, imager: Array, light: Array, count: Array, under: Under, *, whole: bool
     ) -> Array:
         """Whether designs keep in all scenes the rules that no setting can mend: even light, no lamp in the view.
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from uwopt.deadline import NEVER, Deadline
+from uwopt.deadline import Deadline
 from uwopt.evaluation.leaning import LeaningModel, leaning, lost_when_leaning, settings_of
 from uwopt.forward.lamps import Mount
 from uwopt.forward.problem import Problem
@@ -33,7 +33,7 @@ FIRST_STEP = (0.025, 1.25)  # half a grid step of baseline [m] and tilt [deg]
 
 
 def tilt_tolerance(
-    sought: Sought, design: Design, deadline: Deadline = NEVER
+    sought: Sought, design: Design, deadline: Deadline
 ) -> dict[str, Any] | None:
     """How far the lamps' tilt may be off, outward and inward, before a requirement breaks [deg].
 
@@ -104,7 +104,7 @@ def by_mount(own: Problem, objective: Objective, deadline: Deadline) -> Callable
     return lambda mount: best_of(own.standing_at(mount), objective, deadline, imagers())
 
 
-def polished_mount(sought: Sought, deadline: Deadline = NEVER) -> dict[str, Any] | None:
+def polished_mount(sought: Sought, deadline: Deadline) -> dict[str, Any] | None:
     """Baseline and tilt between the grid's points that do better for the winner's parts, if any.
 
     A pattern search from the winner's mount within the mission's ranges; None where nothing may vary.

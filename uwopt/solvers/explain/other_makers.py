@@ -63,7 +63,7 @@ def beside_best(
 
 
 def beside_front(
-    selection: Selection, search: Search, axes: Axes, front: FrontResult, deadline: Deadline = NEVER
+    selection: Selection, search: Search, axes: Axes, front: FrontResult, deadline: Deadline
 ) -> list[OtherMaker]:
     """Other makers' systems of best first objective beside a front, and which of its points dominates each."""
 

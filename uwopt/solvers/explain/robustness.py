@@ -70,7 +70,7 @@ Variant = tuple[str, str, str]  # kind, field ("" for all), end
 
 def values_with(
     sought: Sought, found: Found, variants: Sequence[Variant | None],
-    deadline: Deadline = NEVER,
+    deadline: Deadline,
 ) -> list[float]:  # fmt: skip
     """Best objective of one hardware with one number, or all, of one part changed; inf where infeasible.
 
@@ -169,7 +169,7 @@ def outcome_rivals(sought: Sought, good: Sequence[Found], mixed: Problem) -> lis
 
 
 def quotes_that_matter(
-    sought: Sought, rivals: Sequence[Found], deadline: Deadline = NEVER
+    sought: Sought, rivals: Sequence[Found], deadline: Deadline
 ) -> list[dict[str, Any]]:
     """Single numbers whose bad end for the winner, or good end for a rival, would change the answer."""
     problem = sought.problem

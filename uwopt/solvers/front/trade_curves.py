@@ -17,7 +17,7 @@ from typing import Any, Self
 import numpy as np
 
 from uwopt.arrays import Array
-from uwopt.deadline import NEVER, Deadline
+from uwopt.deadline import Deadline
 from uwopt.forward.columns import Columns
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.beside import shares, side_by_side
@@ -88,7 +88,7 @@ class Trade:
     What is asked of cells of settings raises OutOfTimeError past the deadline.
     """
 
-    def __init__(self, quality: str | None, deadline: Deadline = NEVER):
+    def __init__(self, quality: str | None, deadline: Deadline):
         self.quality, self.deadline = quality, deadline
 
     # ------------------------------------------------------------ settings

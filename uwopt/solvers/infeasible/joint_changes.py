@@ -248,7 +248,7 @@ def one_by_one(
 # ---------------------------------------------------------------- all that give
 
 
-def least_set(trials: Trials, known: Giving | None = None) -> tuple[list[Relaxed], Design | None]:
+def least_set(trials: Trials, known: Giving | None) -> tuple[list[Relaxed], Design | None]:
     """Requirements of which all have to give for a system to fit, as far as there is time, and that system.
 
     known : some that give together, with a system that fits without them, where nothing is to be looked for

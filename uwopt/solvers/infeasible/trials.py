@@ -138,7 +138,7 @@ class Trials:
             mission = without(mission, name) or mission
         return mission
 
-    def few_without(self, names: Collection[str], turn: Deadline, number: int = FEW_IMAGERS) -> Sought | None:
+    def few_without(self, names: Collection[str], turn: Deadline, number: int) -> Sought | None:
         """A search without all of these among a few imagers; None where that is of no use."""
         return self.among_few(self.without(names), ANY, set(names), turn, number)
 

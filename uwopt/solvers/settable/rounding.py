@@ -100,7 +100,7 @@ def settable(
     optimum: Sequence[SettingRows],
     objective: Objective | Near,
     leaner: Sequence[DesignModel],
-    deadline: Deadline = NEVER,
+    deadline: Deadline,
 ) -> list[SceneSettings]:
     """The best settings that can be set, or those of the nearest miss; `leaner` models must agree that all holds."""
     nearest: tuple[float, list[SceneSettings]] = (np.inf, [])

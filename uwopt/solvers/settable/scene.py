@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwopt.arrays import Array
-from uwopt.deadline import NEVER, Deadline
+from uwopt.deadline import Deadline
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.evaluation.leaning import LeaningModel
 from uwopt.forward.columns import Columns
@@ -110,7 +110,7 @@ class SettableScene:
 
     def __init__(
         self, model: DesignModel, index: int, exact: SettingRows, objective: Objective | Near, *,
-        rate_hz: float, dioptre_per_m: float, leaner: Sequence[DesignModel] = (), deadline: Deadline = NEVER,
+        rate_hz: float, dioptre_per_m: float, leaner: Sequence[DesignModel], deadline: Deadline,
     ):  # fmt: skip
         """Trying raises OutOfTimeError past the deadline."""
         self.deadline = deadline

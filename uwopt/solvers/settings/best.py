@@ -108,7 +108,7 @@ def unsettled(question: Question, bound: Array) -> Best:
     return Best(chosen, np.zeros(len(question), bool), nothing, nothing, np.zeros(len(question)), bound)
 
 
-def best_where_sharp(question: Question, *, closed_alone: bool = False) -> Best:
+def best_where_sharp(question: Question, *, closed_alone: bool) -> Best:
     """Best settings whose image is sharp enough as well.
 
     Without that requirement the closed form holds and is a bound: where its settings happen to be sharp they
