@@ -13,7 +13,7 @@ import uwopt
 from uwopt.api.common import prepared
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.assembly import system_problem
-from uwopt.forward.lamp_light import LampField, image_light
+from uwopt.forward.lamp_light import LampField, image_light, kind_of_field
 from uwopt.forward.remembered import LoneField
 from uwopt.mission.system import load_system
 
@@ -81,3 +81,33 @@ def test_pixels_that_were_asked_for_at_one_altitude_are_asked_for_again_at_all()
     assert not np.allclose(plain[0, 0], plain[0, -1], rtol=1e-3)
     assert frame(LoneField, at)[0, at] == pytest.approx(plain[0, at], rel=1e-12)
     assert frame(LoneField, None) == pytest.approx(plain, rel=1e-12)
+
+
+#: Three metres of murky water before a wide lens behind a dome, under lamps of a wide lobe.
+MURKY: dict[str, Any] = {
+    "practice": "bare", "scene": {"water": "1C", "seafloor": 0.2, "depth_m": 100},
+    "vehicle": {"altitude_m": 3.0, "speed_m_s": 0.5, "light_count": 2, "light_baseline_m": 0.8},
+    "requirements": {"overlap": 0.3},
+}  # fmt: skip
+WIDE: dict[str, Any] = {
+    "camera": {"resolution_x_px": 2000, "resolution_y_px": 2000, "pixel_pitch_um": 5.0, "read_noise_e": 5.0,
+               "quantum_efficiency": 0.5, "bit_depth": 12, "max_frame_rate_hz": 10.0, "power_w": 4.0},
+    "lens": {"focal_length_mm": 6.0, "f_number_min": 1.4, "f_number_max": 16.0},
+    "port": {"geometry": "dome", "radius_mm": 75.0, "thickness_mm": 7.5},
+    "light": {"kind": "continuous", "flux_lm": 10_000, "power_w": 100.0, "beam": "cosine-power",
+              "beam_half_angle_deg": 45.0},
+    "light_count": 2, "settings": {"f_number": 4.0, "exposure_ms": 1.0, "gain": 1.0},
+}  # fmt: skip
+
+
+def test_pixels_of_an_image_are_the_same_whatever_image_is_worked_out_beside_it() -> None:
+    """In murky water a search and the evaluation of its design differed by 5e-6 of the veil: a wider image stood by."""
+    model = DesignModel(*system_problem(prepared(MURKY, "full", None), load_system(WIDE)))
+    problem, hardware, view = model.problem, model.hardware, model.views[0]
+    kind, efficiency = kind_of_field(problem, model.lit.optics, LampField), int(model.cameras.qe_index[0])
+    field = kind(problem, 0, port_index=hardware.port, lit=model.lit, efficiency=efficiency)
+    narrow, wide = (np.linspace(0.0, end, 7) for end in (0.1, 0.8))
+    _, alone = field.at_pixels(view, narrow[None], narrow[None], veils=True)
+    _, beside = field.at_pixels(view.take(np.array([0, 0])), *2 * [np.stack([narrow, wide])], veils=True)
+    assert alone is not None and beside is not None
+    assert beside[0] == pytest.approx(alone[0], rel=1e-11)

@@ -587,4 +587,12 @@ DEFECTS = (
         test="tests/model/test_multiple.py::"
         "test_light_that_turns_back_is_that_of_layers_laid_on_each_other[1.5-0.03-0.9]",
     ),
+    Defect(
+        name="what stands beside an image moves the backscatter at its pixels",
+        file="uwopt/forward/lamp_light.py",
+        old="np.stack(list(map(sent_back, along, across)))",
+        new="sent_back(along, across)",
+        test="tests/evaluation/test_light_in_parts.py"
+        "::test_pixels_of_an_image_are_the_same_whatever_image_is_worked_out_beside_it",
+    ),
 )

@@ -400,10 +400,11 @@ class LampField:
                 )
                 over = np.zeros_like(signal)
             if scatters and self.effects.backscatter:
-                over = over + backscatter_gain(
-                    along, across, scatterers=self.scatterers(float(range_m)), fineness=self.fineness.veil,
+                sent_back = partial(
+                    backscatter_gain, scatterers=self.scatterers(float(range_m)), fineness=self.fineness.veil,
                     lamps=self.lamps, **self.sent_back(float(range_m)),
                 )  # fmt: skip
+                over = over + np.stack(list(map(sent_back, along, across)))  # by image: its rays choose the nodes
             signals.append(signal * collecting)
             veil_sum.append(over * collecting)
         return np.stack(signals, axis=1), np.stack(veil_sum, axis=1) if self.veiled(veils) else None

@@ -134,7 +134,7 @@ class RememberedField(LampField):
 class LoneField(RememberedField):
     """The same of images that are integrated one at a time.
 
-    What stands beside an image in an integral moves its figures by some 1e-7; a design that is evaluated has the
+    What stands beside an image in a mean moves its figures by some 1e-7; a design that is evaluated has the
     same ones whatever was searched before.
     """
 
