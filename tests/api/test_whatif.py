@@ -167,6 +167,13 @@ def test_bad_ranges_are_told_in_one_message(vary, words):
         assert word in str(fault.value)
 
 
+def test_a_number_that_no_mission_takes_is_refused_at_once():
+    with pytest.raises(MissionError, match=r"whatif: vary speed_m_s: -1 is below 0; give the speed"):
+        uwopt.whatif(reef(), {"speed_m_s": [-1, 1]})
+    with pytest.raises(MissionError, match=r"whatif: vary overlap: 20 is not below 1; .*0\.2 for 20"):
+        uwopt.whatif(reef(), {"overlap": [0.2, 20]})
+
+
 def test_a_value_that_contradicts_the_mission_is_a_row_with_its_reason():
     """A table of sharpness up to 0.95 was refused whole, for pixels alone leave sinc(1/4) = 0.900 of it."""
     table = uwopt.whatif(reef(), {"min_mtf_half_nyquist": [0.95, 0.2]})
@@ -367,6 +374,12 @@ def test_with_certainty_the_points_are_what_solve_recommends(monkeypatch):
 def test_a_confidence_that_cannot_be_is_refused(more, said):
     with pytest.raises(MissionError, match=said):
         uwopt.whatif(reef(), {"speed_m_s": [0.3, 0.6]}, **more)
+
+
+def test_what_a_call_gives_is_no_fault_of_the_file(few_file):
+    for asked in (uwopt.solve, lambda file, **more: uwopt.whatif(file, {"speed_m_s": [0.3, 0.6]}, **more)):
+        with pytest.raises(MissionError, match=r"^confidence = '90' is not a share"):
+            asked(str(few_file), confidence="90")
 
 
 def test_a_confidence_of_the_mission_that_is_not_held_is_told_in_one_line():

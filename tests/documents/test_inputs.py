@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from thorough import drawn
 
+import uwopt
 from uwopt.documents.faults import nearest, path_text, show
 from uwopt.documents.reading import MAX_BYTES, read_document
 from uwopt.documents.yaml_lines import MAX_NODES, compose, resolve_scalar
@@ -115,6 +116,13 @@ def test_a_mission_in_place_of_a_system_is_told_in_one_sentence(tmp_path):
     (tmp_path / "reef.yaml").write_text("vehicle: {}\nrequirements: {}\n", "utf-8")
     with pytest.raises(MissionError, match="is a mission, no system; `uwopt init --system`") as caught:
         read_document(tmp_path / "reef.yaml", "system")
+    assert len(caught.value.faults) == 1
+
+
+def test_a_system_in_place_of_a_mission_is_told_in_one_sentence(tmp_path):
+    (tmp_path / "reef.yaml").write_text("camera: a\nlens: b\nlight_count: 2\n", "utf-8")
+    with pytest.raises(MissionError, match="is a system, no mission; name the mission file") as caught:
+        uwopt.load_mission(tmp_path / "reef.yaml")
     assert len(caught.value.faults) == 1
 
 

@@ -509,8 +509,8 @@ DEFECTS = (
     Defect(
         name="a word that no mission takes is told as a contradiction",
         file="uwopt/api/whatif.py",
-        old="if not key.is_numeric and alone in fault:",
-        new="if key.is_numeric and alone in fault:",
+        old="if alone in fault and not (key.is_numeric and",
+        new="if alone in fault and (key.is_numeric and",
         test="tests/api/test_whatif.py::test_a_word_that_no_mission_takes_is_told_as_such",
     ),
     Defect(

@@ -310,7 +310,7 @@ def check_keys(keys: Sequence[Varied], *, spider: bool) -> None:
 def check_points(grid: VariedGrid) -> list[Note]:
     """Set points aside whose values contradict each other or the rest of the mission, and say why.
 
-    Raises MissionError where all do, or a word is none that a mission takes.
+    Raises MissionError where all do, or no mission takes a value of a key.
     """
     every = grid.every
     for at in every:
@@ -323,8 +323,8 @@ def check_points(grid: VariedGrid) -> list[Note]:
     at, why = next(iter(grid.refused.items()))
     for one, fault in grid.refused.items():
         for key, value in zip(grid.keys, one, strict=True):
-            alone = f"{key.name} = {value!r} "  # of a word that no mission takes the fault says all there is to say
-            if not key.is_numeric and alone in fault:
+            alone = f"{key.name} = {value!r} "  # of what no mission takes the fault says all there is to say
+            if alone in fault and not (key.is_numeric and grid.base.is_allowed(key, value)):
                 raise MissionError(f"whatif: vary {key.key}: {value!r} {fault.partition(alone)[2]}")
     values = ", ".join(f"{key.key} = {shown(value)}" for key, value in zip(grid.keys, at, strict=True))
     count = len(grid.refused)

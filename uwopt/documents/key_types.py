@@ -8,7 +8,7 @@ import math
 import re
 from collections.abc import Mapping
 from functools import partial
-from typing import Annotated, Any, ClassVar, TypeVar
+from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -30,9 +30,12 @@ SMALLEST = 1e-12  # of what may not be 0: products of a few such stay within wha
 _SPELLINGS = {"color": "colour", "monochrome": "mono", "grey": "mono", "highest": "high"}
 
 
-def refusal(what: str, mend: str = "") -> PydanticCustomError:
+FAULT, OUT_OF_REACH = "fault", "out_of_reach"  # no value of a key; one that is, but that nothing can meet
+
+
+def refusal(what: str, mend: str = "", kind: Literal["fault", "out_of_reach"] = FAULT) -> PydanticCustomError:
     """The fault of one value: what is wrong with it, and how to mend it ("": say what the key holds)."""
-    return PydanticCustomError("fault", "{what}", {"what": what, "mend": mend})
+    return PydanticCustomError(kind, "{what}", {"what": what, "mend": mend})
 
 
 def to_number(value: Any) -> float:

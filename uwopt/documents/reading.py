@@ -18,6 +18,7 @@ from uwopt.errors import MissionError
 
 MAX_BYTES = 10_000_000
 MISSION_KEYS = frozenset({"vehicle", "requirements"})  # which every mission has, and no system
+SYSTEM_KEYS = frozenset({"camera", "complete"})  # of which every system has one, and no mission
 _NOTHING = object()
 
 
@@ -31,6 +32,7 @@ class Document:
     base_dir: Path | None = None
     faults: tuple[str, ...] = ()
     text: str | None = None  # of the file as it was read
+    changed: frozenset[str] = frozenset()  # keys of the top level that a call gives in place of the source
 
     def has(self, path: KeyPath) -> bool:
         """Whether the source holds something at this path."""
@@ -47,7 +49,9 @@ class Document:
         return node
 
     def where(self, path: KeyPath = ()) -> str:
-        """File and line of a key, or of the nearest thing around it: `reef.yaml line 12`."""
+        """File and line of a key, or of the nearest thing around it: `reef.yaml line 12`; none of what a call gives."""
+        if path and path[0] in self.changed:
+            return ""
         for length in range(len(path), 0, -1):
             line = self.lines.get(path[:length])
             if line is not None:
@@ -122,6 +126,8 @@ def _read_file(source: str | Path, what: str) -> Document:
     if "uwopt_version" in data:
         beside = {"system": "name the system.yaml that --out wrote beside it"}
         raise MissionError(f"{shown}: is a result of uwopt, no {what}; {beside.get(what, f'name the {what} file')}.")
+    if what == "mission" and SYSTEM_KEYS & data.keys() and not MISSION_KEYS & data.keys():
+        raise MissionError(f"{shown}: is a system, no mission; name the mission file, before that of a system.")
     if what == "system" and MISSION_KEYS.issubset(data):
         raise MissionError(f"{shown}: is a mission, no system; `uwopt init --system` writes one to start from.")
     return Document(shown, data, lines, path.absolute().parent, tuple(faults), text)

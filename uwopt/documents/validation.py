@@ -9,7 +9,7 @@ from typing import Any, TypeVar, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 
 from uwopt.documents.faults import KeyPath, nearest, path_text, show
-from uwopt.documents.key_types import keys_of, spelled_keys
+from uwopt.documents.key_types import FAULT, OUT_OF_REACH, keys_of, spelled_keys
 from uwopt.documents.reading import Document
 from uwopt.errors import MissionError
 from uwopt.units import convert, is_number, split_unit
@@ -48,7 +48,7 @@ class Reporter:
         """One fault: where it stands, the key, and the rest of the sentence."""
         source = self.origin_of(path)
         rest = rest if rest.endswith(("?", ".")) else rest + "."
-        return f"{self.document.where(source)}: {path_text(source)} {rest}".replace(":  ", ": ")
+        return f"{self.document.where(source)}: {path_text(source)} {rest}".replace(":  ", ": ").removeprefix(": ")
 
     def faults(self, error: ValidationError) -> list[str]:
         """Every fault of a validation, cross checks apart."""
@@ -68,7 +68,7 @@ class Reporter:
         return self.sentence(path, f"{shown}{what}; {mend or self._mend(path)}")
 
     def _what(self, kind: str, value: Any, context: Mapping[str, Any], message: str) -> tuple[str, str]:
-        if kind == "fault":
+        if kind in (FAULT, OUT_OF_REACH):
             return context["what"], context["mend"]
         if kind in _LIMITS:
             name, words = _LIMITS[kind]

@@ -191,8 +191,9 @@ class Mission(WholeFile):
         """
         given = self._as_given(unset="practice" not in changes)
         document = Document(
-            self._source_name, {**given, **changes}, base_dir=self._base_dir, text=self._source_text
-        )
+            self._source_name, {**given, **changes}, base_dir=self._base_dir, text=self._source_text,
+            changed=frozenset(changes),
+        )  # fmt: skip
         made = placed(_checked(document), document).stating(self.stated)
         if not {"vehicle", "practice"} & changes.keys():  # what its file states binds a system, defaults do not
             made.__dict__["vehicle"] = self.vehicle

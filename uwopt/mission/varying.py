@@ -13,8 +13,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from pydantic import ValidationError
+
 from uwopt.documents.faults import nearest, show
-from uwopt.documents.key_types import keys_of
+from uwopt.documents.key_types import OUT_OF_REACH, keys_of
 from uwopt.documents.reading import read_document
 from uwopt.errors import MissionError
 from uwopt.mission.checks import in_one_form
@@ -71,7 +73,7 @@ class VariedMission:
             data = in_one_form(read_document(source, "mission").data)[0]
         self.data = {**data, **changes}
         if changes:
-            self.base = self.with_values({})
+            self.base = self.base.with_changes(**changes)
 
     def with_values(self, values: Mapping[Varied, Value]) -> Mission:
         """The mission with these values; raises MissionError where they cannot stand together."""
@@ -101,6 +103,16 @@ class VariedMission:
     def varied(self, key: str, values: Sequence[Any] | str) -> Varied:
         """A key that is in the mission's language, with checked values."""
         return replace(self.named(key), values=checked_values(f"vary {key.strip()}", values))
+
+    @staticmethod
+    def is_allowed(varied: Varied, value: Value) -> bool:
+        """Whether a key may have a value, whatever else a mission says, and whether or not anything can meet it."""
+        try:
+            sections()[varied.section].model_validate({varied.name: value})
+        except ValidationError as error:
+            faults = [one["type"] for one in error.errors(include_url=False) if one["loc"][:1] == (varied.name,)]
+            return all(kind == OUT_OF_REACH for kind in faults)
+        return True
 
     def named(self, key: str) -> Varied:
         """A key that is in the mission's language, without values; raises MissionError for others."""

@@ -8,6 +8,7 @@ from pydantic import AfterValidator, BeforeValidator, Field
 from uwopt.documents.key_types import (
     CHOICE,
     NUMBER,
+    OUT_OF_REACH,
     NonNegative,
     Positive,
     Section,
@@ -27,7 +28,7 @@ def _left_by_pixels(value: float) -> float:
     if value > PIXEL_MTF:
         raise refusal(
             f"is more than any camera leaves, with whatever lens: its pixels alone leave {PIXEL_MTF:.3f} at half the "
-            "Nyquist frequency", "ask for less; 0.3 is recommended",
+            "Nyquist frequency", "ask for less; 0.3 is recommended", OUT_OF_REACH,
         )  # fmt: skip
     return value
 
