@@ -263,7 +263,7 @@ def test_where_light_lacks_speed_and_height_give_from_the_first(parts, monkeypat
     trials, moved = of_murky_water(parts)[0], []
     monkeypatch.setattr(CommonShare, "_search", lambda self, *of: moved.append(set(self.moved)))
     for lacks, expected in ((False, [set(), {"speed_m_s", "altitude_m"}]), (True, [{"speed_m_s", "altitude_m"}])):
-        trials.lacks_light = lacks
+        trials.short_of = frozenset({"light"} if lacks else ())
         moved.clear()
         CommonShare(trials, NEVER, few=True).of_all()
         assert moved[: len(expected)] == expected and (set() in moved) is not lacks

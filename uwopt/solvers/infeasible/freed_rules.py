@@ -16,7 +16,8 @@ from uwopt.solvers.recommend import Sought
 
 OTHER_WATER = "other water"  # of which no rule of an imager knows
 NO_REASONS = frozenset({"better_housing", "bound", "mount", "image_circle", "complete"})  # whatever is asked
-BUDGETS = ("cost", "mass_kg", "power_w", "energy_wh")  # rules in the order of bounds, and the limits of which they are
+ENERGY = "energy_wh"
+BUDGETS = ("cost", "mass_kg", "power_w", ENERGY)  # rules in the order of bounds, and the limits of which they are
 LATE_RULES = frozenset({*NODE_RULES, *BUDGETS}) - NO_REASONS  # that know of lamps
 HOURS, OF_HOURS = "duration_h", ("run time", "rated time")  # rules of parts that a shorter mission may have again
 SETTINGS = "settings"  # that none of a design's does: a reason, though no rule of a search

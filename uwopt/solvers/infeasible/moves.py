@@ -16,7 +16,7 @@ from uwopt.mission.keys import WATER_KEYS
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Value, Varied, VariedMission, rounded
 from uwopt.results.basis import Moved
-from uwopt.solvers.infeasible.freed_rules import OTHER_WATER, SWITCHES
+from uwopt.solvers.infeasible.freed_rules import ENERGY, OTHER_WATER, SWITCHES
 from uwopt.solvers.infeasible.least_change import Change, Narrowing, same_hardware
 from uwopt.solvers.infeasible.move_keys import CLEAREST_FIRST, Try, tries_of
 from uwopt.solvers.infeasible.relaxer import ANY
@@ -179,8 +179,11 @@ class Mover:
     @cached_property
     def tries(self) -> tuple[Try, ...]:
         """The keys that may be moved, in turn."""
-        lacks = {"for_want_of_energy": self.trials.lacks_energy, "for_want_of_budget": self.trials.lacks_budget}
-        return tuple(tries_of(self.trials.mission, **lacks))
+        short_of = self.trials.short_of
+        return tuple(tries_of(
+            self.trials.mission, for_want_of_energy=ENERGY in short_of,
+            for_want_of_budget=not short_of.isdisjoint(("cost", "mass_kg")),
+        ))  # fmt: skip
 
     # ------------------------------------------------------------ far, and back
 

@@ -95,22 +95,10 @@ class Trials:
         return self.deadline.part(TURN)
 
     @cached_property
-    def lacks_energy(self) -> bool:
-        """Whether the last designs of the search that found nothing fall for want of energy."""
+    def short_of(self) -> frozenset[str]:
+        """By which rules the last designs of the search that found nothing fall: for want of light, say, or money."""
         like = self.relaxer.like
-        return like is not None and "energy_wh" in in_the_way(like)
-
-    @cached_property
-    def lacks_budget(self) -> bool:
-        """Whether they fall for want of money, or by their mass."""
-        like = self.relaxer.like
-        return like is not None and not {"cost", "mass_kg"}.isdisjoint(in_the_way(like))
-
-    @cached_property
-    def lacks_light(self) -> bool:
-        """Whether they fall for want of light."""
-        like = self.relaxer.like
-        return like is not None and "light" in in_the_way(like)
+        return frozenset() if like is None else frozenset(in_the_way(like))
 
     @cached_property
     def limits(self) -> dict[str, float]:

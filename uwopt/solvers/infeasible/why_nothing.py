@@ -118,7 +118,7 @@ def first_that_help(trials: Trials, singles: Singles, mover: Mover, *, is_quick:
     is_quick : whether bounds tell of all imagers as soon as of a few
     """
     soon = None
-    if trials.lacks_light and "min_snr" in singles.useless:  # nearer, slower and with less asked at once is what helps
+    if "light" in trials.short_of and "min_snr" in singles.useless:  # nearer, slower and less asked at once will help
         soon = together_soon(trials, singles, mover)
     if is_quick:
         soonest = trials.deadline.but_for(QUICK_SHARE)
