@@ -13,8 +13,9 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+import uwopt
 from uwopt.model.imaging import PortShape
-from uwopt.model.stereo import Pair, common_width_m, depth_error_m
+from uwopt.model.stereo import Pair, common_width_m, depth_error_m, largest_step_m
 
 DOME = PortShape(True, 0.08, 0.01, 1.5, 0.0, 1.34)
 FLAT = PortShape(False, 0.0, 0.012, 1.52, 0.04, 1.34)
@@ -154,3 +155,37 @@ def test_common_width_is_where_both_traced_images_reach(shape: PortShape, baseli
     both = np.all([(places >= low) & (places <= high) for low, high in ends], axis=0)
     told: Any = common_width_m(np.array([[edge]]), shape=shape, range_m=np.array([range_m]), pair=pair)
     assert float(told[0, 0]) == pytest.approx(1e-4 * both.sum(), abs=3e-4)
+
+
+@SHAPES
+@pytest.mark.parametrize("turn_deg", [2.0, 8.0])
+def test_pixels_of_a_turned_camera_are_largest_where_traced_rays_move_most(shape: PortShape, turn_deg: float) -> None:
+    """What a step between two rays moves the end across, the most from the middle to the edge that looks farthest."""
+    pair, edge, range_m, step = Pair(0.0, math.radians(turn_deg)), 0.45, 1.4, 1e-5
+    most_m = max(
+        (across_at(u, shape, pair, 1, range_m) - across_at(u - step, shape, pair, 1, range_m)) / step
+        for u in np.linspace(0.0, edge, 181)
+    )
+    found = largest_step_m(np.array([[edge]]), shape=shape, range_m=np.array([range_m]), turn_rad=pair.turn_rad)
+    assert found[0, 0] == pytest.approx(most_m, rel=1e-3)
+    if shape.is_dome:  # (d + R cos phi) / (cos phi - u sin phi)^2
+        fall = math.cos(pair.turn_rad) - edge * math.sin(pair.turn_rad)
+        assert found[0, 0] == pytest.approx((range_m + 0.08 * math.cos(pair.turn_rad)) / fall**2, rel=1e-9)
+
+
+def test_a_turned_pair_is_held_to_its_largest_pixels() -> None:
+    """5 degrees each: 0.63 mm at the edge that looks farthest, where square on the wall it would be 0.575 mm."""
+    wanted = {"practice": "bare", "confidence": "central", "physics": "full",
+              "scene": {"target": "wall", "water": "II", "seafloor": 0.1, "depth_m": 1700},
+              "vehicle": {"distance_m": 1.4, "speed_m_s": 0, "camera_count": 2, "camera_baseline_m": 0.3,
+                          "camera_convergence_deg": 10},
+              "requirements": {"frame_interval_s": 60, "max_gsd_mm": 0.6}}  # fmt: skip
+    system = {"camera": "basler-a2a2464-77ucpro", "lens": "fujinon-hf9ha-1b", "port": "generic-dome-bk7-100mm",
+              "light": "generic-flash-100j", "light_count": 2, "camera_count": 2,
+              "settings": {"f_number": 4, "exposure_ms": 1.5, "gain": 2, "dim_frac": 0.5}}  # fmt: skip
+    design = uwopt.evaluate(wanted, system).design
+    assert design is not None
+    (margin,) = [one for one in design.scenes[0].margins if one.requirement == "max_gsd_mm"]
+    turn, edge = math.radians(5.0), 2448 * 3.45 / 2 / 9e3
+    fall = math.cos(turn) - edge * math.sin(turn)
+    assert margin.value == pytest.approx(1.5 * 3.45 / 9.0 / fall**2, rel=1e-3) and not margin.satisfied

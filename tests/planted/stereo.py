@@ -108,4 +108,11 @@ DEFECTS = (
         new="y_m = lamp.y_m",
         test=f"{MISSION}::test_light_of_each_camera_is_that_of_lamps_shifted_against_it",
     ),
+    Defect(
+        name="pixels of cameras that are turned are as large as of those that are not",
+        file="uwopt/forward/views.py",
+        old="pair.turn_rad and not (scene.slope or scene.paper)",
+        new="False",
+        test="tests/model/test_stereo.py::test_a_turned_pair_is_held_to_its_largest_pixels",
+    ),
 )

@@ -123,6 +123,9 @@ def geometry(
 ) -> dict[str, Array]:
     """The columns of `Views` that follow from the field of view and the pixel: footprints, and where images lie."""
     covered = footprints(scene, shape, along, across, pitch, effective, ranges)
+    if (pair := pair_of(scene)) is not None and pair.turn_rad and not (scene.slope or scene.paper):
+        most_m = stereo.largest_step_m(across[:, None], shape=shape.over(1), range_m=ranges, turn_rad=pair.turn_rad)
+        covered["gsd_m"] = np.maximum(covered["gsd_m"], (pitch / effective)[:, None] * most_m)
     return dict(
         **covered, covered_along_m=covered["footprint_along_m"], covered_across_m=covered["footprint_across_m"],
         **seen_by_pair(scene, shape, across, pitch / effective, covered["footprint_across_m"], ranges),

@@ -44,7 +44,9 @@ def spectral_flux_w_nm(
     spectrum = np.asarray(relative_spectrum, dtype=float)
     luminous = integrate_nm(np.asarray(photopic, dtype=float) * spectrum, wavelength_nm)
     if not np.all(luminous > 0):
-        raise RangeError("a spectrum without visible light cannot be scaled to lumens")
+        raise RangeError(
+            "a spectrum without visible light cannot be scaled to lumens: lamps of infrared alone are not modelled"
+        )
     lumens_per_unit = np.asarray(MAX_LUMINOUS_EFFICACY_LM_W * luminous)
     return np.asarray(flux_lm, dtype=float)[..., None] * spectrum / lumens_per_unit[..., None]
 

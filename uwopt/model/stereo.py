@@ -15,6 +15,7 @@ from uwopt.arrays import Array
 from uwopt.model import port
 from uwopt.model.imaging import PortShape, ray_spread
 
+PLACES = tuple(0.125 * place for place in range(9))  # from the middle of an image to the edge that looks farthest
 NEWTON_STEPS = 12  # towards a ray behind a flat port: the error squares at each
 
 
@@ -120,6 +121,37 @@ def ray_step(y_m: Array, *, shape: PortShape, range_m: Any, turn_rad: float) -> 
     way = (range_m + a * sin) / fall
     way_rise = (a_rise * fall * sin + (range_m + a * sin) * w_rise * sin) / np.square(fall)
     return a_rise * cos + way_rise * (w * cos + sin) + way * w_rise * cos, (w * cos + sin) / fall
+
+
+def largest_step_m(tan_across: Array, *, shape: PortShape, range_m: Any, turn_rad: float) -> Array:
+    """The most that a tangent in air moves the end of a turned camera's ray across the plane, over its image [m].
+
+        dome: (d + R cos phi) / (cos phi - u sin phi)^2, u at the edge that looks farthest;   flat: the most at PLACES
+
+    Parameters
+    ----------
+    tan_across : (n, 1) tangent in air of the half angle of view across
+    range_m : (k,) [m]
+
+    Returns
+    -------
+    (n, k) [m] per tangent; times a pixel's tangent its ground sample. inf where the edge never meets the plane.
+
+    Notes
+    -----
+    In the middle of the image along the motion; corners have up to (tan_along sin phi)^2 / 2 of it more.
+
+    References
+    ----------
+    Derivative of `meeting_m` by u.
+    """
+    steps = [
+        np.where(np.isfinite(end), ray_step(end, shape=shape, range_m=range_m, turn_rad=turn_rad)[0], np.inf)
+        for end in (
+            meeting_m(share * tan_across, shape=shape, range_m=range_m, turn_rad=turn_rad) for share in PLACES
+        )
+    ]
+    return np.asarray(np.max(steps, axis=0))
 
 
 def depth_error_m(

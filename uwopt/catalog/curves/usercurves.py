@@ -156,4 +156,4 @@ def _visible_gaps(wavelength_nm: FloatArray) -> list[str]:
     if last_nm < high_nm:
         gaps.append((max(last_nm, low_nm), high_nm))
     visible = f"{low_nm:g}-{high_nm:g} nm"
-    return [f"{start:g}-{end:g} nm of the visible range {visible} is missing" for start, end in gaps]
+    return [f"{start:g}-{end:g} nm of the visible range {visible} is missing: 0 where dark" for start, end in gaps]
