@@ -174,8 +174,8 @@ DEFECTS = (
     Defect(
         name="rows draw the power of the first scene",
         file="uwopt/evaluation/design.py",
-        old="drawn[int(np.argmax(powers))]",
-        new="drawn[0]",
+        old="most = int(np.argmax(powers))",
+        new="most = 0",
         test=SUMS,
     ),
     Defect(

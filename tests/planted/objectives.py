@@ -337,22 +337,22 @@ DEFECTS = (
     Defect(
         name="the best scene's SNR counts",
         file="uwopt/evaluation/design.py",
-        old="cost, mass, min(snrs), gsd_mm",
-        new="cost, mass, max(snrs), gsd_mm",
+        old="min(float(ratio_to_db(max(",
+        new="max(float(ratio_to_db(max(",
         test="tests/evaluation/test_design_model.py::test_worst_scene_counts_in_what_is_to_be_high",
     ),
     Defect(
         name="the finest scene's pixel counts",
         file="uwopt/evaluation/design.py",
-        old="gsd_mm = max(float(",
-        new="gsd_mm = min(float(",
+        old="max(float(view.gsd_m",
+        new="min(float(view.gsd_m",
         test="tests/evaluation/test_design_model.py::test_worst_scene_counts_in_what_is_to_be_low",
     ),
     Defect(
         name="power of the thriftiest scene",
         file="uwopt/evaluation/design.py",
-        old="worst = (max(powers)",
-        new="worst = (min(powers)",
+        old="worst_terms(design, max(powers)",
+        new="worst_terms(design, min(powers)",
         test="tests/evaluation/test_design_model.py::test_power_is_that_of_the_scene_with_the_most",
     ),
     Defect(
@@ -365,8 +365,8 @@ DEFECTS = (
     Defect(
         name="one feasible scene is enough",
         file="uwopt/evaluation/design.py",
-        old="feasible = all(m.satisfied for s in scenes for m in s.margins)",
-        new="feasible = any(all(m.satisfied for m in s.margins) for s in scenes)",
+        old="feasible=all(m.satisfied for s in scenes for m in s.margins)",
+        new="feasible=any(all(m.satisfied for m in s.margins) for s in scenes)",
         test="tests/evaluation/test_design_model.py::test_one_scene_that_misses_is_enough",
     ),
     Defect(

@@ -101,53 +101,39 @@ def told(
     *, level_tolerance_rel: float,
 ) -> Design:  # fmt: skip
     """Everything a result says of a design, in plain values."""
-    model, each, hardware = design.model, design.settings, design.model.hardware
-    scenes, powers, snrs, peaks, light_powers = [], [], [], [], []
-    contrasts, information, drawn = [], [], []
+    model, each, figures, hardware = design.model, design.settings, design.figures, design.model.hardware
     margins = margins_of(problem, design, level_tolerance_rel)
-    for index, settings in enumerate(each):
-        scene, figures = problem.scenes[index], design.figures[index]
-        contrasts.append(float(figures.contrast[0, scene.nominal]))
-        bits = figures.information_bit_per_m2
-        information.append(math.nan if bits is None else float(bits[0]))
-        terms = model.totals(figures)
-        powers.append(float(terms["power_w"][0]))
-        light_powers.append(float(figures.light_power_w[0]))
-        drawn.append(model.drawn_w(index, settings, figures))
-        peaks.append(float(figures.light_peak_power_w[0]))
-        snr = float(figures.snr[0, scene.nominal])
-        snrs.append(float(ratio_to_db(max(snr, 0.0))))
-        scenes.append(
-            SceneResult(
-                name=scene.name,
-                settings=plain_settings(model, settings, figures),
-                settings_to_set=None,
-                figures=plain_figures(model, index, settings, figures, sharp[index]),
-                margins=[plain_margin(m) for m in margins[index]],
-            )
+    scenes = [
+        SceneResult(
+            name=scene.name,
+            settings=plain_settings(model, each[index], figures[index]),
+            settings_to_set=None,
+            figures=plain_figures(model, index, each[index], figures[index], sharp[index]),
+            margins=[plain_margin(m) for m in margins[index]],
         )
-    cost, mass = float(terms["cost"][0]), float(terms["mass_kg"][0])
-    gsd_mm = max(float(view.gsd_m[0, 1]) * 1e3 for view in model.views)
-    worst = (max(powers), cost, mass, min(snrs), gsd_mm, min(contrasts), min(information))
-    one = Terms(*(np.array([v]) for v in worst))
-    minimised = float(objective.cost_to_minimise(one)[0])
-    feasible = all(m.satisfied for s in scenes for m in s.margins)
-    most_w = drawn[int(np.argmax(powers))]
+        for index, scene in enumerate(problem.scenes)
+    ]
+    by_scene = [model.totals(one) for one in figures]
+    powers = [float(one["power_w"][0]) for one in by_scene]
+    cost, mass = (float(by_scene[-1][name][0]) for name in ("cost", "mass_kg"))
+    minimised = float(objective.cost_to_minimise(worst_terms(design, max(powers), cost, mass))[0])
+    most = int(np.argmax(powers))
+    most_w = model.drawn_w(most, each[most], figures[most])
     bill = bill_of_materials(problem, hardware, model.spacer_m, most_w, model.disks_gb)
     return Design(
         hardware=used_hardware(problem, hardware, model.spacer_m),
         objective_value=objective.told(minimised),
-        feasible=feasible,
+        feasible=all(m.satisfied for s in scenes for m in s.margins),
         totals=Totals(
             cost=cost_range(problem, bill),
             power_w=max(powers),
-            light_power_w=max(light_powers),
-            light_peak_power_w=max(peaks),
+            light_power_w=max(float(one.light_power_w[0]) for one in figures),
+            light_peak_power_w=max(float(one.light_peak_power_w[0]) for one in figures),
             mass_kg=mass,
             **housed_totals(model),
             **heated(problem, hardware, most_w),
             run_time_h=model.run_time_h,
-            **used_up(model, design.figures),
+            **used_up(model, figures),
         ),
         scenes=scenes,
         bom=bill,
@@ -156,6 +142,20 @@ def told(
             *uneven_notes(scenes), *stop_notes(model),
         ],
     )  # fmt: skip
+
+
+def worst_terms(design: Measured, power_w: float, cost: float, mass_kg: float) -> Terms:
+    """What objectives are made of, of the worst scene at its nominal altitude, beside what all scenes share."""
+    pairs = [(one, scene.nominal) for one, scene in zip(design.figures, design.model.problem.scenes, strict=True)]
+    bits = [one.information_bit_per_m2 for one in design.figures]
+    worst = (
+        power_w, cost, mass_kg,
+        min(float(ratio_to_db(max(float(one.snr[0, at]), 0.0))) for one, at in pairs),
+        max(float(view.gsd_m[0, 1]) * 1e3 for view in design.model.views),
+        min(float(one.contrast[0, at]) for one, at in pairs),
+        min(math.nan if one is None else float(one[0]) for one in bits),
+    )  # fmt: skip
+    return Terms(*(np.array([value]) for value in worst))
 
 
 def housing_notes(model: DesignModel) -> list[Note]:
