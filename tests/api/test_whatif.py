@@ -7,7 +7,7 @@ import json
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import pytest
 import yaml
@@ -28,7 +28,8 @@ from uwopt.objectives.goal import goal_of
 from uwopt.report.page.whatif import whatif_html
 from uwopt.report.pictures.whatif_plots import whatif_figures
 from uwopt.report.text.whatif_tables import opening
-from uwopt.results.whatif import WhatIf, WhatIfPoint
+from uwopt.results.design import UsedHardware, UsedPart
+from uwopt.results.whatif import WhatIf, WhatIfPoint, WinningSystem
 from uwopt.solvers.confidence import search
 from uwopt.solvers.warm.searches import Warm
 
@@ -284,9 +285,9 @@ def found(*, interrupted: bool = False) -> Any:
 def chosen(held: float, *, enough: bool) -> Any:
     """What is recommended at a point, as far as it is looked at."""
     part = SimpleNamespace(id="zz", generic=False)
-    named = dict.fromkeys(("camera", "lens", "port", "light"), part)
+    parts = dict.fromkeys(("camera", "lens", "port", "light"), part)
     totals = SimpleNamespace(power_w=3.0, cost=SimpleNamespace(value=900.0), mass_kg=None)
-    hardware = SimpleNamespace(named=named, light_count=2)
+    hardware = SimpleNamespace(parts=parts, port=part, housing=None, complete=None, light_count=2)
     return SimpleNamespace(
         sought=found().sought, proven=None, is_best=enough, counts=held, cut=False,
         counted=SimpleNamespace(enough=enough, held=held, objective_p50=4.5),
@@ -351,6 +352,21 @@ def test_with_certainty_an_interruption_keeps_what_is_known(monkeypatch):
     stub_points(monkeypatch, [found(), found(interrupted=True)], [chosen(0.93, enough=True)])
     table = uwopt.whatif(reef(), {"speed_m_s": [0.3, 0.6]}, confidence=0.9)
     assert table.status == "interrupted" and [point.values for point in table.points] == [[0.3]]
+
+
+def test_with_certainty_a_system_is_named_as_by_likeliest_values():
+    """A complete camera by its pieces, which ended in a KeyError; a port in another housing is another system."""
+
+    def named(camera: str, **more: Any) -> WinningSystem:
+        ids = {kind: f"{camera} {kind}" for kind in ("camera", "lens", "port", "light")}
+        parts = {kind: UsedPart(name, name, False) for kind, name in ids.items()}
+        made = UsedHardware(**parts, camera_count=1, light_count=2, orientation="landscape", light_mounts=[], **more)
+        return certain_points.system_of(cast(Any, SimpleNamespace(hardware=made)))
+
+    whole, tube = UsedPart("cam", "cam", False), UsedPart("tube", "tube", False)
+    assert named("cam", complete=whole) == named("cam") and named("cam").camera == "cam camera"
+    assert named("cam", housing=tube).port == "cam port in tube"
+    assert named("cam", complete=whole, housing=tube).port == "cam port"
 
 
 def test_with_certainty_the_points_are_what_solve_recommends(monkeypatch):

@@ -175,6 +175,20 @@ DEFECTS = (
         test="tests/api/test_whatif.py::test_with_certainty_an_interruption_keeps_what_is_known",
     ),
     Defect(
+        name="a table with certainty looks for the pieces of a complete camera in vain",
+        file="uwopt/api/certain_points.py",
+        old="    parts = design.hardware.parts\n",
+        new="    parts = design.hardware.named\n",
+        test="tests/api/test_whatif.py::test_with_certainty_a_system_is_named_as_by_likeliest_values",
+    ),
+    Defect(
+        name="in a table with certainty a port is the same in any housing",
+        file="uwopt/api/certain_points.py",
+        old=' | {"port": enclosure_id(design)}',
+        new="",
+        test="tests/api/test_whatif.py::test_with_certainty_a_system_is_named_as_by_likeliest_values",
+    ),
+    Defect(
         name="what holds elsewhere is not looked at here",
         file="uwopt/api/certain_points.py",
         old="        self.last = made.counts\n",

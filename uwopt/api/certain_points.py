@@ -16,6 +16,7 @@ from uwopt.api.varied import Systems
 from uwopt.api.watch import Watch
 from uwopt.catalog.records import OF_A_DESIGN
 from uwopt.deadline import Deadline
+from uwopt.evaluation.recompute import enclosure_id
 from uwopt.forward.assembly import load_catalog
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
@@ -92,9 +93,9 @@ def gives_way_with_certainty(mission: Mission, deadline: Deadline) -> tuple[tupl
 
 
 def system_of(design: Design) -> WinningSystem:
-    """The hardware of a design."""
-    parts = design.hardware.named
-    ids = {kind: parts[kind].id for kind in OF_A_DESIGN}
+    """The hardware of a design by the ids that a search knows: a complete camera's pieces, a port in its housing."""
+    parts = design.hardware.parts
+    ids = {kind: parts[kind].id for kind in OF_A_DESIGN} | {"port": enclosure_id(design)}
     generic = any(part.generic for part in parts.values())
     return WinningSystem(**ids, light_count=design.hardware.light_count, generic=generic)
 
