@@ -111,8 +111,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="one design takes the cells of all",
         file="uwopt/solvers/settings/cells.py",
-        old="own < self.most_cells)",
-        new="own >= 0)",
+        old="self.taken < self.most_cells)",
+        new="self.taken >= 0)",
         test="tests/solvers/test_cells.py::test_a_design_takes_no_more_cells_than_it_may",
     ),
     Defect(
@@ -611,9 +611,31 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="halves are measured where any settings will do",
         file="uwopt/solvers/settings/cell_pool.py",
-        old="if len(dims) <= 1 or self.any_will_do:",
-        new="if len(dims) <= 1:",
+        old="soon = (self.any_will_do or self.rows[0].optimistic) &",
+        new="soon = self.rows[0].optimistic &",
         test=f"{CELLS}test_whether_anything_fits_takes_no_measure_of_halves[hardly sharp by steps of light]",
+    ),
+    Defect(
+        name="halves of bounds are measured from the first",
+        file="uwopt/solvers/settings/cell_pool.py",
+        old="soon = (self.any_will_do or self.rows[0].optimistic) &",
+        new="soon = self.any_will_do &",
+        test=f"{CELLS}test_bounds_measure_halves_only_of_what_takes_many",
+    ),
+    Defect(
+        name="cells are halved in the open shutter first",
+        file="uwopt/solvers/settings/cell_pool.py",
+        old="self.open_dim), scaled / THINNEST, scaled)",
+        new="self.open_dim), scaled, scaled)",
+        test=f"{CELLS}test_the_shutter_beside_a_pulse_is_halved_last",
+    ),
+    Defect(
+        name="the least power is sought of settings that are not told",
+        file="uwopt/solvers/settings/question.py",
+        old='for name in ("power", *MAXIMISED)) else np.inf',
+        new='for name in ("power", *MAXIMISED)) else gap_rel',
+        test="tests/solvers/test_confidence.py::"
+        "test_under_the_sun_any_settings_will_do_of_which_none_are_told",
     ),
     Defect(
         name="the sun gives a node half of its light",

@@ -176,3 +176,34 @@ def test_whether_anything_fits_takes_no_measure_of_halves(name: str, monkeypatch
     monkeypatch.setattr(CellSearch, "_gains", None)
     assert best_by_cells(replace(asked, gap_rel=np.inf)).feasible[0]
     assert np.isinf(best_by_cells(replace(never, gap_rel=np.inf)).bound(never)[0])
+
+
+def test_bounds_measure_halves_only_of_what_takes_many(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a bound, too, until something fits: what does not is known by a few halves along the widest sides."""
+    rows = lit(**{**BY_CELLS["power of bars under the sun"][0], "min_snr": 35.0})
+    asked = Question.of([rows], np.array([False]), Objective.of("power"), np.array([3.0]), np.inf)
+    measured, sound = [], CellSearch._gains
+
+    def counted(self: CellSearch, pool: Any, dims: list[int]) -> Any:
+        measured.append(len(pool.design))
+        return sound(self, pool, dims)
+
+    monkeypatch.setattr(CellSearch, "_gains", counted)
+    assert np.isinf(best_by_cells(asked).bound(asked)[0]) and measured
+    measured.clear()
+    bound = replace(asked, rows=[replace(rows, optimistic=True)])
+    assert np.isinf(best_by_cells(bound).bound(bound)[0]) and not measured
+
+
+def test_the_shutter_beside_a_pulse_is_halved_last() -> None:
+    """Where halves are not measured: it tells least, and cells that are halved in it alone are many in vain."""
+    given, wanted = BY_CELLS["pulses under the sun"]
+    rows = lit(**{**given, "open_max_s": 0.05})
+    asked = Question.of([rows], np.array([False]), Objective.of(wanted), np.array([3.0]), np.inf, gap_rel=np.inf)
+    search = CellSearch(asked, own_f_number=False)
+    roots = search._roots()
+    width, halves = (roots.hi - roots.lo)[0], search._halved(roots)
+    assert width.argmax() == search.open_dim[0]
+    left = (halves.hi - halves.lo)[0]
+    assert left[search.open_dim[0]] == width[search.open_dim[0]]
+    assert left[search.t_dim[0]] == pytest.approx(0.5 * width[search.t_dim[0]])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import cache
 from itertools import product
@@ -19,7 +20,7 @@ from uwopt.api import counting
 from uwopt.api.certainty import as_settable, focus_to_set_m, of_known
 from uwopt.api.counting import Counts
 from uwopt.catalog.parts.quantity import Quantity
-from uwopt.deadline import NEVER, Deadline, OutOfTimeError, unheard
+from uwopt.deadline import NEVER, Deadline, OutOfTimeError, effort_s, unheard
 from uwopt.forward.views import focus_map
 from uwopt.mission.doubt import Doubt
 from uwopt.model.port import lens_dioptre_per_m, water_distance_m
@@ -42,9 +43,12 @@ from uwopt.solvers.confidence.states import Together
 from uwopt.solvers.confidence.summary import missed_centrally, surest, told
 from uwopt.solvers.confidence.waters import BANDS
 from uwopt.solvers.confidence.worst_case import worse_problem
+from uwopt.solvers.exact import evaluation
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.one_hardware import ids_of_pieces, imagers_of, problem_of
 from uwopt.solvers.recommend import Sought
+from uwopt.solvers.settings.best import best_settings
+from uwopt.solvers.settings.question import Best, Question
 
 NOTHING: dict[str, Any] = {
     "clarity": False, "lamp_leg": False, "other_water_table": 0.0, "floor": [1, 1], "lamp_output": [1, 1],
@@ -309,6 +313,29 @@ def test_a_brighter_floor_in_murk_is_lit_by_its_own_light_too() -> None:
     for k in np.argsort([state.floor for state in scenarios.states])[[10, 21, 31]]:
         there = worked_out(sought, scenarios, int(k), float(made.f_numbers[stop]))
         assert made.value[stop, k] == pytest.approx(there, rel=0.01)
+
+
+def test_under_the_sun_any_settings_will_do_of_which_none_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where price alone counts: as many scenarios hold as with the least power, known from a fraction of the cells."""
+    dusk, lamp = {"sun_lux": 1e3, "depth_m": 15.0}, {"flux_lm": 8e3, "power_w": 60.0}
+    doubt = Doubt.model_validate(NOTHING | {"lamp_output": [0.05, 1.5], "clarity": True})
+    asked, held, cells, gaps = list[Question](), {}, {}, {}
+
+    def heard(what: Question, **how: Any) -> Best:
+        asked.append(what)
+        return best_settings(what, **how)
+
+    monkeypatch.setattr(evaluation, "best_settings", heard)
+    for goal in ("power", "cost"):
+        asked.clear()
+        sought = sought_of(one(goal, wanted=FAST, light=lamp, scenes=(dusk,)))
+        gaps[goal] = {(what.rows[0].optimistic, math.isinf(what.gap_rel)) for what in asked}
+        before_s = effort_s()
+        made = counted(sought, doubt, count=FEW)
+        held[goal], cells[goal] = np.isfinite(made.value), effort_s() - before_s
+    assert (held["cost"] == held["power"]).all() and 0.2 < held["cost"].mean() < 0.8
+    assert cells["cost"] < 0.5 * cells["power"]
+    assert gaps == {"power": {(True, False), (False, False)}, "cost": {(True, True), (False, False)}}
 
 
 def test_a_murkier_water_takes_more_power_and_a_brighter_floor_less() -> None:

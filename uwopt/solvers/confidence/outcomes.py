@@ -31,7 +31,7 @@ from uwopt.solvers.exact.node_designs import NodeDesigns
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.settable.steps import stops
 from uwopt.solvers.settings.best import best_settings
-from uwopt.solvers.settings.question import Best, Question
+from uwopt.solvers.settings.question import Best, Question, gap_if_told
 from uwopt.tolerances import ROUND
 
 STOPS_ON = (0.0, 1 / 3, 2 / 3, 4 / 3)  # from the widest stop that most scenarios allow: those that are looked at
@@ -244,8 +244,10 @@ class Judge:
     @cached_property
     def question(self) -> Question:
         """What is asked of the settings in each scenario."""
+        are_told = self.group.scenarios.doubt.settings == "fixed"
         return self.designs.asked(
-            self.group.problem, self.group.imagers, self.objective, self.rows, gap_rel=GAP, most_cells=A_SCENARIO
+            self.group.problem, self.group.imagers, self.objective, self.rows,
+            gap_rel=GAP if are_told else gap_if_told(self.objective, GAP), most_cells=A_SCENARIO,
         )  # fmt: skip
 
     def adapted(self) -> Best:

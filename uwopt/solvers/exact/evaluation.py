@@ -28,7 +28,7 @@ from uwopt.solvers.exact.node_designs import NodeDesigns, Waiting
 from uwopt.solvers.exact.ranking import Ranking
 from uwopt.solvers.settings.best import best_settings
 from uwopt.solvers.settings.closed_form import Chosen
-from uwopt.solvers.settings.question import GAP, Question
+from uwopt.solvers.settings.question import GAP, Question, gap_if_told
 from uwopt.tolerances import ROUND, SLACK
 
 MOST_ROWS_AT_ONCE = 60_000
@@ -313,7 +313,8 @@ class Evaluation:
         imager = pairs.row
         rows = self.rows(imager, lights, pairs.light, pairs.count, pairs.lit, optimistic=optimistic, stage=stage)
         question = pairs.asked(
-            self.problem, self.imagers, self.objective, rows, gap_rel=ROUGH_GAP if optimistic else GAP,
+            self.problem, self.imagers, self.objective, rows,
+            gap_rel=gap_if_told(self.objective, ROUGH_GAP) if optimistic else GAP,
             cutoff=self.ranking.threshold(), hardware=rows_alike(imager, pairs.light)[1],
             top=None if optimistic else self.top, deadline=self.deadline,
         )  # fmt: skip

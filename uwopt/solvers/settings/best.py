@@ -138,10 +138,10 @@ def best_in_the_dark(question: Question) -> Best:
 
 
 def is_close(best: Best, lower: Array, question: Question) -> Array:
-    """Whether settings are within a relative gap of what none can beat, (n,)."""
+    """Whether settings that fit are within a relative gap of what none can beat, (n,)."""
     known = np.where(np.isfinite(lower), lower, 0.0)
     scale = np.maximum(question.objective.scale(known), NO_RELATIVE_GAP)
-    return np.asarray(best.value(question) - known <= question.gap_rel * scale)
+    return best.feasible & (best.value(question) - known <= question.gap_rel * scale)
 
 
 def searched_where(which: Array, easy: Best, question: Question) -> Best:

@@ -30,6 +30,7 @@ from uwopt.units import ratio_to_db
 
 QUALITIES = ("snr_db", "contrast", "information")
 SMALLEST = 1e-12  # width of a side in logarithms
+SOON = 20  # cells of a design: most of those that do not fit are known by then
 TELLS = 0.02  # of the most that halving some side lifts the bounds
 THINNEST = 8.0  # times as wide as the widest side that tells: halved all the same
 
@@ -71,7 +72,7 @@ class BoundedCells:
         self.share = (0.0, 0.5, 1.0) if self.mixed else (1.0,) if quality else (0.0,)
         self.objective = objective
         self.gap = question.gap_rel * (0.3 if self.weight["information"] and not objective.by_ratio else 0.99)
-        self.any_will_do = bool(np.isinf(question.gap_rel))  # settings that fit, however good
+        self.any_will_do = bool(np.isinf(question.gap_rel))
         self.information: list[Information] = []
         if self.weight["information"]:
             assert all(r.sharp is not None for r in rows)
@@ -83,6 +84,7 @@ class BoundedCells:
         self.scale = np.zeros(self.n)  # what the gap is relative to
         self.closed = np.full(self.n, np.inf)
         self.dropped = np.zeros(self.n, bool)
+        self.taken = np.zeros(self.n, int)  # halves, by design
         self.kept: list[dict[str, Array]] = [
             {f.name: np.full(self.n, np.nan) for f in fields(Chosen)} for _ in rows
         ]
@@ -311,23 +313,15 @@ class BoundedCells:
         m = len(pool.design)
         if m == 0:
             return pool
-        dims = [k for k in range(self.n_dims) if width[:, k].max() > 0]
         lens = np.isin(np.arange(self.n_dims), self.n_dim)
         scaled = width * np.where(lens, 2.0, 1.0)
-        if len(dims) <= 1 or self.any_will_do:  # most cells soon die: what tells is dearer than halves
-            side = scaled.argmax(axis=1)
-        else:
-            score = self._gains(pool, dims)
-            # Where a half dies at once the side counts as much as the best of the others.
-            dies = np.isnan(score)
-            most = np.where(dies, 0.0, score).max(axis=1)[:, None]
-            score = np.where(dies, np.where(most > 0, most, 1.0), score)
-            # Sides that tell little are left alone; of the others the widest, or slivers would never be told apart.
-            tells = score > TELLS * score.max(axis=1)[:, None]
-            # Sharpness rules settings out and lifts no bound: no cell gets so thin that it never sees the f-number.
-            tells |= lens & (scaled > THINNEST * np.where(tells, scaled, 0.0).max(axis=1)[:, None])
-            score = np.where(tells, scaled, 1e-6 * scaled)
-            side = score.argmax(axis=1)
+        # How long the shutter is open beside a pulse tells least.
+        side = np.where(np.isin(np.arange(self.n_dims), self.open_dim), scaled / THINNEST, scaled).argmax(axis=1)
+        # Where nothing is known to fit most cells of bounds soon die: at first what tells is dearer than halves.
+        soon = (self.any_will_do or self.rows[0].optimistic) & np.isinf(self.best) & (self.taken < SOON)
+        told = np.flatnonzero(~soon[pool.design])
+        if len(told) and np.count_nonzero(width[told].max(axis=0) > 0) > 1:
+            side[told] = self._telling(pool.take(told), scaled[told], lens)
         middle = 0.5 * (pool.lo + pool.hi)
         at = np.arange(m)
         left = Pool(pool.design, pool.lo.copy(), pool.hi.copy(), pool.bound.copy())
@@ -335,6 +329,19 @@ class BoundedCells:
         left.hi[at, side] = middle[at, side]
         right.lo[at, side] = middle[at, side]
         return Pool.joined([left, right])
+
+    def _telling(self, pool: Pool, scaled: Array, lens: Array) -> Array:
+        """The side of each cell whose halves tell most; `scaled`: how wide its sides count, which are f-numbers'."""
+        score = self._gains(pool, np.flatnonzero(scaled.max(axis=0) > 0).tolist())
+        # Where a half dies at once the side counts as much as the best of the others.
+        dies = np.isnan(score)
+        most = np.where(dies, 0.0, score).max(axis=1)[:, None]
+        score = np.where(dies, np.where(most > 0, most, 1.0), score)
+        # Sides that tell little are left alone; of the others the widest, or slivers would never be told apart.
+        tells = score > TELLS * score.max(axis=1)[:, None]
+        # Sharpness rules settings out and lifts no bound: no cell gets so thin that it never sees the f-number.
+        tells |= lens & (scaled > THINNEST * np.where(tells, scaled, 0.0).max(axis=1)[:, None])
+        return np.asarray(np.where(tells, scaled, 1e-6 * scaled).argmax(axis=1))
 
     def _gains(self, pool: Pool, dims: list[int]) -> Array:
         """By how much halving each of these sides lifts the bounds of both halves, by a cheap measure, (m, n_dims).

@@ -72,7 +72,7 @@ class CellSearch(TriedCells):
         if points and self._two_numbers:
             pool = self._again(pool)
             spent += len(pool.design)
-        budget, own = max(MOST_CELLS, FEWEST * min(self.n, 50)), np.zeros(self.n, int)
+        budget = max(MOST_CELLS, FEWEST * min(self.n, 50))
         while len(pool.design) and spent < budget:
             self.deadline.check()
             if len(pool.design) > BATCH:
@@ -83,7 +83,7 @@ class CellSearch(TriedCells):
             children, seen = self._bounded(self._halved(active))
             hopeful = self.hopeful
             spent += len(active.design) * 2
-            own += 2 * np.bincount(active.design, minlength=self.n)
+            self.taken += 2 * np.bincount(active.design, minlength=self.n)
             open_ = np.nonzero(self._open(children))[0]
             few = FEW_POINTS if self.any_will_do else SOME_POINTS
             some = [PATTERNS[(few * turn + k) % len(PATTERNS)] for k in range(few)]
@@ -92,7 +92,7 @@ class CellSearch(TriedCells):
             self._try_points(children.take(tried), boxes, some)
             if self._two_numbers:
                 self._try_places(children.design[open_], hopeful[open_])
-            pool = self._left(self._prune(Pool.joined([children, rest])), own < self.most_cells)
+            pool = self._left(self._prune(Pool.joined([children, rest])), self.taken < self.most_cells)
             turn += 1
             self._polish_open(pool, turn)
         np.minimum.at(self.closed, pool.design, pool.bound)
@@ -113,7 +113,7 @@ class CellSearch(TriedCells):
         """Whether cells may still hold something better by more than the gap."""
         best = self.best[pool.design]
         with np.errstate(invalid="ignore"):
-            closed = np.isfinite(best) & (pool.bound >= best - self.gap * self.scale[pool.design])
+            closed = np.isfinite(best) & (self.any_will_do | (pool.bound >= best - self.gap * self.scale[pool.design]))
         return ~closed & (pool.bound <= self._threshold()[pool.design])
 
     def _prune(self, pool: Pool) -> Pool:

@@ -11,12 +11,20 @@ from uwopt.arrays import Array
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.columns import Columns
 from uwopt.forward.setting_rows import SceneRows
-from uwopt.objectives.objective import Objective
+from uwopt.objectives.objective import MAXIMISED, Objective
 from uwopt.solvers.settings.closed_form import Chosen
 from uwopt.solvers.settings.mean_limit import MeanLimit
 
 GAP = 1e-4  # relative, where cells are searched
 MOST_CELLS = 30_000  # bounded for one design, which is then left with its bound
+
+
+def gap_if_told(objective: Objective, gap_rel: float) -> float:
+    """The gap to ask for where settings are not told, but what they make of an objective: inf where that is nothing.
+
+    Whether any fit is then all that counts.
+    """
+    return gap_rel if any(objective.weight(name) for name in ("power", *MAXIMISED)) else np.inf
 
 
 @dataclass(frozen=True)
@@ -32,7 +40,7 @@ class Question(Columns):
     hardware: Array  # an index a design
     objective: Objective
     near: Array | None = None  # (n, 2) f-number and time [s] near which the best are thought to be, nan: unknown
-    gap_rel: float = GAP
+    gap_rel: float = GAP  # inf: settings that fit, however good
     top: int | None = None  # designs are dropped, too, that so many of other hardware surely beat
     mean_limit: MeanLimit | None = None
     most_cells: int = MOST_CELLS  # of one design
