@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -140,6 +141,8 @@ def test_what_no_single_change_mends_is_told_with_the_pair_that_does(make_result
         "With cost 8 000 USD -> 30 500 USD, a + 4 x b holds in 90 % (less may do).",
         "That is told of the hardware named: solve of a mission so changed chooses anew, and may take other.",
     ]
+    (block,) = surer_block(replace(result, mission_as_solved="name: x"))
+    assert "change these in mission-as-solved.yaml" in str(getattr(block.lines[-1], "plain", ""))
 
 
 def test_medians_that_scenarios_cannot_tell_apart_are_called_a_tie(make_result: Callable[..., Result]) -> None:

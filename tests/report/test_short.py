@@ -257,6 +257,12 @@ def test_nothing_fits_tells_what_would_help(make_result: Make, make_design: Make
     text = text_of(make_result(status="infeasible", recommendation=None, runners_up=[], infeasible=why))
     assert "What would help" in text and "cost 500.0 USD 620.0 USD" in text
     assert "What comes nearest" in text and "2 x light Acme Lamp" in text and "out of reach" not in text
+    doubtful = {"name": "Reef", "limits": {"currency": "USD"}, "confidence": 0.9}
+    brink = "to hold as often in the doubt as the mission asks (confidence) takes more than them"
+    in_doubt = make_result(
+        status="infeasible", recommendation=None, runners_up=[], infeasible=why, mission=doubtful
+    )  # fmt: skip
+    assert brink in text_of(in_doubt) and brink not in text
     noise = {**why, "relaxations": [{"name": "min_snr", "limit": 20.0, "needed": 0.97, "miss_rel": 0.95}]}
     text = text_of(make_result(status="infeasible", recommendation=None, runners_up=[], infeasible=noise))
     assert "What comes nearest, and is out of reach" in text

@@ -16,10 +16,11 @@ from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import VariedMission
 from uwopt.objectives.goal import goal_of
+from uwopt.objectives.objective import Objective
 from uwopt.report.text.prices import price_text, short_price_sentence
 from uwopt.results.basis import Price
 from uwopt.results.result import Result
-from uwopt.solvers.explain.prices import priced_keys, step_of
+from uwopt.solvers.explain.prices import priced_keys, step_of, what_it_costs
 from uwopt.solvers.warm.searches import Warm
 
 
@@ -97,6 +98,15 @@ def test_what_is_not_the_central_optimum_keeps_the_prices_of_its_own(reef, solve
     """Certainty may recommend another system: no search over a range is about that."""
     dearer = replace(solved, objective=replace(solved.objective, value=1.1 * solved.objective.value))
     assert range_prices(reef, dearer) == solved.prices
+
+
+@pytest.mark.parametrize(
+    ("goal", "there", "price"),
+    [("power", 5.5, 0.5), ("power", 4.8, 0.0), ("power", None, None), ("snr_db", 4.8, -0.2), ("snr_db", 5.5, 0.0)],
+)  # fmt: skip
+def test_what_more_is_asked_for_costs_nothing_where_other_parts_are_better(goal, there, price):
+    """5 W or dB where it is asked; better, as where one more kind of part is made then."""
+    assert what_it_costs(5.0, there, Objective.of(goal)) == (None if price is None else pytest.approx(price))
 
 
 def test_the_first_page_tells_what_asking_for_more_costs(solved):

@@ -56,7 +56,7 @@ def with_confidence(
     """
     asked, goal, deadline = sought.problem.mission.confidence, sought.goal, watch.deadline
     patient = watch.until(deadline.or_after(CERTAINTY_S, effort_s))
-    counts, certain = counts_of(sought, patient, before), None
+    counts, certain = counts_of(sought, patient, before, deadline), None
     if counts is not None:
         with watch.stage("certainty"):
             certain = chosen(counts.seen, patient.deadline, watch.progress)

@@ -8,7 +8,7 @@ from typing import Any
 from uwopt.api.common import halfway
 from uwopt.api.searching import leaves_out_generic, of_all_parts
 from uwopt.api.watch import STAGES, Watch
-from uwopt.deadline import Deadline, OutOfTimeError, unheard
+from uwopt.deadline import Deadline, OutOfTimeError, effort_s, unheard
 from uwopt.forward.problem import Problem
 from uwopt.solvers.beside import ahead
 from uwopt.solvers.confidence.counted import Counted, Looked, rank
@@ -23,7 +23,8 @@ ALL_PARTS = "parts to be made that may hold more often"  # where there is no tim
 CERTAINTY_S = 15.0  # of work, where no time is given
 SOLD_SHARE = 0.7  # of it, until parts to be made are looked at where those that are sold do not hold
 NEAR_SHARE = 0.5  # of what is left then, for what differs by a part from what is sold, before parts are made
-MADE_SHARE = 0.6  # of what is left then, for these: the rest is for the most certain of what is sold
+MADE_S = 25.0  # of work, where no time is given, for parts to be made and the most certain of what is sold
+MADE_SHARE = 0.6  # of it, or of what is left of the time, for these: the rest is for what is sold
 MORE_OFTEN = 0.05  # of the scenarios, in which more parts to be made must hold where some have to be made anyway
 KNOWN = 4  # hardware of a mission like this that is counted first
 
@@ -37,10 +38,13 @@ class Counts:
     of_all_parts: bool = False  # whether parts to be made were taken though what is sold fits at likeliest values
 
 
-def counts_of(sought: Sought, watch: Watch, before: Counts | None = None) -> Counts | None:
+def counts_of(
+    sought: Sought, watch: Watch, before: Counts | None = None, given: Deadline | None = None
+) -> Counts | None:  # fmt: skip
     """How often hardware holds that is likely to at the mission's confidence; None where there is no time.
 
     before : what was counted for a mission that differs in a few keys: its waters and its hardware are known
+    given : the time that a person gives, none maybe: then parts to be made have `MADE_S` of their own
     """
     asked = sought.problem.mission.confidence
     like = None if before is None else waters_of(before, sought.problem)
@@ -57,7 +61,8 @@ def counts_of(sought: Sought, watch: Watch, before: Counts | None = None) -> Cou
     if others and seen.held < seen.share:
         count_near(seen, watch.deadline, NEAR_SHARE)
     if others and seen.held < seen.share:
-        surer, seen = surer_or_surest(sought, seen, watch, before)
+        patience = watch.deadline if given is None else given.or_after(MADE_S, effort_s)
+        surer, seen = surer_or_surest(sought, seen, watch.until(patience), before)
         if surer is not None:
             return surer
     return Counts(sought, seen)

@@ -16,7 +16,7 @@ from uwopt.objectives.goal import goal_of
 from uwopt.results.basis import Price
 from uwopt.results.result import Result
 from uwopt.results.whatif import WhatIfPoint
-from uwopt.solvers.explain.prices import costs_nothing, priced_keys, prices, without_each
+from uwopt.solvers.explain.prices import priced_keys, prices, what_it_costs, without_each
 from uwopt.solvers.recommend import Sought
 from uwopt.solvers.warm.searches import Warm
 from uwopt.units import split_unit
@@ -127,7 +127,7 @@ def range_price(
     if best is not None and abs(points[0].objective - best) > AS_GOOD * abs(best):
         return None  # certainty, or settings that can be set, chose another system
     first, second = points[0].objective, points[1].objective
-    change = None if second is None else 0.0 if costs_nothing(first, second) else second - first
+    change = what_it_costs(first, second, systems.objective)
     price = Price(key.name, split_unit(key.name)[1], asked, step, change)
     if points[-1].system == points[0].system:
         return price

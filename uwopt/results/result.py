@@ -192,7 +192,7 @@ class Result(Shown, FiledRecord):
             if self.command == "solve"
             else (
                 "mission_as_solved", "recommendation", "certificate", "generic_alternative", "alternatives", "knee",
-                "prices",
+                "less_money", "prices",
             )
         )  # fmt: skip
         return {key: value for key, value in data.items() if key not in absent}

@@ -253,6 +253,13 @@ def uncertain(what: str) -> str:
 CHOSEN_ANEW = "That is told of the hardware named: solve of a mission so changed chooses anew, and may take other."
 
 
+#: The mission itself relaxes good practice anew, and mostly less of it.
+CHANGE_AS_SOLVED = (
+    "It is told with good practice relaxed as here: change these in mission-as-solved.yaml (--out), for the mission "
+    "itself would ask for more again."
+)
+
+
 def surer_block(result: Result) -> Iterator[Block]:
     """On what it depends whether a system that is not certain enough holds, and with what asked less it would."""
     known = result.confidence
@@ -267,6 +274,8 @@ def surer_block(result: Result) -> Iterator[Block]:
     lines += map(sentence, [*in_vain_texts(known), *else_texts(known)])
     if known.would_hold or known.would_hold_else:
         lines.append(sentence(CHOSEN_ANEW))
+        if result.mission_as_solved is not None:
+            lines.append(sentence(CHANGE_AS_SOLVED))
     if lines:
         yield block("What would make it certain", lines)
 

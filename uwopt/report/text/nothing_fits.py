@@ -7,10 +7,12 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from uwopt.deadline import longer_s
+from uwopt.mission.doubt import CENTRAL
 from uwopt.mission.keys import WATER_KEYS
 from uwopt.mission.reserves import REFUSED, refused_at
 from uwopt.mission.weakened import is_far
 from uwopt.mission.yielding import yields_named
+from uwopt.quantities import AT_LIKELIEST
 from uwopt.report.text import formats, vocabulary, words
 from uwopt.report.text.helps import (
     contradiction_lines,
@@ -41,6 +43,10 @@ HELPFUL = "Each of these changes alone would let a system through:"
 SMALLER = "Or these together, each a smaller share of what is asked than any of those:"
 TOGETHER = "All of these together would let a system through; less of some may do:"
 IN_THIS_WATER = "In the water as it is, all of these together would; less of some may do:"
+AT_THE_BRINK = (
+    f"These are the least changes {AT_LIKELIEST}: to hold as often in the doubt as the mission asks (confidence) takes "
+    "more than them."
+)
 FAR = "Out of reach, though alone it would let a system through:"
 LESS, NO_LESS = "less may do", "no less will do"
 DEPTH = "depth rating"  # rule of parts that are not rated as deep as is needed
@@ -85,6 +91,8 @@ def helpful_lines(result: Result | FrontResult) -> list[Line]:
         lines += [sentence(said), relaxation_table(result, together)]
     if far:
         lines += [sentence(FAR), change_table(result, far)]
+    if lines and isinstance(result, Result) and result.mission.get("confidence") not in (None, CENTRAL):
+        lines.append(sentence(AT_THE_BRINK))
     return [*lines, *practice_lines(result), *depth_lines(result)]
 
 

@@ -154,7 +154,7 @@ def prices(
         there = at(step)
         slope = 0.0 if free is not None else slope_at(at, SMALL * abs(step))
         told = snr_slope(opinions, sought.goal) if key.name == SNR else None
-        change = None if there is None else 0.0 if costs_nothing(here, there) else there - here
+        change = what_it_costs(here, there, sought.goal)
         made.append(Price(key.name, unit, asked, step, change, slope, told, free_until=free))
     return made
 
@@ -173,6 +173,17 @@ def free_by(is_free: Callable[[float], bool], asked: float, reach: float) -> flo
             break
         near, far = (middle, far) if is_free(middle) else (near, middle)
     return None if near == asked else near
+
+
+def what_it_costs(here: float, there: float | None, goal: Objective) -> float | None:
+    """By how much an objective changes where more is asked; None where nothing fits then.
+
+    What is better cannot be a price: more may be made then of what is sold where less is asked (`of_fewest_kinds`).
+    """
+    if there is None:
+        return None
+    is_worse = there < here if goal.direction == "maximise" else there > here
+    return there - here if is_worse and not costs_nothing(here, there) else 0.0
 
 
 def costs_nothing(here: float, there: float | None) -> bool:
