@@ -820,4 +820,12 @@ DEFECTS = (
         test="tests/report/test_short.py"
         "::test_a_front_whose_search_was_stopped_does_not_call_its_hardware_what_is_left[stopped-are found so far]",
     ),
+    Defect(
+        name="a budget that a smaller battery keeps is left open",
+        file="uwopt/solvers/infeasible/why_nothing.py",
+        old="for one in mover.helpful if one.name == BATTERY]",
+        new="for one in mover.helpful if not one]",
+        test="tests/solvers/test_moves.py"
+        "::test_a_budget_that_a_smaller_battery_keeps_is_told_too_without_a_search",
+    ),
 )

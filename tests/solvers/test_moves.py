@@ -25,8 +25,15 @@ from uwopt.solvers.infeasible.joint_changes import CommonShare
 from uwopt.solvers.infeasible.least_change import CLOSER, in_rounds
 from uwopt.solvers.infeasible.move_keys import tries_of
 from uwopt.solvers.infeasible.moves import Mover, NearestType
+from uwopt.solvers.infeasible.singles import Singles
 from uwopt.solvers.infeasible.trials import BRIGHT, Trials
-from uwopt.solvers.infeasible.why_nothing import Contradiction, clash_of, contradiction, why_nothing
+from uwopt.solvers.infeasible.why_nothing import (
+    Contradiction,
+    ask_budget,
+    clash_of,
+    contradiction,
+    why_nothing,
+)
 from uwopt.solvers.recommend import seek
 
 POWER = Objective.of("power")
@@ -157,14 +164,19 @@ def test_a_battery_that_only_times_endurance_is_no_key_to_move(parts):
     assert names.isdisjoint({"battery_wh", "duration_h", "camera_between_images"})
 
 
+def priced_lander(parts, cost: float) -> Mission:
+    """A lander whose battery of 1000 Wh counts in its price."""
+    wanted = lander(parts, duration_h=50.0, battery_wh=1000.0)
+    given = wanted.to_dict()
+    limits, catalog = given["limits"] | {"cost": cost}, given["catalog"] | {"rest": "estimate"}
+    return wanted.with_changes(limits=limits, catalog=catalog)
+
+
 def test_a_battery_is_smaller_by_what_the_budget_lacks(parts):
     """At 5 USD a watt-hour, the high end: 1000 USD less than it takes are 200 of 1000 Wh; 150 Wh are needed."""
 
     def priced(cost: float) -> Mission:
-        wanted = lander(parts, duration_h=50.0, battery_wh=1000.0)
-        given = wanted.to_dict()
-        limits, catalog = given["limits"] | {"cost": cost}, given["catalog"] | {"rest": "estimate"}
-        return wanted.with_changes(limits=limits, catalog=catalog)
+        return priced_lander(parts, cost)
 
     catalog, low, high = load_catalog(priced(1.0)), 5e3, 1e5
     while high - low > 1.0:
@@ -176,6 +188,22 @@ def test_a_battery_is_smaller_by_what_the_budget_lacks(parts):
     assert told["battery_wh"].needed == pytest.approx(800.0, abs=5.0)
     at = wanted.to_dict()["vehicle"]
     assert fits(wanted.with_changes(vehicle=at | {"battery_wh": told["battery_wh"].needed}), catalog)
+
+
+def test_a_budget_that_a_smaller_battery_keeps_is_told_too_without_a_search(parts, monkeypatch):
+    """A scallop survey for 15 000 USD was told that 655 of 800 Wh would do, and not that 1 000 USD more would."""
+    wanted = priced_lander(parts, 6000.0)  # about 7 000 USD at high prices, 3 000 USD at the likeliest
+    catalog = load_catalog(wanted)
+    sought = seek(wanted, catalog, POWER, generic="never", top=1)
+    assert not sought.outcome.best
+    trials = Trials(wanted, catalog, POWER, "never", like=sought)
+    singles, mover = Singles(trials), Mover(trials)
+    mover.try_all()
+    assert "battery_wh" in [one.name for one in mover.helpful] and not singles.helpful
+    monkeypatch.setattr(trials.relaxer, "seek", None)
+    ask_budget(singles, mover)
+    (told,) = singles.helpful
+    assert (told.name, told.at_central_prices) == ("cost", True)
 
 
 def test_what_does_not_help_is_not_told(parts):

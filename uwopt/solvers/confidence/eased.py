@@ -30,6 +30,7 @@ from uwopt.solvers.confidence.outcomes import outcomes
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.search import at_its_stop
 from uwopt.solvers.exact.ranking import Found
+from uwopt.solvers.infeasible.freed_rules import OF_LARGER
 from uwopt.solvers.infeasible.least_change import rounded_away
 from uwopt.solvers.one_hardware import problem_of
 from uwopt.units import split_unit
@@ -39,7 +40,6 @@ FOR_LIGHT = ("min_snr_db", "min_snr_mean_db", "min_snr_red_db", "min_contrast", 
 FOR_TIME = ("max_blur_px", "max_skew_px", "overlap", "frame_rate")  # what a slower vehicle leaves more time for
 ALTITUDE, TOLERANCE, SPEED = "altitude_m", "altitude_tolerance_m", "speed_m_s"
 BATTERY, OF_BATTERY = "battery_wh", "energy_wh"  # what holds too little where that is missed
-OF_LARGER = {"cost", "mass_kg"}  # what a larger one that the system brings along takes more of
 FARTHEST = 4.0  # times as much, or as little
 FARTHEST_DB = 20.0
 LOWER = (0.9, 0.75)  # of the altitude that is asked, in turn

@@ -24,6 +24,7 @@ SETTINGS = "settings"  # that none of a design's does: a reason, though no rule 
 MOST_REASONS = 2  # told
 SWITCHES = ("camera_between_images", "lamps_between_images")  # that may be off, which limits of power or energy know
 BATTERY = "battery_wh"  # that cost and mass know, too
+OF_LARGER = frozenset(BUDGETS[:2])  # what a larger one that the system brings along takes more of
 
 #: Requirements that no imager's rule or column knows.
 LIT = (

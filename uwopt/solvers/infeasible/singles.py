@@ -6,7 +6,7 @@ Several that no imager's rule knows are first dropped at once: where nothing fit
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -122,18 +122,24 @@ class Singles:
         if len(others) == len(every):
             self.unmet.append(name)
 
-    def try_hardware(self, known: Sought, phase: Deadline) -> None:
-        """Drop each and see whether some hardware fits then, which takes no search: where not, all is open."""
+    def try_hardware(self, known: Sought, phase: Deadline, names: Collection[str] | None = None) -> None:
+        """Drop each, or these, and see whether some hardware fits then, which takes no search: where not, all is open.
+
+        What keeps a limit of cost at likeliest prices shows that these would do.
+        """
         trials = self.trials
         for name in self._open(trials.limits):
             if phase.passed() or trials.interrupted:
                 return
-            relaxed = None if name == DEEP else without(trials.mission, name)
-            if relaxed is None or self._may_keep_central(name):
+            if name == DEEP or (names is not None and name not in names):
+                continue
+            central = self._may_keep_central(name)
+            relaxed = with_central_prices(trials.mission) if central else without(trials.mission, name)
+            if relaxed is None:
                 continue
             found = same_hardware(known, relaxed)
             if found.outcome.best:
-                self._helps(name, relaxed, found)
+                self._helps(name, relaxed, found, at_central_prices=central)
 
     def try_few(self, number: int = FEW_IMAGERS) -> None:
         """Drop each and look among a few imagers.

@@ -18,7 +18,7 @@ from uwopt.results.basis import Excluded, Moved, NoHelp, Relaxed, WhyNothing
 from uwopt.results.design import Design
 from uwopt.results.result import Certificate
 from uwopt.solvers.exact.node_bounds import NODE_RULES
-from uwopt.solvers.infeasible.freed_rules import MAY_PASS
+from uwopt.solvers.infeasible.freed_rules import BATTERY, MAY_PASS, OF_LARGER
 from uwopt.solvers.infeasible.joint_changes import CommonFit, CommonShare, Giving, least_set
 from uwopt.solvers.infeasible.least_change import Stepwise, in_rounds
 from uwopt.solvers.infeasible.least_limit import Relaxation
@@ -74,6 +74,7 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
             singles.drop_others()
         draw_in(singles, mover, FIRST_DRAWN_SHARE)
     if singles.helpful or mover.helpful:
+        ask_budget(singles, mover)
         ask_open(singles, mover)
     every, moves = least_changes(singles, mover)
     singles.tell_open()
@@ -110,6 +111,14 @@ def try_hardware(singles: Singles, mover: Mover) -> None:
         with trials.until_interrupted():
             mover.try_hardware(found, phase)
             singles.try_hardware(found, phase)
+
+
+def ask_budget(singles: Singles, mover: Mover) -> None:
+    """Of hardware that fits with another battery, whether a larger budget of money or mass lets it fit with its own."""
+    trials = singles.trials
+    for one in [one for one in mover.helpful if one.name == BATTERY]:
+        with trials.until_interrupted():
+            singles.try_hardware(one.found, trials.deadline.at_most(HARDWARE_S), OF_LARGER)
 
 
 def first_that_help(trials: Trials, singles: Singles, mover: Mover, *, is_quick: bool) -> CommonFit | None:
