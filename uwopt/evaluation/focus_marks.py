@@ -8,10 +8,10 @@ import numpy as np
 
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.model.port import lens_dioptre_per_m, water_distance_m
+from uwopt.results.design import FARTHEST_M
 
 FOCUS_STEP_M = 0.01
 DIGITS = 6  # that a setting is printed with: what is typed is what was checked
-FAR_M = 10_000.0  # what a focus at infinity, or beyond, is set to
 SAME_REL = 1e-5  # of the focus: as nearly as the digits that are typed in tell
 
 
@@ -26,7 +26,7 @@ def focus_distances_m(distance_m: float) -> list[float]:
 def focus_marks_m(model: DesignModel, dioptre_per_m: float) -> list[float]:
     """What a lens at this focus is set to, as a distance in the first scene's water, the nearest first."""
     distance_m = float(water_distance_m(dioptre_per_m, focus_map=model.maps[0]))
-    return focus_distances_m(distance_m) if 0 < distance_m < FAR_M else [FAR_M]
+    return focus_distances_m(distance_m) if 0 < distance_m < FARTHEST_M else [FARTHEST_M]
 
 
 def stands_at_mark(model: DesignModel, dioptre_per_m: float) -> bool:

@@ -43,6 +43,7 @@ from uwopt.errors import MissionError
 from uwopt.mission.checks import Fault, valid_values
 from uwopt.mission.mission import Mission
 from uwopt.mission.sections.vehicle import MAX_LIGHTS, LightMount
+from uwopt.results.design import FARTHEST_M
 
 PART_KINDS = (*OF_A_DESIGN, "housing")  # the last may be left out
 PIECES = ("camera", "lens", "port", "housing")  # what a complete camera stands for
@@ -105,7 +106,7 @@ class Settings(Section):
     frame_rate_hz: Positive | None = Field(
         default=None, description="frame rate in hertz; the least that the requirements need unless given"
     )
-    focus_distance_m: Annotated[float, Field(gt=0, le=10_000), NUMBER] | None = Field(
+    focus_distance_m: Annotated[float, Field(gt=0, le=FARTHEST_M), NUMBER] | None = Field(
         default=None,
         description="focus in water from the port in metres; the nominal altitude unless given, of several scenes "
         "the one that serves all",

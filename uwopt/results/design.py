@@ -23,7 +23,7 @@ PRACTICE_UNTRIED = "practice_untried"  # whether something fits with less of it 
 AS_CENTRAL = "certainty_left_out"  # it was not chosen by how many scenarios it holds in, though that is asked
 #: Settings that a system file states; its light level as a share, for flashes too.
 STATED = ("f_number", "exposure_ms", "pulse_ms", "gain", "dim_frac", "frame_rate_hz", "focus_distance_m")
-FARTHEST_M = 10_000.0  # focus that a system file may state; in place of one at infinity
+FARTHEST_M = 10_000.0  # focus that may be stated or set; in place of one at infinity, or beyond
 COLOUR_LEFT_OPEN = "colour_left_open"  # code of the note that says what sensor was chosen where none was asked
 
 

@@ -102,7 +102,7 @@ def best_of(tried: Sequence[Counted], share: float) -> Counted | None:
     return min(tried, key=lambda one: rank(one, share), default=None)
 
 
-def each_once(problem: Problem, some: Iterable[Found], had: Collection[Any] = ()) -> dict[Any, Found]:
+def by_names(problem: Problem, some: Iterable[Found], had: Collection[Any] = ()) -> dict[Any, Found]:
     """Hardware by what tells it apart, without what was had."""
     return {name: one for one in some if (name := names(problem, one)) not in had}
 

@@ -19,7 +19,7 @@ import numpy as np
 from uwopt.arrays import Array
 from uwopt.deadline import Deadline, OutOfTimeError
 from uwopt.forward.problem import Problem
-from uwopt.solvers.confidence.counted import Counted, Looked, each_once, names
+from uwopt.solvers.confidence.counted import Counted, Looked, by_names, names
 from uwopt.solvers.confidence.outcomes import outcomes_of_each
 from uwopt.solvers.confidence.scenarios import SomeScenarios
 from uwopt.solvers.confidence.states import colours_of
@@ -58,7 +58,7 @@ def polish(seen: Looked, deadline: Deadline, a_round_s: float = math.inf, serves
         best = next(filter(serves, seen.ranked), None)
         if best is None:
             return True
-        near = each_once(problem, [*both, *neighbours(problem, best.found)], known)
+        near = by_names(problem, [*both, *neighbours(problem, best.found)], known)
         known.update(near)
         beside = compare(seen, [*near.values()], deadline.at_most(a_round_s), best)
         better = next(filter(serves, seen.ranked), None)
@@ -184,7 +184,7 @@ def neighbours(problem: Problem, found: Found) -> list[Found]:
     that differ in their housing alone no housing that another betters.
     """
     made = [*other_lamps(problem, found), *other_views(problem, found)]
-    return [*each_once(problem, made).values()]
+    return [*by_names(problem, made).values()]
 
 
 def other_views(problem: Problem, found: Found) -> Iterator[Found]:

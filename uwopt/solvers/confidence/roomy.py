@@ -14,7 +14,7 @@ from typing import Any
 from uwopt.deadline import Deadline, OutOfTimeError
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.confidence.counted import each_once
+from uwopt.solvers.confidence.counted import by_names
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.worst_case import worse_problem
 from uwopt.solvers.exact.imagers import Imagers
@@ -87,7 +87,7 @@ class RoomySearches:
                 shown.left.clear()
             elif bright:
                 shown.wants_light, shown.fits[worse] = False, shown.fits_here
-            new = each_once(self.problem, found, shown.had)
+            new = by_names(self.problem, found, shown.had)
             made = [*new.values()]
             shown.had.update(new)
             if made or once:

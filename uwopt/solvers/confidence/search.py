@@ -23,7 +23,7 @@ from uwopt.forward.problem import Problem
 from uwopt.mission.doubt import ENDS
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.beside import ahead
-from uwopt.solvers.confidence.counted import Counted, Looked, each_once, names, rank
+from uwopt.solvers.confidence.counted import Counted, Looked, by_names, names, rank
 from uwopt.solvers.confidence.local_search import polish
 from uwopt.solvers.confidence.outcomes import outcomes, outcomes_of_each
 from uwopt.solvers.confidence.proof import NoneBetter, Prover
@@ -277,7 +277,7 @@ def candidates(
     provable = can_be_proven(problem, objective)
     rungs = WORSE if not provable else () if known else WORSE[:1]
     had, first = {names(problem, one.found) for one in seen.tried}, (*sought.outcome.best[:OF_CENTRAL], *known)
-    new = each_once(problem, first, had)
+    new = by_names(problem, first, had)
     waiting = [*new.values()]
     had.update(new)
     searches = RoomySearches.of(

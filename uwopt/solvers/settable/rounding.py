@@ -16,7 +16,7 @@ import numpy as np
 from uwopt.deadline import NEVER, Deadline
 from uwopt.evaluation.design import evaluate_design
 from uwopt.evaluation.design_model import DesignModel, design_model
-from uwopt.evaluation.focus_marks import DIGITS, FAR_M, focus_marks_m
+from uwopt.evaluation.focus_marks import DIGITS, focus_marks_m
 from uwopt.evaluation.influences import influences_of
 from uwopt.evaluation.leaning import leaning_models
 from uwopt.forward.designs import Hardware, SceneSettings
@@ -27,7 +27,7 @@ from uwopt.forward.problem import Problem
 from uwopt.model.port import lens_dioptre_per_m, water_distance_m
 from uwopt.objectives.objective import Objective
 from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL
-from uwopt.results.design import Design
+from uwopt.results.design import FARTHEST_M, Design
 from uwopt.solvers.settable.scene import Near, SettableScene, Tried, terms_of
 from uwopt.solvers.settable.steps import rates_hz, stops
 from uwopt.tolerances import SATISFIED_REL
@@ -160,7 +160,7 @@ def typed_dioptre_per_m(model: DesignModel, index: int, ring: float) -> float:
 def typed_focus_m(model: DesignModel, index: int, dioptre_per_m: float) -> float:
     """The distance in water at which a lens is focused, in the digits that are printed."""
     distance_m = float(water_distance_m(dioptre_per_m, focus_map=model.maps[index]))
-    return float(f"{distance_m:.{DIGITS}g}") if 0 < distance_m < FAR_M else FAR_M
+    return float(f"{distance_m:.{DIGITS}g}") if 0 < distance_m < FARTHEST_M else FARTHEST_M
 
 
 def best_common(
