@@ -50,6 +50,12 @@ def test_nothing_is_bought_set_or_judged_of_a_lamp(unlit: uwopt.Result) -> None:
     assert not [m.requirement for m in best.scenes[0].margins if "light" in m.requirement]
 
 
+def test_a_table_names_no_lamp_where_none_is_carried() -> None:
+    """`no lamp`, as the system of `solve` has it, not `1 x no-lamp`."""
+    (system,) = uwopt.whatif(mission(0), {"speed_m_s": [0.2, 0.3]}).systems
+    assert system.light_count == 0 and system.parts == f"{CAMERA} + {LENS} + {PORT} + no lamp"
+
+
 def test_no_lamp_is_warned_of_in_the_system_that_solve_writes(unlit: uwopt.Result) -> None:
     again = uwopt.evaluate(mission(0), yaml.safe_load(system_yaml(unlit)))
     assert again.best is not None and again.best.feasible

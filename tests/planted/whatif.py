@@ -189,6 +189,13 @@ DEFECTS = (
         test="tests/api/test_whatif.py::test_with_certainty_a_system_is_named_as_by_likeliest_values",
     ),
     Defect(
+        name="who carries no lamp carries one that is none",
+        file="uwopt/forward/problem.py",
+        old="return 0 if self.unlit(design.light) else int(design.count)",
+        new="return int(design.count)",
+        test="tests/api/test_without_lamps.py::test_a_table_names_no_lamp_where_none_is_carried",
+    ),
+    Defect(
         name="what holds elsewhere is not looked at here",
         file="uwopt/api/certain_points.py",
         old="        self.last = made.counts\n",

@@ -38,12 +38,12 @@ class Systems:
         """Of the system that an answer has found; one that is met for the first time is evaluated and compared."""
         if answer.found is None or answer.sought is None:
             return None
-        one, parts = answer.found, answer.sought.problem.parts
-        generic = any(part.generic for part in parts.of(one).values())
-        system = WinningSystem(*ids_in(parts, one), one.count, generic)
+        one, problem = answer.found, answer.sought.problem
+        generic = any(part.generic for part in problem.parts.of(one).values())
+        system = WinningSystem(*ids_in(problem.parts, one), problem.lamps_carried(one), generic)
         if system not in self.found:
-            check_claim(evaluated(answer.sought.problem, one, self.objective), one, self.objective)
-            self.parts.append(ids_of(answer.sought.problem, one))
+            check_claim(evaluated(problem, one, self.objective), one, self.objective)
+            self.parts.append(ids_of(problem, one))
         return self.place_of(system)
 
     def place_of(self, system: WinningSystem) -> int:

@@ -27,7 +27,7 @@ def used_hardware(problem: Problem, hw: Hardware, spacer_m: float) -> UsedHardwa
     return UsedHardware(
         **{kind: used_part(part) for kind, part in parts.items()},
         camera_count=problem.mission.vehicle.camera_count,
-        light_count=0 if problem.unlit(hw.light) else hw.count,
+        light_count=problem.lamps_carried(hw),
         orientation="landscape" if hw.landscape else "portrait",
         light_mounts=[] if problem.unlit(hw.light) else lamp_places(hw),
         housing=None if housing is None else used_part(housing),

@@ -430,6 +430,10 @@ class Problem:
         """Whether this light stands for no lamp."""
         return self.parts.lights[light].id == NO_LAMP.id
 
+    def lamps_carried(self, design: Any) -> int:
+        """How many lamps a design has: none where its light stands for no lamp."""
+        return 0 if self.unlit(design.light) else int(design.count)
+
     def are_unlit(self, light: Array) -> bool:
         """Whether all of these lights stand for no lamp."""
         return all(self.unlit(int(one)) for one in np.unique(light))

@@ -81,8 +81,8 @@ def facts(problem: Problem, objective: Objective, attempt: Retry) -> dict[str, A
     """One attempt in the words of a result."""
     at = attempt.hardware
     return {
-        "rule": attempt.rule, **{kind: part.id for kind, part in problem.parts.of(at).items()}, "light_count": at.count,
-        "objective_value": objective.reported(attempt.value),
+        "rule": attempt.rule, **{kind: part.id for kind, part in problem.parts.of(at).items()},
+        "light_count": problem.lamps_carried(at), "objective_value": objective.reported(attempt.value),
     }  # fmt: skip
 
 

@@ -62,7 +62,8 @@ def told(
     """The record of a system, with its price and value beside those of the first."""
     value, of_best = map(sought.goal.reported, values)
     return LessMoney(
-        hardware={kind: part.id for kind, part in pieces_of(sought.problem, found).items()}, light_count=found.count,
+        hardware={kind: part.id for kind, part in pieces_of(sought.problem, found).items()},
+        light_count=sought.problem.lamps_carried(found),
         price=prices[0], price_of_best=prices[1], currency=sought.problem.mission.limits.currency, value=value,
         value_of_best=of_best, held=held, cost_limit=cost_limit,
     )  # fmt: skip

@@ -152,7 +152,7 @@ def rival_dict(problem: Problem, rival: Found, objective: Objective) -> dict[str
     """A rival by its ids, with what it would reach."""
     return {
         **{kind: part.id for kind, part in pieces_of(problem, rival).items()},
-        "light_count": rival.count,
+        "light_count": problem.lamps_carried(rival),
         "objective_value": objective.reported(rival.minimised),
     }
 
