@@ -15,14 +15,21 @@ from uwopt.cli.status import DONE, command, result_status, told
 @command
 def tender_command(
     result: Annotated[str, typer.Argument(metavar="RESULT.json", help="result.json, as --out wrote it.")],
-    out: Annotated[str, folder_as("Write tender.xlsx and letter.txt into DIR.")],
+    out: Annotated[str, folder_as("Write tender.xlsx, letter.txt and not-for-makers.txt into DIR.")],
     seconds: Annotated[
         float | None, seconds_as("Stop after S seconds: parts that are not begun by then go without limits.")
     ] = None,
     quiet: QuietOption = False,
 ) -> int:
     """Write what makers are asked: per part what it must fulfil, with cells for their answers, and a letter."""
-    from uwopt.report.order.tender_book import BOOK_FILE, LETTER_FILE, letter, tender_book
+    from uwopt.report.order.tender_book import (
+        BOOK_FILE,
+        BUYER_FILE,
+        LETTER_FILE,
+        kept_back,
+        letter,
+        tender_book,
+    )
     from uwopt.report.order.tender_lines import falls_short, lines_of
     from uwopt.report.text.console import ProgressBar
     from uwopt.report.write import check_folder, made_folder, write_files
@@ -35,7 +42,9 @@ def tender_command(
         if bar.report is not None:
             bar.report(0.1, "what each part must fulfil")
         lines = lines_of(held, result, deadline)
-    files: dict[str, str | bytes] = {BOOK_FILE: tender_book(held, lines), LETTER_FILE: letter(held, lines)}
+    files: dict[str, str | bytes] = {
+        BOOK_FILE: tender_book(held, lines), LETTER_FILE: letter(held, lines), BUYER_FILE: kept_back(lines),
+    }  # fmt: skip
     written = write_files(made_folder(folder), files)
     if not quiet:
         if short := falls_short(held):

@@ -26,7 +26,7 @@ from uwopt.errors import CatalogError, ResultError  # noqa: E402
 from uwopt.mission.mission import Mission, load_mission  # noqa: E402
 from uwopt.report.order import tender_lines  # noqa: E402
 from uwopt.report.order.answers import answer_blocks, certainty_sentences, change_sentences  # noqa: E402
-from uwopt.report.order.tender_book import FIRST_ANSWER, asked_of, letter, tender_book  # noqa: E402
+from uwopt.report.order.tender_book import FIRST_ANSWER, asked_of, kept_back, letter, tender_book  # noqa: E402
 from uwopt.report.order.tender_lines import end_text, falls_short, lines_of, needed_beside  # noqa: E402
 from uwopt.report.text.layout import Text  # noqa: E402
 from uwopt.results.design import Margin  # noqa: E402
@@ -83,6 +83,9 @@ def limit(name: str, feasible: float, best: float | None) -> PropertyLimit:
     return PropertyLimit("light", name, 30_000.0, True, feasible, best, feasible * 1.5)
 
 
+OWN: list[str] = []  # what the buyer keeps of that tender
+
+
 @pytest.fixture(scope="module")
 def book(result: Result) -> bytes:
     """A tender of limits that are given: finding them takes a second a part."""
@@ -93,6 +96,9 @@ def book(result: Result) -> bytes:
         lines = lines_of(result, "r")
     assert "(of a pulsed one while it is on): at least 18 800 lm" in letter(result, lines)
     assert "shortest pulse" not in letter(result, lines)  # 4 ms, where the named lamp has 0.1
+    OWN.append(kept_back(lines))
+    for said in ("window, flat or dome: dome, as in", "radius of a dome: ", "sensor, mono or colour: mono, as in"):
+        assert said in letter(result, lines)
     return tender_book(result, lines)
 
 
@@ -122,12 +128,19 @@ def test_sheets_ask_what_is_needed_and_what_is_not_known(book: bytes) -> None:
     opened = openpyxl.load_workbook(io.BytesIO(book))
     assert opened.sheetnames == ["Read me", "camera", "lens", "port", "light"]
     rows = {row[0].value: [cell.value for cell in row] for row in opened["light"].iter_rows()}
-    assert rows["flux_lm"][3:6] == ["at least 12 500 lm", "at least 29 700 lm", "at least 18 800 lm"]
-    assert rows["flux_lm"][6:8] == ["30000", "published"]
-    assert rows["power_w"][7] == "estimated"
+    assert rows["flux_lm"][3:5] == ["at least 12 500 lm", "at least 18 800 lm"]
+    assert rows["flux_lm"][5:7] == ["30000", "published"]
+    assert rows["power_w"][6] == "estimated"
     assert rows["depth_rating_m"][3] == "at least 100 m"
     assert {"named_part", "beam_angle_deg", "trigger"} <= rows.keys()
     assert any("yes,no" in str(rule.formula1) for rule in opened["light"].data_validations.dataValidation)
+
+
+def test_what_would_win_against_a_part_is_not_told_its_maker(book: bytes) -> None:
+    opened = openpyxl.load_workbook(io.BytesIO(book))
+    told = " ".join(str(cell) for sheet in opened for row in sheet.iter_rows(values_only=True) for cell in row)
+    assert not any(word in told for word in ("prefer", "best buy", "would do as well", "29 700"))
+    assert "would do as well" in OWN[-1] and "at least 29 700 lm" in OWN[-1] and OWN[-1].startswith("Not for makers")
 
 
 def test_makers_are_told_what_fits_and_how_deep_it_must_go(result: Result) -> None:
