@@ -19,7 +19,7 @@ import uwopt
 from uwopt.api.front_asked import checked_objectives
 from uwopt.api.front_found import check_claim, history, reference
 from uwopt.api.trading import ParetoCall, here_alone
-from uwopt.api.watch import Watch
+from uwopt.api.watch import STAGES, Watch
 from uwopt.errors import MissionError, SolverError
 from uwopt.objectives.axes import Axes, Frame
 from uwopt.objectives.own import OwnObjective
@@ -257,9 +257,11 @@ def test_interrupted_it_keeps_what_was_found():
         if len(told) == 1:
             raise KeyboardInterrupt
 
-    result = uwopt.pareto(MISSION, objectives=TRIPLE, solver=("exact", "nsga2"), progress=once, **PLAIN)
+    result = uwopt.pareto(
+        MISSION, objectives=TRIPLE, solver=("exact", "nsga2"), progress=once, alternatives=True, **PLAIN
+    )
     assert result.status == "interrupted"
-    assert result.points
+    assert result.points and not result.alternatives and STAGES["alternatives"] not in told  # nor a new stage
     assert [m.name for m in result.methods] == ["exact"]  # who interrupts does not want the next solver
     assert result.certificate is not None
     assert not result.certificate["complete"]

@@ -122,6 +122,8 @@ def test_a_front_that_was_stopped_tells_what_there_is_to_choose_from(make_front:
     proof |= {"parts_left": {"cameras": 1, "lenses": 2, "ports": 3, "lights": 4, "complete_cameras": 1}}
     told = in_more_time(make_front(points=0, status="stopped", certificate=proof))
     assert "leaves 1 camera, 2 lenses, 3 ports, 1 complete camera, 4 lights to choose from" in told
+    told = in_more_time(make_front(points=0, status="interrupted", certificate=proof))  # nobody gave a time
+    assert ". Let it run to its end, or" in told and "--seconds" not in told
 
 
 @pytest.mark.parametrize(

@@ -182,7 +182,9 @@ def test_inputs_named_as_figures_stand_apart(tmp_path: Path, stub: Stub):
 
 def test_a_later_run_works_out_what_is_missing(tmp_path: Path, stub: Stub):
     worked = stub()
-    sweep(FEW, {"speed_m_s": "0.1:0.4:4"}, out=tmp_path)
+    told: list[str] = []
+    sweep(FEW, {"speed_m_s": "0.1:0.4:4"}, out=tmp_path, progress=lambda share, what: told.append(what))
+    assert told[0] == "0 of 4 missions"  # before the first is done
     again = sweep(FEW, {"speed_m_s": "0.1:0.6:6"}, out=tmp_path)
     assert worked == [(0.1,), (0.2,), (0.3,), (0.4,), (0.5,), (0.6,)]
     assert again.kept == 4

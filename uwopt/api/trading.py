@@ -131,7 +131,7 @@ def pareto(
     if run.mission is not capless and is_empty(sought):
         run, sought = searched(capless)
     result = run.result(sought)
-    if alternatives and result.points and axes is not None and not sought.cut:
+    if alternatives and result.points and axes is not None and not sought.cut and result.status != "interrupted":
         from uwopt.solvers.explain.other_makers import beside_front
 
         with watch.stage("alternatives"):

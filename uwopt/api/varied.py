@@ -196,6 +196,7 @@ class Switches:
     def _at_rim(self, k: int, inside: At, outside: At, searched: bool) -> list[Switch]:
         """From a solved point to where the mission begins to contradict itself, which takes no search to know."""
         grid, near, far = self.grid, inside, outside
+        self.say(0.0, f"where missions end, beside {grid.keys[k].key} {float(inside[k]):.6g}")
         step = abs(float(outside[k]) - float(inside[k]))
         while abs(float(far[k]) - float(near[k])) > SHARP * step:
             middle = (*inside[:k], 0.5 * (float(near[k]) + float(far[k])), *inside[k + 1 :])

@@ -237,6 +237,7 @@ class SweepRun:
         self.total = len(keys)
         self.done = self.kept = len(keys & self.store.keys)
         if self.kept < self.total:
+            self._tell()
             workers = crew.workers(self.total - self.kept)
             try:
                 self._work(workers, Pace(workers.count))

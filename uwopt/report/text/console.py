@@ -167,7 +167,8 @@ class ProgressBar:
     def _tell(self) -> None:
         """A line for a pipe."""
         self._told, self._told_s = self._what, self._clock()
-        done = f"{100 * self._share:.0f} % of it, " if self._share else ""  # 0 where nobody knows
+        share = f"{100 * self._share:.0f} %"  # 0 where nobody knows; at its end a stage has more to do than was counted
+        done = f"{share} of it, " if self._share and share != "100 %" else ""
         spent_s = self._told_s - self._start_s
         with contextlib.suppress(OSError, ValueError):  # nobody reads it
             print(f"uwopt: {self._what or 'working'}, {done}{spent_s:.0f} s", file=sys.stderr, flush=True)

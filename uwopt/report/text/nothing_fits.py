@@ -145,7 +145,9 @@ def is_range(value: float | Sequence[float] | None) -> bool:
 
 
 def more_time(result: Result | FrontResult | WhatIf) -> str:
-    """What a command that was stopped may be given: a time, or as long as its proof takes."""
+    """What a command that was stopped may be given: a time, or as long as its proof takes, where one was set."""
+    if result.status == "interrupted" or any(note.code == "interrupted" for note in result.warnings):
+        return "Let it run to its end"
     told = f"Give it more time (--seconds {longer_s(result.timing_s.get('total', 0.0))}"
     return f"{told}, or none: then it ends with its proof)" if isinstance(result, Result) else f"{told})"
 

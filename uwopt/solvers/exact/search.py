@@ -121,7 +121,6 @@ class Search(Evaluation):
             self.ranking.best = winners
         if not complete:
             self.account.leave_the_rest()
-        self.progress(1.0, "done")
         timing = {
             "imagers": imagers_s, "bounds": self.bounds_s,
             "evaluation": time.perf_counter() - start - imagers_s - self.bounds_s,
