@@ -288,3 +288,11 @@ def _exponent_within(value: float, low: float, high: float) -> int | None:
 
 def _magnitude(value: float) -> int:
     return math.floor(math.log10(value))
+
+
+def percent(share: float) -> str:
+    """`97 %`; never all or nothing where some were lost or won: `99.9 %`."""
+    share = round(share, 9)  # the interval of all is 1 but for rounding
+    digits = 0 if 0.01 <= share <= 0.99 or share in (0.0, 1.0) else 1
+    shown = min(max(100.0 * share, 0.1), 99.9) if 0.0 < share < 1.0 else 100.0 * share
+    return f"{shown:.{digits}f} %"

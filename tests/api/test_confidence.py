@@ -25,7 +25,7 @@ from uwopt.errors import MissionError
 from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import load_mission
 from uwopt.objectives.goal import goal_of
-from uwopt.report.text.certainty import facts, held_text, percent
+from uwopt.report.text.certainty import facts, held_text
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.short import short_text_blocks
 from uwopt.report.write import system_yaml
@@ -36,6 +36,7 @@ from uwopt.solvers.beside import cores
 from uwopt.solvers.confidence import search
 from uwopt.solvers.confidence.counted import Counted, Looked, names
 from uwopt.solvers.recommend import Sought, seek
+from uwopt.units import percent
 
 ROOT = Path(__file__).parents[2]
 TANK = ROOT / "problems" / "paper-tank.yaml"

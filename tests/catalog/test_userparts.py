@@ -84,6 +84,7 @@ def test_other_encoding_is_named(tmp_path):
 
 def test_missing_file_is_named(tmp_path):
     assert "no such file" in faults_of(tmp_path / "none.csv")[0]
+    assert check_file(tmp_path / "none.csv").faults == (f"{tmp_path / 'none.csv'}: no such file; check its name.",)
 
 
 def test_id_of_the_built_in_catalogue_is_taken(tmp_path):

@@ -16,8 +16,9 @@ from typer.testing import CliRunner
 from uwopt.catalog.checkfile import check_file
 from uwopt.cli.app import app
 from uwopt.documents.files import MOST_BYTES
-from uwopt.errors import OutputError
+from uwopt.errors import OutputError, ResultError
 from uwopt.report.write import check_folder, write_files
+from uwopt.results.reading import read_result
 
 ROOT = Path(__file__).parents[2]
 MISSION = ROOT / "problems" / "paper-tank.yaml"
@@ -179,6 +180,20 @@ def test_files_of_runs_side_by_side_belong_together(tmp_path: Path, monkeypatch:
         thread.join()
     assert len({path.read_text() for path in tmp_path.iterdir()}) == 1
     assert sorted(path.name for path in tmp_path.iterdir()) == ["bom.csv", "report.html", "result.json"]
+
+
+def test_a_number_of_the_command_line_is_refused_in_our_words():
+    for option, value, said in (("--seconds", "2min", "be a number without a unit"), ("--top", "0", "be at least 1")):
+        left = run("solve", "m.yaml", option, value)
+        assert left.exit_code == 2 and said in left.output and "nput should" not in left.output
+
+
+def test_a_card_asks_for_a_result_alone(tmp_path):
+    (tmp_path / "system.yaml").write_text("camera: a\n", "utf-8")
+    left = run("card", tmp_path / "system.yaml")
+    assert "so it is no result; name a result.json." in " ".join(left.output.split())
+    with pytest.raises(ResultError, match=r"name a result\.json or front\.json"):
+        read_result(tmp_path / "system.yaml")
 
 
 @pytest.mark.parametrize(

@@ -134,6 +134,7 @@ def test_a_missing_file_names_the_one_that_is_there(tmp_path):
     (tmp_path / "reef.yaml").write_text("a: 1\n")
     assert "no such file; did you mean reef.yaml?" in message_of(tmp_path / "reeef.yml")
     assert "`uwopt init`" in message_of(tmp_path / "x" / "y.yaml")
+    assert "did you mean" not in message_of(tmp_path / "kelp.yaml")  # alike but in how it ends
 
 
 def test_a_folder_is_refused(tmp_path):

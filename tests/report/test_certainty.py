@@ -9,7 +9,8 @@ from typing import Any
 
 import pytest
 
-from uwopt.report.text.certainty import asked_text, certainty_block, decides_text, surer_block
+from uwopt.api.risks import uncertain
+from uwopt.report.text.certainty import asked_text, certainty_block, decides_text, held_text, surer_block
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.doubts import robustness_block
 from uwopt.report.text.layout import Block
@@ -87,6 +88,13 @@ def test_the_median_of_the_scenarios_stands_beside_what_central_estimates_give(
     assert "set for each scenario else" not in near and "need more light" not in near
     seldom = printed(make_result(confidence=COUNTED | {"objective_p50": None}))
     assert "Goal: least power, 40.50 W at these settings (40.00 W before rounding)." in seldom
+
+
+def test_a_share_of_few_scenarios_is_told_alike_everywhere(make_result: Callable[..., Result]) -> None:
+    """The headline said 0.1 %, the first risk 0 %."""
+    few = make_result(confidence=COUNTED | {"held": 0.0009, "enough": False})
+    ((_, risk),) = uncertain(few, few.best)
+    assert "in 0.1 % of the scenarios" in risk.because and "holds in 0.1 % of" in held_text(few.confidence)
 
 
 def test_a_price_is_stated_once(make_result: Callable[..., Result]) -> None:

@@ -13,6 +13,8 @@ import pytest
 
 from uwopt.report.page.page import report_html
 from uwopt.report.text.console import print_blocks
+from uwopt.report.text.explanation import explanation_blocks
+from uwopt.report.text.layout import Block
 from uwopt.report.text.short import full_text_blocks
 from uwopt.report.text.tables import shown_settings
 from uwopt.results.basis import UsedEffect
@@ -183,6 +185,8 @@ def test_infeasible_result_tells_why_and_what_helps(make_result: Make, make_desi
         assert (
             "Nearest miss It meets all that is asked but cost: 620.0 USD instead of 500.0 USD." in text
         )
+        lines = [str(line) for block in explanation_blocks(given) if isinstance(block, Block) for line in block.lines]
+        assert any("meets all that is asked but cost" in line and "1 × " in line for line in lines)
 
 
 def test_what_is_possible_is_told_apart_from_what_is_asked(make_result: Make, make_design: Make) -> None:

@@ -71,5 +71,5 @@ def test_where_no_lamp_is_named_that_exists_that_is_told_at_once(tmp_path: Path)
     (block,) = [one for one in short_text_blocks(told) if getattr(one, "title", "") == "What would help"]
     said = "\n".join(str(line) for line in block.lines)
     assert "No light is left to choose of the" in said
-    assert "catalog.lights: pattern '*660nm*' matches no part." in said
+    assert "catalog.lights: pattern '*660nm*' matches no part; uwopt catalog list --kind light prints all ids." in said
     assert "practice" not in said

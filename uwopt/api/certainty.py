@@ -37,6 +37,7 @@ from uwopt.solvers.confidence.summary import told
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.recommend import BETTER_UNSETTABLE, Sought, best_settable, design_of, within_reach
+from uwopt.units import percent
 
 MADE_IS_SURER = "made_is_surer"  # code of the warning that more parts to be made were taken, for they hold more often
 NOT_CERTAIN = "not_certain"  # code of the warning that nothing holds as often as asked
@@ -77,13 +78,13 @@ def with_confidence(
         share = "every end" if asked == ENDS else f"{100.0 * certain.asked:g} % of the scenarios"
         none = "nothing in the catalogue" if certain.proven else "nothing that was counted"
         held = counted.held if asked == ENDS or counted.held < certain.asked else counted.held_in_choice
-        text = f"{none} holds in {share}; this does in {100.0 * held:.0f} %"
+        text = f"{none} holds in {share}; this does in {percent(held)}"
         design = with_note(design, Note(NOT_CERTAIN, "confidence", text))
     if counts.of_all_parts:
         share = "at every end" if asked == ENDS else f"in {100.0 * certain.asked:g} % of the scenarios"
         text = (
             f"nothing with fewer parts to be made that was counted holds {share}; this does in "
-            f"{100.0 * counted.held:.0f} %"
+            f"{percent(counted.held)}"
         )
         design = with_note(design, Note(MADE_IS_SURER, "catalog.generic", text))
     next_best = [one for one in sought.outcome.best if not same_hardware(one, certain.central)]
@@ -113,7 +114,7 @@ def as_central(
         STAGES["certainty"],
         lambda: confidence_of(problem, found.hardware, goal, asked, given, design, deadline), None,
     )  # fmt: skip
-    held = "which alone are held" if counted is None else f"and holds in {100.0 * counted.held:.0f} % of the scenarios"
+    held = "which alone are held" if counted is None else f"and holds in {percent(counted.held)} of the scenarios"
     enough = ", as often as is asked, but was not chosen by that" if counted is not None and counted.enough else ""
     passed_over = any(note.code == BETTER_UNSETTABLE for note in winner.warnings)
     best = f"the best that can be set {AT_LIKELIEST}" if passed_over else f"the best {AT_LIKELIEST}"

@@ -27,6 +27,7 @@ from uwopt.units import (
     format_price,
     format_quantity,
     listed,
+    percent,
     split_unit,
     texts_apart,
 )
@@ -119,7 +120,7 @@ def uncertain(result: Result, design: Design) -> Weighed:
     known = result.confidence
     if known is None or known.enough:
         return
-    because = f"settings that meet every requirement exist in {100.0 * known.held:.0f} % of the scenarios"
+    because = f"settings that meet every requirement exist in {percent(known.held)} of the scenarios"
     if known.lost_to:
         first = known.lost_to[0].requirement
         because += f"; else {LOST_TO.get(first) or ASKED.get(stem_of(first), plain(first))} is missed first"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from uwopt.objectives.objective import Objective
 from uwopt.quantities import AT_LIKELIEST
 from uwopt.solvers.recommend import Sought
-from uwopt.units import format_quantity
+from uwopt.units import format_quantity, percent
 
 if TYPE_CHECKING:
     from uwopt.api.recommendation import Recommendation
@@ -29,7 +29,7 @@ def held_line(made: Recommendation) -> str:
     counted = made.counted
     assert counted is not None and not isinstance(counted.asked, str)
     return (
-        f"best so far: {of_design(made)}; it holds in {100.0 * counted.held:.0f} % of the scenarios, "
+        f"best so far: {of_design(made)}; it holds in {percent(counted.held)} of the scenarios, "
         f"{100.0 * counted.asked:g} % are asked: something else may, with good practice relaxed further"
     )
 

@@ -44,6 +44,8 @@ def check_file(path: Path) -> FileReport:
 
 
 def _checked(path: Path) -> FileReport:
+    if not path.exists():
+        raise CatalogError(f"{path}: no such file; check its name.")
     if path.suffix.casefold() not in (".yaml", ".yml"):
         table = parse_table(read_text(path), path.name)
         if is_curve_table(table):

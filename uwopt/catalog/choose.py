@@ -404,7 +404,7 @@ def _pattern_warnings(catalog: Catalog, wish: Choice) -> Iterable[str]:
     """Patterns that match no part, with near names."""
     for kind in KINDS:
         for pattern in getattr(wish, PATTERN_KEYS[kind]):
-            yield from _warn_if_idle(pattern, catalog.parts(kind), f"catalog.{PATTERN_KEYS[kind]}")
+            yield from _warn_if_idle(pattern, catalog.parts(kind), f"catalog.{PATTERN_KEYS[kind]}", f" --kind {kind}")
     everything = [part for kind in KINDS for part in catalog.parts(kind)]
     for pattern in wish.exclude:
         yield from _warn_if_idle(pattern, everything, "catalog.exclude")
@@ -416,9 +416,9 @@ def _pattern_warnings(catalog: Catalog, wish: Choice) -> Iterable[str]:
             yield f"catalog.port_mounts: no port has the mount {name!r}{hint}"
 
 
-def _warn_if_idle(pattern: str, parts: Sequence[Part], key: str) -> Iterable[str]:
+def _warn_if_idle(pattern: str, parts: Sequence[Part], key: str, narrowed: str = "") -> Iterable[str]:
     if any(matches(pattern, part) for part in parts):
         return
     near = near_names(pattern, (name for part in parts for name in (part.manufacturer, part.id)))
-    hint = f"; near ones: {', '.join(near)}" if near else ""
+    hint = f"; near ones: {', '.join(near)}" if near else f"; uwopt catalog list{narrowed} prints all ids"
     yield f"{key}: pattern {pattern!r} matches no part{hint}"

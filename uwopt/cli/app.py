@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import gc
 import os
+import re
 import signal
 import sys
 from enum import StrEnum
@@ -63,12 +64,19 @@ class PlainGroup(typer.core.TyperGroup):
             return super().invoke(ctx)
         except Exception as fault:
             if isinstance(said := getattr(fault, "message", None), str):
-                fault.message = said.removeprefix(PREFIX)  # pyrefly: ignore[missing-attribute]
+                for theirs, ours in PLAIN_WORDS:
+                    said = re.sub(theirs, ours, said)
+                fault.message = said  # pyrefly: ignore[missing-attribute]
             raise
 
 
 GARBAGE_AFTER = 250_000  # objects, so that Python seldom looks for circles, of which a search makes few: 7 % of time
-PREFIX = "Value error, "  # of Pydantic, by which Typer reads words of a choice
+#: What Pydantic says, by which Typer reads words and numbers, in ours.
+PLAIN_WORDS = (
+    ("^Value error, ", ""), (", unable to parse string as an? .*", ""), ("^Input should be", "it must be"),
+    ("a valid number", "a number without a unit"), ("a valid integer", "a whole number"),
+    ("greater than or equal to", "at least"), ("less than or equal to", "at most"),
+)  # fmt: skip
 app = typer.Typer(
     name="uwopt",
     cls=PlainGroup,

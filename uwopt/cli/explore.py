@@ -31,7 +31,7 @@ def explore_command(
 ) -> int:
     """Serve a page that explores the design space: every control and figure, and the certified search."""
     if find_spec("dash") is None:
-        return told("uwopt explore needs Dash: install uwopt[explore].", BAD_INPUT)
+        return told("uwopt explore needs Dash: .venv/bin/pip install '.[explore]' in uwopt's folder", BAD_INPUT)
     from uwopt.explore.serve import opening_state, served
 
     with served(opening_state(mission, system), host=host, port=port) as page:

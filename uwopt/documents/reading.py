@@ -142,8 +142,9 @@ def _refuse_unreadable(path: Path, shown: str, what: str) -> None:
     if path.is_dir():
         raise MissionError(f"{shown}: is a folder; name the {what} file in it.")
     if not path.exists():
-        near = nearest(path.name, _yaml_names(path.parent))
-        hint = f"did you mean {near}?" if near else f"{_written_by(what)} to start from."
+        names = {Path(name).stem: name for name in _yaml_names(path.parent)}  # alike by more than how they end
+        near = nearest(path.stem, names)
+        hint = f"did you mean {names[near]}?" if near else f"{_written_by(what)} to start from."
         raise MissionError(f"{shown}: no such file; {hint}")
 
 

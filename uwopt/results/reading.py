@@ -19,12 +19,15 @@ MOST_FAULTS = 8
 AGAIN = "write it again with --out"
 
 
-def read_result(path: str | Path) -> Result | FrontResult:
+EITHER, SOLVED = ("result.json", "front.json"), ("result.json",)  # names of files that a command takes
+
+
+def read_result(path: str | Path, names: tuple[str, ...] = EITHER) -> Result | FrontResult:
     """The result or front in a file; raises ResultError with what is wrong and a way out."""
-    data = read_json(path)
+    data = read_json(path, names)
     schema = data.get("schema")
     if schema not in (RESULT_SCHEMA, FRONT_SCHEMA):
-        raise ResultError(f"{path}: {other_schema(schema)}")
+        raise ResultError(f"{path}: {other_schema(schema, names)}")
     kind: type[Result] | type[FrontResult] = Result if schema == RESULT_SCHEMA else FrontResult
     try:
         result = kind.from_dict(data)
@@ -40,29 +43,29 @@ def read_result(path: str | Path) -> Result | FrontResult:
 
 def read_solved(path: str | Path) -> Result:
     """The result of solve or evaluate in a file; a front is refused."""
-    result = read_result(path)
+    result = read_result(path, SOLVED)
     if isinstance(result, FrontResult):
         raise ResultError(f"{path}: is a front of many systems; solve for one of them and name its result.json.")
     return result
 
 
-def read_json(path: str | Path) -> dict[str, Any]:
-    """The JSON object in a file."""
-    file = Path(path)
+def read_json(path: str | Path, names: tuple[str, ...] = EITHER) -> dict[str, Any]:
+    """The JSON object in a file; `names`: of files that are asked for."""
+    file, told = Path(path), f"name a {' or '.join(names)}"
     try:
         text = content(file).decode("utf-8-sig")
     except FileNotFoundError:
         raise ResultError(
-            f"{path}: no such file; name a result.json or front.json that --out wrote."
+            f"{path}: no such file; {told} that --out wrote."
         ) from None
     except IsADirectoryError:
-        inside = next((name for name in ("front.json", "result.json") if (file / name).is_file()), "")
-        hint = f"name {file / inside}" if inside else "name a result.json or front.json"
+        inside = next((name for name in reversed(names) if (file / name).is_file()), "")
+        hint = f"name {file / inside}" if inside else told
         raise ResultError(f"{path}: is a folder; {hint}.") from None
     except UnicodeDecodeError:
-        raise ResultError(f"{path}: is not text in UTF-8; name a result.json or front.json.") from None
+        raise ResultError(f"{path}: is not text in UTF-8; {told}.") from None
     except UnfitFileError as fault:
-        raise ResultError(f"{path}: {fault}; name a result.json or front.json.") from None
+        raise ResultError(f"{path}: {fault}; {told}.") from None
     except (OSError, ValueError) as fault:
         raise ResultError(f"{path}: cannot be read ({getattr(fault, 'strerror', None) or fault}).") from None
     if not text.strip():
@@ -74,13 +77,13 @@ def read_json(path: str | Path) -> dict[str, Any]:
         half_a_word = any(word.startswith(rest) for word in ("true", "false", "null", "-"))
         cut = half_a_word or fault.msg.startswith("Unterminated string")
         if not cut and fault.pos == 0:  # another file, such as a mission
-            raise ResultError(f"{path}: is not JSON, so it is no result; name a result.json or front.json.") from None
+            raise ResultError(f"{path}: is not JSON, so it is no result; {told}.") from None
         what = "ends too early, it was cut off" if cut else f"is not JSON ({fault.msg})"
         raise ResultError(f"{path}: line {fault.lineno}: {what}; {AGAIN}.") from None
     except (ValueError, RecursionError) as fault:
         raise ResultError(f"{path}: is not JSON of uwopt ({fault}); {AGAIN}.") from None
     if not isinstance(data, dict):
-        raise ResultError(f"{path}: holds no result but {described(data)}; name a result.json or front.json.")
+        raise ResultError(f"{path}: holds no result but {described(data)}; {told}.")
     return data
 
 
@@ -89,13 +92,13 @@ def no_constant(name: str) -> float:
     raise ValueError(f"{name} is no number")
 
 
-def other_schema(schema: Any) -> str:
+def other_schema(schema: Any, names: tuple[str, ...] = EITHER) -> str:
     """What is wrong with a file of another kind or version."""
     ours = f"{RESULT_SCHEMA} and {FRONT_SCHEMA}"
     if isinstance(schema, str) and schema.partition("/")[0] in ("uwopt.result", "uwopt.front"):
         return f"schema is {schema!r}, this uwopt reads {ours}; read it with the uwopt that wrote it, or solve again."
     what = "has no schema" if schema is None else f"schema is {schema!r}"
-    return f"{what}, so it is no result of uwopt (these say {ours}); name a result.json or front.json."
+    return f"{what}, so it is no result of uwopt (these say {ours}); name a {' or '.join(names)}."
 
 
 # ---------------------------------------------------------------- faults

@@ -19,7 +19,7 @@ from uwopt.cli.app import app
 from uwopt.errors import MissionError
 from uwopt.mission.system import load_system
 from uwopt.report.compare.page import comparison_blocks, comparison_csv, comparison_html
-from uwopt.report.compare.rows import facts, margins_of, requirement_rows, sentences
+from uwopt.report.compare.rows import cell_of, facts, margins_of, requirement_rows, sentences
 from uwopt.report.text.layout import Grid
 from uwopt.results.comparison import Comparison, SideBySide
 from uwopt.results.design import Margin, Note, UsedPart
@@ -44,6 +44,17 @@ def test_each_requirement_is_told_of_every_system(pair: Comparison) -> None:
     assert blur.asked == "at most 1.000 px"
     assert [cell.met for cell in blur.cells] == [True, False]
     assert [cell.value for cell in blur.cells] == pytest.approx([0.665, 1.33], rel=1e-3)
+
+
+def test_what_is_infinite_or_unknown_is_told_by_its_name(pair: Comparison) -> None:
+    bare = replace(pair.systems[0].design, totals=replace(pair.systems[0].design.totals, mass_kg=0.0))
+    first = replace(pair.systems[0], result=replace(pair.systems[0].result, recommendation=bare))
+    alone = replace(pair, systems=[first])
+    (mass,) = (row for row in facts(alone) if row.key == "mass_kg")
+    assert mass.cells[0].text == "unknown"
+    assert cell_of(None).text == "unknown"
+    assert cell_of(Margin("max_far_m", None, 2.0, ">=", None, "m", None, True, False)).text == "infinite"
+    assert cell_of(Margin("min_dof_m", None, 2.0, ">=", None, "m", None, False, False)).text == "–"
 
 
 def test_limits_of_parts_that_all_keep_are_not_told(pair: Comparison) -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from uwopt.quantities import QUANTITIES
 from uwopt.report.text import formats, words
+from uwopt.report.text.tables import has_no_limit
 from uwopt.results.comparison import Comparison, SideBySide
 from uwopt.results.design import PRACTICE_MISSED, Design, Margin
 
@@ -58,7 +59,8 @@ def facts(comparison: Comparison) -> Iterator[ComparedRow]:
     yield ComparedRow("", "requirements", "requirements", "all met", "", verdicts)
     prices = tuple(Reached(d.totals.cost.value, price_text(d)) for d in designs)
     yield ComparedRow("", "price", "price", "", designs[0].totals.cost.currency, prices)
-    masses = tuple(Reached(d.totals.mass_kg, formats.quantity(d.totals.mass_kg, "kg")) for d in designs)
+    known = [d.totals.mass_kg or None for d in designs]
+    masses = tuple(Reached(mass, "unknown" if mass is None else formats.quantity(mass, "kg")) for mass in known)
     yield ComparedRow("", "mass_kg", "mass of what is known", "", "kg", masses)
     for kind in ("camera", "lens", "port", "housing", "light"):
         if all(kind not in design.hardware.parts for design in designs):
@@ -129,8 +131,9 @@ def limit_text(margin: Margin) -> str:
 def cell_of(margin: Margin | None) -> Reached:
     """What a system reaches of a requirement."""
     if margin is None:
-        return Reached(None, "–")
-    return Reached(margin.value, formats.margin_ends(margin)[0], margin.satisfied)
+        return Reached(None, "unknown")
+    endless = margin.value is None and not margin.word and has_no_limit(margin)
+    return Reached(margin.value, "infinite" if endless else formats.margin_ends(margin)[0], margin.satisfied)
 
 
 def figure_rows(comparison: Comparison) -> Iterator[ComparedRow]:

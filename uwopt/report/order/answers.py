@@ -6,11 +6,12 @@ from collections.abc import Callable, Iterator
 
 from uwopt.catalog.offers import Offer
 from uwopt.report.text import formats, words
-from uwopt.report.text.certainty import held_text, percent
+from uwopt.report.text.certainty import held_text
 from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, sentence
 from uwopt.results.design import Design
 from uwopt.results.result import Result
 from uwopt.solvers.explain.solved_again import QuotedAgain, SolvedAgain
+from uwopt.units import percent
 
 
 def answer_blocks(made: QuotedAgain) -> list[Block]:

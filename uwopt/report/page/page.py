@@ -19,7 +19,6 @@ from uwopt.report.page.html_file import compact_json, packed, rendered, safe_id,
 from uwopt.report.page.sections import DesignPart
 from uwopt.report.page.svg import clean_svg
 from uwopt.report.text import doubts, exactness, formats, nothing_fits, tables, words
-from uwopt.report.text.certainty import percent
 from uwopt.report.text.front_tables import METHOD_HEADS, method_rows, pick_names
 from uwopt.report.text.in_hand import fails_first
 from uwopt.report.text.layout import Block, Line, fact_lines
@@ -31,6 +30,7 @@ from uwopt.results.front import FrontResult
 from uwopt.results.record import plain
 from uwopt.results.result import Certificate, Result
 from uwopt.solvers.beside import side_by_side
+from uwopt.units import percent
 
 TITLES = {"solve": "Recommendation", "evaluate": "Evaluation of a given system", "pareto": "Trade-off"}
 GROUPS = {

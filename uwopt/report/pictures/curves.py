@@ -77,6 +77,7 @@ class DepthOfField:
     highest_altitude_m: float
     wanted_dof_m: float | None
     circle_of_confusion_px: float
+    dof_reserve_m: float = 0.0  # of what is wanted
 
 
 @dataclass(frozen=True)
@@ -95,6 +96,7 @@ class Operation:
     camera_rate_hz: float  # inf when unknown
     blur_px: float
     blur_is_asked: bool
+    blur_reserve_px: float = 0.0  # of what is asked
 
 
 @dataclass(frozen=True)
@@ -254,6 +256,7 @@ def depth_of_field(design: Replay, scene_index: int = 0) -> DepthOfField:
         highest_altitude_m=float(scene.range_m[-1]),
         wanted_dof_m=scene.view.requirements.min_dof_m,
         circle_of_confusion_px=float(rows.view.coc_m[0] / model.cameras.pixel_pitch_m[0]),
+        dof_reserve_m=scene.view.kept("min_dof_m"),
     )
 
 
@@ -305,6 +308,7 @@ def operation_curves(design: Replay, scene_index: int = 0) -> Operation:
         camera_rate_hz=float(model.cameras.max_rate_hz[0]),
         blur_px=blur_px,
         blur_is_asked=needs.max_blur_px is not None,
+        blur_reserve_px=scene.view.kept("max_blur_px"),
     )
 
 

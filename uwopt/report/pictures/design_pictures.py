@@ -130,6 +130,9 @@ def light_picture(way: SpectrumWay) -> Picture:
     )  # fmt: skip
 
 
+WITH_RESERVE = ", with its reserve"  # of a figure that a mission states without
+
+
 def sharp_pictures(dof: DepthOfField) -> list[Picture]:
     """Figure 4 of the paper, and the same over the focus."""
     near = float(np.interp(dof.chosen_f_number, dof.f_number, dof.near_m))
@@ -137,7 +140,8 @@ def sharp_pictures(dof: DepthOfField) -> list[Picture]:
         far = float(1.0 / np.interp(dof.chosen_f_number, dof.f_number, 1.0 / dof.far_m))
     span = f"{near:.3g} m to {'infinity' if not np.isfinite(far) or far > 1e6 else f'{far:.3g} m'}"
     focus = "infinity" if not np.isfinite(dof.chosen_focus_m) else f"{dof.chosen_focus_m:.3g} m"
-    wanted = f" The mission wants {dof.wanted_dof_m:g} m of depth." if dof.wanted_dof_m else ""
+    reserve = WITH_RESERVE if dof.dof_reserve_m else ""
+    wanted = f" The mission wants {dof.wanted_dof_m:g} m of depth{reserve}." if dof.wanted_dof_m else ""
     altitudes = (
         f"{dof.lowest_altitude_m:g} to {dof.highest_altitude_m:g} m"
         if dof.highest_altitude_m > dof.lowest_altitude_m
@@ -167,6 +171,7 @@ def operation_pictures(curves: Operation) -> list[Picture]:
     most = curves.camera_rate_hz
     camera = f" The camera reaches {format_quantity(most, 'hz')}." if np.isfinite(most) else ""
     asked = "" if curves.blur_is_asked else " The mission asks for no limit of blur; one pixel is drawn."
+    reserve = WITH_RESERVE if curves.blur_reserve_px else ""
     at = f"{curves.mission_speed_m_s:g} m/s and {curves.mission_altitude_m:g} m"
     row = int(np.argmin(np.abs(curves.altitude_m - curves.mission_altitude_m)))
     column = int(np.argmin(np.abs(curves.speed_m_s - curves.mission_speed_m_s)))
@@ -182,8 +187,8 @@ def operation_pictures(curves: Operation) -> list[Picture]:
         ),
         Picture(
             "exposure", "operation", "Longest exposure over speed",
-            f"Longest time that collects light within {curves.blur_px:g} px of motion blur, at five altitudes; the "
-            f"requirement holds at the lowest.{asked}",
+            f"Longest time that collects light within {curves.blur_px:g} px of motion blur{reserve}, at five "
+            f"altitudes; the requirement holds at the lowest.{asked}",
             f"At {at} motion allows {limit}; {1e3 * curves.set_light_time_s:.3g} ms is set.",
             "plotly", plots.exposure_plot(curves),
         ),

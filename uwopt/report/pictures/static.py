@@ -24,7 +24,7 @@ RULES: Any = {
     "text.parse_math": False, "svg.hashsalt": "uwopt", "svg.fonttype": "none", "font.size": 9.0, "axes.grid": True,
     "grid.color": "#e1e7eb", "axes.axisbelow": True,
 }  # fmt: skip
-NEEDED = "PNG and SVG need Matplotlib: install uwopt[explore], or write .html or .csv"
+NEEDED = "PNG and SVG need Matplotlib (.venv/bin/pip install '.[explore]' in uwopt's folder), or write .html or .csv"
 
 
 def static_image(pictures: Sequence[Picture], form: Literal["png", "svg"]) -> bytes:

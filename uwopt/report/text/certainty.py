@@ -15,7 +15,7 @@ from uwopt.report.text.layout import Text as Cell
 from uwopt.results.certainty import CertaintyProof, Confidence, Decides, WorthKnowing
 from uwopt.results.result import Result
 from uwopt.tolerances import TIED_MEDIANS_REL
-from uwopt.units import format_within
+from uwopt.units import format_within, percent
 
 LOST_TO = {
     "light": "no exposure, gain and light level give enough signal without saturating",
@@ -33,14 +33,6 @@ TAKEN_OFF = ", its power and price taken off"
 SAME_PARTS = "the same parts"
 MORE_LIGHT = 1.1  # times as much power, from which lamps that shine brighter are named as the cause
 EVERY_END = "at every end of what is uncertain"
-
-
-def percent(share: float) -> str:
-    """`97 %`; never all or nothing where some were lost or won: `99.9 %`."""
-    share = round(share, 9)  # the interval of all is 1 but for rounding
-    digits = 0 if 0.01 <= share <= 0.99 or share in (0.0, 1.0) else 1
-    shown = min(max(100.0 * share, 0.1), 99.9) if 0.0 < share < 1.0 else 100.0 * share
-    return f"{shown:.{digits}f} %"
 
 
 def held_text(known: Confidence) -> str:

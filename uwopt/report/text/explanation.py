@@ -9,6 +9,7 @@ from uwopt.report.text.layout import Block, Text, block, sentence
 from uwopt.report.text.nothing_fits import infeasible_block, miss_sentence, nearest_title
 from uwopt.report.text.prices import price_blocks
 from uwopt.report.text.tables import nearest_miss
+from uwopt.report.text.verdict import system_text
 from uwopt.results.design import PRACTICE_IN_VAIN, PRACTICE_UNTRIED, PRACTICE_WOULD_YIELD
 from uwopt.results.result import Result
 
@@ -28,7 +29,8 @@ def explanation_blocks(result: Result) -> Iterator[Block | Text]:
         told = [words.as_sentence(note.message) for note in result.warnings if note.code in OF_PRACTICE]
         yield block(name, [sentence(one) for one in (said, *told)])
         yield infeasible_block(result)
-        if nearest_miss(result) is not None and (note := miss_sentence(result)) is not None:
+        miss = nearest_miss(result)
+        if miss is not None and (note := miss_sentence(result, system_text(miss))) is not None:
             yield block(nearest_title(result), [note])
     above = () if result.infeasible is None else ("time", *OF_PRACTICE)
     notes = [note for note in result.warnings if note.code not in above]

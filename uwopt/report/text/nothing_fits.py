@@ -261,10 +261,10 @@ def nearest_title(result: Result | FrontResult) -> str:
     return "What comes nearest, and is out of reach" if far else "What comes nearest"
 
 
-def miss_sentence(result: Result | FrontResult) -> Text | None:
-    """What the nearest miss does not meet."""
+def miss_sentence(result: Result | FrontResult, what: str = "it") -> Text | None:
+    """What the nearest miss does not meet; `what`: its name, where its parts do not stand beside."""
     text = miss_text(result)
-    return sentence(f"It {text}.") if text else None
+    return sentence(f"{words.capital(what)} {text}.") if text else None
 
 
 def miss_text(result: Result | FrontResult) -> str:

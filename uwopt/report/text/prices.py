@@ -7,12 +7,11 @@ from collections.abc import Iterator, Sequence
 
 from uwopt.quantities import AT_LIKELIEST
 from uwopt.report.text import formats, words
-from uwopt.report.text.certainty import percent
 from uwopt.report.text.layout import Block, Line, block, sentence
 from uwopt.results.basis import LessMoney, Price
 from uwopt.results.design import Design
 from uwopt.results.result import Result
-from uwopt.units import format_quantity, without_zeros
+from uwopt.units import format_quantity, percent, without_zeros
 
 NOTHING_CHANGES = 1e-6  # of the objective: less is rounding
 NOTHING = "nothing"
