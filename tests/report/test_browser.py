@@ -454,6 +454,21 @@ def test_tables_are_whole_at_the_width_of_a_laptop(
     assert cut == []
 
 
+def test_settings_of_both_scenes_of_a_time_lapse_are_seen_at_once(show: Callable[..., Any], make_result: Make) -> None:
+    """Twice "0.000556 Hz, once every 30 min" hid the light of a second scene, with nothing to tell that it is there."""
+    best = make_result().recommendation
+    (scene,) = best.scenes
+    slow = {**scene.settings, "frame_rate_hz": 1.0 / 1800.0}
+    two = [replace(scene, name=name, settings=slow, settings_to_set=slow) for name in ("ambient", "hot flow")]
+    dear = replace(best, scenes=two, totals=replace(best.totals, cost=replace(best.totals.cost, low=25e3, high=13e4)))
+    page = show(replace(make_result(), recommendation=dear), viewport={"width": 1200, "height": 800})
+    cut = page.evaluate(
+        "[...document.querySelectorAll('.short-part .scroll, .top .card')]"
+        ".filter(one => one.scrollWidth > one.clientWidth).map(one => one.innerText.slice(0, 40))"
+    )
+    assert cut == []
+
+
 def test_what_to_buy_is_whole_on_a_telephone(show: Callable[..., Any], tank: Any) -> None:
     page = show(tank, viewport={"width": 390, "height": 800})
     over = page.evaluate(
