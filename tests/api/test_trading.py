@@ -145,6 +145,8 @@ def test_picks_are_what_their_definitions_say(exact):
         assert named[name].id == chosen.id
         told = next(pick.definition for pick in exact.picks if pick.name == name)
         assert told.endswith(", and of those within 0.1 % of it the best in the other objectives") == (len(tied) > 1)
+    knee = next(pick.definition for pick in exact.picks if pick.name == "knee")
+    assert knee.endswith("(logarithms of power and cost)")  # and of no other: the third is in decibels
     # the knee by hand: nearest to the best corner
     far = {p.id: math.hypot(*place_in_box(exact, p)) for p in exact.points}
     assert named["knee"].id == min(far, key=lambda name: far[name])

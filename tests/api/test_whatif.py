@@ -27,7 +27,7 @@ from uwopt.mission.varying import VariedMission
 from uwopt.objectives.goal import goal_of
 from uwopt.report.page.whatif import whatif_html
 from uwopt.report.pictures.whatif_plots import whatif_figures
-from uwopt.report.text.whatif_tables import opening
+from uwopt.report.text.whatif_tables import opening, switch_text
 from uwopt.results.design import UsedHardware, UsedPart
 from uwopt.results.whatif import WhatIf, WhatIfPoint, WinningSystem
 from uwopt.solvers.confidence import search
@@ -100,6 +100,16 @@ def test_systems_change_where_the_table_says(over_speed):
             names.append((parts.cameras[found.camera].id, parts.lights[found.light].id, found.count))
         told = [over_speed.systems[one] for one in (switch.first, switch.second)]
         assert names == [(one.camera, one.light, one.light_count) for one in told]
+
+
+def test_systems_that_win_between_points_alone_are_counted_and_told_so(over_speed):
+    """`4 systems win somewhere` stood beside a chart in which 8 do, and a system was listed that `wins at 0`."""
+    switch = replace(over_speed.switches[0], second=None, low=0.2, high=0.393)
+    one = replace(over_speed, points=over_speed.points[:1], switches=[switch], systems=over_speed.systems[:1])
+    assert "beyond some" in switch_text(one, switch) and "between 0.2" in switch_text(one, switch)
+    twice = replace(over_speed, switches=[replace(switch, first=97, second=98)])
+    won = len({point.system for point in over_speed.points} - {None})
+    assert f"{won + 2} systems win somewhere" in " ".join(opening(twice))
 
 
 def test_where_nothing_fits_any_more_is_found():

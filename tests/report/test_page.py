@@ -17,12 +17,14 @@ import pytest
 
 from uwopt.deadline import Deadline
 from uwopt.report.page import style as page_style
+from uwopt.report.page.front import goal_texts
 from uwopt.report.page.html_file import json_for_script
 from uwopt.report.page.page import Pictures, common_width_mm, design_parts, report_html
 from uwopt.report.page.sections import alternatives, bar, cards, web_link
 from uwopt.report.page.svg import clean_svg
 from uwopt.report.pictures import design_pictures
 from uwopt.report.pictures.design_pictures import Picture
+from uwopt.results.design import SettableCheck
 from uwopt.solvers.beside import cores
 
 Make = Callable[..., Any]
@@ -304,6 +306,9 @@ def test_a_pick_has_one_price_and_one_power(make_front: Make) -> None:
     (pick,) = design_parts(make_front(points=1), Pictures(), Deadline.after(-1.0))
     told = {card.title: card.value for card in pick.cards}
     assert pick.goals[:2] == [told["Power"], told["Cost"]] and " to " in pick.goals[1]
+    front = make_front(points=1)
+    unset = replace(front.points[0].design, rounded=SettableCheck(False, None, ["min_snr"]))
+    assert goal_texts(front, replace(front.points[0], design=unset)) == [f"{text} (exact)" for text in pick.goals]
     assert "all is told at the settings to type in" in Tree(report_html(make_front(points=1))).text()
 
 

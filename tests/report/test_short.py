@@ -20,7 +20,7 @@ from uwopt.report.text.nothing_fits import helpful_lines, in_more_time, infeasib
 from uwopt.report.text.short import full_text_blocks, short_text_blocks
 from uwopt.report.text.verdict import front_sentence, verdict
 from uwopt.results.basis import Risk, WhyNothing
-from uwopt.results.design import Note
+from uwopt.results.design import Note, SettableCheck
 from uwopt.results.result import PartsLeft, Result
 
 Make = Callable[..., Any]
@@ -133,6 +133,24 @@ def test_a_front_whose_search_was_stopped_does_not_call_its_hardware_what_is_lef
     make_front: Make, status: str, said: str
 ) -> None:
     assert front_sentence(make_front(status=status)).startswith(f"3 choices of hardware {said}, in 8 settings")
+
+
+def set_at(design: Any, power_w: float) -> Any:
+    """A design that can be set, and then draws so much."""
+    scenes = [replace(one, settings_to_set=one.settings, figures_as_set=one.figures) for one in design.scenes]
+    totals = replace(design.totals, power_w=power_w)
+    return replace(design, scenes=scenes, rounded=SettableCheck(True, power_w, [], power_w, totals))
+
+
+def test_a_front_is_told_at_settings_that_can_be_set(make_front: Make) -> None:
+    """The first sentence sold 2.97 Mbit/m² of a system that has 2.74 as a person can set it."""
+    front = make_front("power", "cost", points=2)
+    (first, second) = front.points
+    told = front.as_told(replace(second, design=set_at(second.design, 41.5)))
+    assert (told.values["power"], told.values["cost"]) == (41.5, second.values["cost"])
+    assert front.as_told(first).values == first.values  # of which no settings are known
+    said = front_sentence(replace(front, points=[replace(first, design=set_at(first.design, 44.4)), second]))
+    assert "44.4 W" in said and "40.0 W" not in said
 
 
 def test_sharpness_without_end_is_told(make_result: Make, make_design: Any, make_scene: Any) -> None:

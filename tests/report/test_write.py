@@ -16,6 +16,7 @@ import yaml
 
 from uwopt.errors import OutputError
 from uwopt.report import write
+from uwopt.report.text.formats import known_price
 from uwopt.results.front import FrontResult
 from uwopt.results.result import Result
 
@@ -59,6 +60,13 @@ def test_formulas_are_defused_and_numbers_stay_numbers(make_result: Make) -> Non
     assert rows[0]["source"] == "'@shop"
     assert rows[1]["price_basis"] == "'\tclass"
     assert float(rows[0]["unit_price"]) == 1910.0
+
+
+def test_numbers_of_a_bill_have_no_tails_and_its_prices_the_words_of_the_page(make_result: Make) -> None:
+    row = replace(make_result().best.bom[0], count=3, owned=0, unit_price=9.2, price_status="estimated")
+    (told,) = csv.DictReader(io.StringIO(write.bom_csv([row])))
+    assert told["to_pay"] == "27.6"  # 3 x 9.2 is 27.599999999999998 in binary
+    assert "no quote" in told["price_status"] and "no quote" in known_price(row)
 
 
 @pytest.mark.parametrize("sign", ["=", "+", "-", "@", "\t"])

@@ -46,7 +46,7 @@ def whatif_command(
     hold_practice: HoldPracticeOption = False,
     seconds: Annotated[float | None, seconds_as("Stop after S seconds; keep what is solved.")] = None,
     as_json: JsonOption = False,
-    out: Annotated[str | None, folder_as("Write report.html, whatif.csv and whatif.json into DIR.")] = None,
+    out: Annotated[str | None, folder_as("Write report.html, whatif.csv, .json and .parquet into DIR.")] = None,
     quiet: QuietOption = False,
 ) -> int:
     """Solve the mission at many values of its keys: the optimum, and where another system takes over."""

@@ -285,6 +285,9 @@ def json_text(result: AnyResult, encoding: str = "utf-8") -> str:
     return text
 
 
+CENTS = 6  # digits behind the point: no tails of sums
+
+
 def bom_csv(rows: Sequence[BillRow]) -> str:
     """A bill of materials as CSV that a spreadsheet takes for text and numbers only."""
     made: list[Sequence[Any]] = [BOM_COLUMNS]
@@ -292,7 +295,10 @@ def bom_csv(rows: Sequence[BillRow]) -> str:
         low, high = row.unit_price_low, row.unit_price_high
         due = {"to_pay": to_pay(row, row.unit_price), "to_pay_low": to_pay(row, low), "to_pay_high": to_pay(row, high)}
         values = {**due, **asdict(row)}
-        made.append([defused(values[column]) for column in BOM_COLUMNS])
+        if row.price_status == "estimated":
+            values["price_status"] = "estimated, no quote"
+        plain = {key: round(value, CENTS) if isinstance(value, float) else value for key, value in values.items()}
+        made.append([defused(plain[column]) for column in BOM_COLUMNS])
     return csv_text(made)
 
 

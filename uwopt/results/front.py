@@ -5,6 +5,7 @@ whole design; those that share hardware lie on one curve of settings.
 """
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from pydantic import Field, TypeAdapter
@@ -131,6 +132,10 @@ class FrontResult(Shown, FiledRecord):
         """The built-in objectives of a point at the settings to type in; None where none are known or can be set."""
         design = point.design.as_set
         return None if design is point.design else values_of(design, self.objectives)
+
+    def as_told(self, point: FrontPoint) -> FrontPoint:
+        """A point with its objectives at the settings to type in, where there are any."""
+        return replace(point, values={**point.values, **(self.values_as_set(point) or {})})
 
     def frame(self, name: str = "points") -> "pd.DataFrame":
         """A table of the front: points, picks, methods, assumptions or warnings."""

@@ -110,6 +110,14 @@ def test_other_systems_are_held_against_the_best_by_the_same_numbers(make_result
     assert AT_LIKELIEST in told and AT_LIKELIEST not in plain
 
 
+def test_what_is_worse_by_nothing_is_told_as_good(make_result: Make) -> None:
+    made = make_result()
+    equal = replace(made.runners_up[0], objective_value=made.best.objective_value * (1.0 + 1e-6))
+    sheet = opened(replace(made, runners_up=[equal]))["Second sources"]
+    (cell,) = (row[3] for row in sheet.iter_rows() if row[0].value == "runner-up 2")
+    assert cell.value == 0.0 and cell.number_format.endswith('"as good"')
+
+
 def test_the_recommended_system_is_no_second_source_of_itself(make_result: Make) -> None:
     """What is chosen for how often it holds is among the runners-up at likeliest values, with other settings."""
     made = make_result()

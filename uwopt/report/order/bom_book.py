@@ -6,7 +6,7 @@ from typing import Any
 
 from uwopt.catalog.catalogue import plain_name
 from uwopt.report.order.book import MONEY, PERCENT, WHOLE, Page, book_bytes, new_book
-from uwopt.report.order.other_parts import OtherSystem, instead_of, other_systems, why_this
+from uwopt.report.order.other_parts import AS_GOOD, OtherSystem, instead_of, other_systems, why_this
 from uwopt.report.text import formats, words
 from uwopt.report.text.not_counted import NotCounted, not_counted
 from uwopt.report.text.short import how_far
@@ -23,6 +23,7 @@ HEADS = (
 WIDTHS = (5, 11, 18, 30, 30, 8, 7, 8, 12, 12, 12, 13, 9, 12, 12, 13, 13, 13, 14, 11, 34, 34, 40, 40, 40)
 SYSTEMS = "$C$3"  # the one cell with the number of systems
 MOST_SYSTEMS = 1000
+SHARE = '0.00%;-0.00%;"as good"'  # of what is worse by nothing, in words
 LEAD_UNKNOWN = "not known, ask"
 
 
@@ -181,7 +182,8 @@ def second_page(book: Any, result: Result, others: list[OtherSystem]) -> None:
         page.text(1, other.place, wrap=True)
         page.number(2, other.objective_value, "0.000")
         page.text(3, result.objective.unit)
-        page.number(4, other.worse_frac, "0.00%")
+        share = other.worse_frac
+        page.number(4, 0.0 if share is not None and share <= AS_GOOD else share, SHARE)
         page.formula(5, f'=IF(D{n}="","",IF(D{n}<=$B$2,"yes","no"))')
         page.text(6, other.differs, wrap=True)
         if design is not None:

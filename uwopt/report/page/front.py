@@ -17,7 +17,7 @@ from uwopt.report.text.front_tables import pick_names
 from uwopt.report.text.tables import has_no_limit, kinds_by_id, scenes_to_set, shown_settings
 from uwopt.report.text.verdict import axis_name, best_and_worst
 from uwopt.results.design import Design, SceneResult, UsedHardware
-from uwopt.results.front import FrontObjective, FrontPoint, FrontResult
+from uwopt.results.front import FrontPoint, FrontResult
 from uwopt.units import symbol
 
 #: Figures beside the objectives, unless an objective shows the same.
@@ -163,17 +163,12 @@ def beside(design: Design, name: str) -> float | None:
 
 def goal_texts(front: FrontResult, point: FrontPoint) -> list[str]:
     """The objectives of a pick as its cards have them: at the settings to type in, of a cost its range."""
-    as_set = front.values_as_set(point) or {}
-    return [goal_text(one, point, as_set) for one in front.objectives]
+    told = front.as_told(point)
+    texts = [words.axis_text(one, told, DIGITS) for one in front.objectives]
+    return texts if point.design.is_settable else [f"{text} ({EXACT})" for text in texts]
 
 
-def goal_text(one: FrontObjective, point: FrontPoint, as_set: Mapping[str, float]) -> str:
-    """One of them; of a user's own function there is the exact value alone."""
-    if one.name == "power":
-        return formats.quantity(point.design.power_as_set_w, one.unit)
-    if one.name == "cost" or one.name not in as_set:
-        return words.axis_text(one, point, DIGITS)
-    return formats.quantity(as_set[one.name], one.unit)
+EXACT = "exact"  # of a point without settings to type in
 
 
 def currency(front: FrontResult) -> str:

@@ -151,7 +151,7 @@ def picked_points(front: FrontResult) -> list[tuple[str, FrontPoint]]:
     for pick in sorted(front.picks, key=lambda pick: pick.name != "cheapest"):
         if pick.name != "knee":
             named.setdefault(pick.point, []).append(formats.one_line(pick.name, 40))
-    return [(words.listed(names), front.point(point)) for point, names in named.items()]
+    return [(words.listed(names), front.as_told(front.point(point))) for point, names in named.items()]
 
 
 def short_system(point: FrontPoint) -> str:

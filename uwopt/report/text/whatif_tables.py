@@ -40,7 +40,7 @@ def opening(table: WhatIf) -> list[str]:
         fits = sum(point.system is not None for point in table.points)
         known = sum(point.status != "stopped" or point.system is not None for point in table.points)
         every = math.prod(len(key.values) for key in table.keys)
-        best = len({point.system for point in table.points} - {None})
+        best = len({*(point.system for point in table.points), *between(table)} - {None})
         keys = " and ".join(formats.one_line(key.key, 60) for key in table.keys)
         proven = all(point.status in ("optimal", "infeasible") for point in table.points)
         if known < every:
@@ -65,6 +65,11 @@ def opening(table: WhatIf) -> list[str]:
 
 
 # ---------------------------------------------------------------- switches
+
+
+def between(table: WhatIf) -> set[int | None]:
+    """The systems that win beside a switch, some of them between points alone."""
+    return {system for switch in table.switches for system in (switch.first, switch.second)}
 
 
 def switch_lines(table: WhatIf) -> list[Text]:
@@ -93,13 +98,14 @@ def switch_text(table: WhatIf, switch: Switch) -> str:
     unit = next(key.unit for key in table.keys if key.key == switch.key)
     low, high = formats.quantities_apart(switch.low, switch.high, unit=unit)
     key = formats.one_line(switch.key, 40)
-    where = f"beyond {key} {low}"
+    where = nowhere = f"beyond {key} {low}"
     if switch.high - switch.low > 0.02 * max(abs(switch.low), abs(switch.high)):
         where = f"between {key} {low} and {high}"
+        nowhere = f"beyond some {key} between {low} and {high}"
     if switch.second is None:
-        return f"{where} nothing fits"
+        return f"{nowhere} nothing fits"
     if switch.first is None:
-        return f"{where} something fits: {formats.one_line(table.systems[switch.second].parts, 300)}"
+        return f"{nowhere} something fits: {formats.one_line(table.systems[switch.second].parts, 300)}"
     said = f"{where} {change_text(table.systems[switch.first], table.systems[switch.second])}"
     return said if switch.proven else f"{said} (of these two systems)"
 
@@ -123,7 +129,8 @@ def systems_block(table: WhatIf) -> Block:
     for index, system in enumerate(table.systems):
         wins = sum(point.system == index for point in all_points(table))
         made = " (with a part to be made)" if system.generic else ""
-        grid.add_row(Text(str(index + 1)), Text(str(wins)), Text(formats.one_line(system.parts, 300) + made))
+        where = str(wins or "between")  # points, or none of them
+        grid.add_row(Text(str(index + 1)), Text(where), Text(formats.one_line(system.parts, 300) + made))
     return block("Systems", [grid])
 
 

@@ -17,9 +17,10 @@ from uwopt.solvers.exact.node_designs import WithLamps
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.front.search import Front
+from uwopt.units import listed
 
 MOST_POINTS = 160  # of a front that are shown
-KNEE = "the point nearest to the best corner, axes scaled to the front's range (logarithms of power, cost and mass)"
+KNEE = "the point nearest to the best corner, axes scaled to the front's range"
 IN_WORDS = {term: one.best for term, one in TERMS.items() if one.best}
 BEST_IMAGE = ("information", "snr_db", "contrast", "gsd_mm")
 
@@ -79,7 +80,9 @@ def picks_of(points: Sequence[FrontPoint], objectives: Sequence[FrontObjective],
         best = tied[unit[tied].sum(axis=1).argmin()]
         among = ", and of those within 0.1 % of it the best in the other objectives" if len(tied) > 1 else ""
         found.append(Pick(title, points[int(best)].id, text + among))
-    return [*found, Pick("knee", points[knee(unit)].id, KNEE)]
+    by_log = [name for name, log in zip(names, frame.log, strict=True) if log]
+    logs = listed([TERMS[name].words if name in TERMS else name for name in by_log])
+    return [*found, Pick("knee", points[knee(unit)].id, KNEE + (f" (logarithms of {logs})" if logs else ""))]
 
 
 def objectives_of(axes: Axes, currency: str) -> list[FrontObjective]:
