@@ -8,6 +8,7 @@ from uwopt.catalog.checkfile import TEMPLATE_KINDS, check_file, template
 from uwopt.catalog.load import load_catalog
 from uwopt.catalog.userparts import yaml_table
 from uwopt.errors import CatalogError
+from uwopt.report.text.parts import check_blocks
 
 LENS_HEADER = "id,manufacturer,focal_length_mm,f_number_min,f_number_max,optical_format_in,mounts,price\n"
 
@@ -209,6 +210,21 @@ def test_guide_number_of_a_beam_stated_in_water_counts_the_narrowing(tmp_path):
 def test_lens_of_an_unknown_format_is_kept_out_with_its_name(tmp_path):
     path = written(tmp_path, "lenses.csv", "id,focal_length_mm,mounts,optical_format_in\nodd,8,C,3/7\n")
     assert "'3/7' is not known" in load_catalog([path]).exclusions_of("odd")[0].reason
+
+
+def test_a_bad_price_list_is_told_row_by_row_with_every_fault(tmp_path):
+    text = 'id,price,currency,date\nkowa-nosuch,12,EUR,2026-01-01\nflir-bfs-u3-51s5m,"1304,50",dollar,14.08.2026\n'
+    report = check_file(written(tmp_path, "quotes.csv", text))
+    assert (report.n_rows, len(report.faults)) == (2, 3)  # `1 row: 3 faults`, of which each row told one
+    assert all(map(str.__contains__, report.faults, ("price", "three letters", "YYYY-MM-DD")))
+    (block,) = check_blocks(report)
+    assert "kowa-nosuch" in str(block.lines[0])  # in the order of the file
+    assert check_file(written(tmp_path, "more.csv", "id,price,date\nflir-bfs-u3-51s5m,1300,2026-08\n")).ok
+
+
+def test_columns_that_a_spreadsheet_parts_by_semicolons_are_one_fault(tmp_path):
+    (fault,) = check_file(written(tmp_path, "lenses.csv", "id;focal_length_mm;mounts\na;8;C\n")).faults
+    assert "separated by ';'" in fault
 
 
 def test_spectrum_with_a_gap_in_the_visible_names_it(tmp_path):

@@ -106,6 +106,9 @@ def test_settings_card_shows_every_cell_on_a_telephone(show: Callable[..., Any],
         "Math.max(...[...document.querySelectorAll('main td, main th')].map(one => one.getBoundingClientRect().right))"
     )
     assert 0 < right <= 400
+    wraps = ".map(one => getComputedStyle(one).overflowWrap)"
+    cells = "[...document.querySelectorAll('section:not(.work) td.left')]"
+    assert set(page.evaluate(cells + wraps)) == {"break-word"}  # heads were broken within words
 
 
 def wait_drawn(page: Any, place: str, number: int) -> None:
@@ -427,6 +430,12 @@ def test_long_fronts_are_thinned_on_paper_but_keep_their_picks(
 def test_page_never_scrolls_sideways(show: Callable[..., Any], make_front: Make, width: int) -> None:
     page = show(make_front(), viewport={"width": width, "height": 800})
     wait_drawn(page, "#pairs", 1)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    page.evaluate(  # words for who listens, at the end of a table that scrolls in its own frame
+        "document.querySelector('main').insertAdjacentHTML('beforeend', '<div class=scroll>"
+        "<table style=\"width: 2000px\"><tr><td>a<td style=\"text-align: right\"><span class=sr>note</span>"
+        "</table></div>')"
+    )
     assert page.evaluate("document.documentElement.scrollWidth") <= width
 
 

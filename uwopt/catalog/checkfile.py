@@ -55,7 +55,7 @@ def _checked(path: Path) -> FileReport:
             return _checked_changes(path, table)
         if is_price_table(table):
             quotes, faults = check_prices(table)
-            return FileReport(path, "prices", len(quotes), tuple(faults), tuple(_unknown_ids(quotes)))
+            return FileReport(path, "prices", len(table.rows), tuple(faults), tuple(_unknown_ids(quotes)))
     rows, faults = check_parts(path)
     if faults:
         return FileReport(path, "parts", len(rows), tuple(faults))

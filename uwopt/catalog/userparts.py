@@ -5,6 +5,7 @@ The built-in files have the same columns, so a row is checked and built in one w
 
 from __future__ import annotations
 
+import datetime as dt
 import difflib
 import math
 from collections.abc import Iterable
@@ -104,6 +105,7 @@ def typed_rows(
     known = set().union(*(COLUMNS[k] for k in ((told,) if told else KINDS)))
     faults += [
         _unknown_column(table.file, name, known) for name in table.header if name and name not in known
+        and ";" not in name  # columns that were not told apart, which is a fault of its own
     ]
     rows: list[PartRow] = []
     seen: dict[str, int] = {}
@@ -295,7 +297,7 @@ def check_prices(table: Table) -> tuple[list[PriceQuote], list[str]]:
             except CellError as fault:
                 row_faults.append(str(fault))
         row_faults += [f"{name} is empty" for name in ("id", "price") if not row.cells.get(name)]
-        row_faults += _cross_faults(cells)
+        row_faults += [*_cross_faults(cells), *_quote_faults(row)]
         part_id = row.cells.get("id", "")
         if part_id in seen:
             row_faults.append(f"id stands already in row {seen[part_id]}")
@@ -304,6 +306,18 @@ def check_prices(table: Table) -> tuple[list[PriceQuote], list[str]]:
         if not row_faults:
             quotes.append(_quote(cells, row.where()))
     return quotes, faults
+
+
+def _quote_faults(row: Row) -> list[str]:
+    """What is wrong with the currency and the day of a quote, which are text."""
+    currency, day, faults = row.cells.get("currency", ""), row.cells.get("date", ""), []
+    if currency and not (len(currency) == 3 and currency.isalpha()):
+        faults.append(f"currency = {currency!r} is not three letters, such as USD")
+    try:
+        dt.date.fromisoformat(day + "-01-01"[len(day) - 4 :] if 4 <= len(day) < 10 else day or "2000-01-01")
+    except ValueError:
+        faults.append(f"date = {day!r} is no day; write YYYY-MM-DD")
+    return faults
 
 
 def _quote(cells: dict[str, Cell], where: str) -> PriceQuote:

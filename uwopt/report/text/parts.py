@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 
 from uwopt.catalog.catalogue import Exclusion
@@ -107,11 +108,17 @@ def part_blocks(part_id: str, lines: Sequence[FieldLine], exclusions: Sequence[E
     yield block(formats.one_line(part_id), [table, *legend, *notes])
 
 
+def row_of(text: str) -> int:
+    """The row of a file that a remark is of; 0 of the whole file's."""
+    found = re.search(r" row (\d+)", text)
+    return int(found[1]) if found else 0
+
+
 def check_blocks(report: FileReport) -> Iterator[Block]:
     """What a file holds, every fault with its row, what will be estimated."""
     rows = words.counted(report.n_rows, "row")
     n_faults = len(report.faults)
     verdict = "in order" if report.ok else f"{words.counted(n_faults, 'fault')}"
-    lines: list[Line] = [sentence(fault, "red") for fault in report.faults]
-    lines += [sentence(note) for note in report.notes]
+    told = [*((fault, "red") for fault in report.faults), *((note, "") for note in report.notes)]
+    lines: list[Line] = [sentence(text, style) for text, style in sorted(told, key=lambda one: row_of(one[0]))]
     yield block(f"{formats.one_line(report.path)}: {report.content}, {rows}: {verdict}", lines)
