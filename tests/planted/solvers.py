@@ -616,6 +616,13 @@ DEFECTS: tuple[Defect, ...] = (
         test=f"{CELLS}test_whether_anything_fits_takes_no_measure_of_halves[hardly sharp by steps of light]",
     ),
     Defect(
+        name="how far a search is stands still between its batches",
+        file="uwopt/solvers/exact/search.py",
+        old="self._tell(SETTINGS if self.ranking.best else SETTINGS_IN_VAIN)",
+        new="self.progress(0.0, SETTINGS if self.ranking.best else SETTINGS_IN_VAIN)",
+        test="tests/solvers/test_search_deadline.py::test_a_search_tells_how_much_is_accounted_for[1]",
+    ),
+    Defect(
         name="halves of bounds are measured from the first",
         file="uwopt/solvers/settings/cell_pool.py",
         old="soon = (self.any_will_do or self.rows[0].optimistic) &",

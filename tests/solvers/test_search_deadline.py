@@ -51,6 +51,22 @@ def test_wherever_time_ends_bound_and_account_of_pairs_hold(
         assert_valid(cut_at(seed, readings), full)
 
 
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_search_tells_how_much_is_accounted_for(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Between its batches, too, for all of a small catalogue is one step."""
+    monkeypatch.setattr(exact_search, "FIRST_BATCH", 1)
+    monkeypatch.setattr(exact_search, "UNBEATEN_GROWTH", 1)
+    told: list[tuple[float, str]] = []
+
+    def hear(share: float, what: str) -> None:
+        told.append((share, what))
+
+    case(seed).solve(progress=hear)
+    shares = [share for share, what in told if what.startswith("settings")]
+    assert len(set(shares)) > 1 and shares == sorted(shares)
+    assert min(shares) >= 0.0 and max(shares) < 1.0 and told[-1][0] == 1.0
+
+
 def test_time_that_ends_within_a_batch_ends_it() -> None:
     """At the second reading, within the first batch, nothing is solved yet, though the batch is the whole search."""
     assert [cut_at(seed, 1).complete for seed in SEEDS if case(seed).solve()[1].best] == [False] * sum(

@@ -95,7 +95,7 @@ class Search(Evaluation):
         super().__init__(problem, objective, **how)
         self.given, self.widest_m = imagers, widest_m
         self.every_imager: Imagers | None = None  # of all parts, once they are listed
-        self.progress, self.share = progress or unheard, 0.0  # told, and how far the search is
+        self.progress, self.waited = progress or unheard, 0  # told; and of how many combinations it tells how far it is
         self.bounds_s = 0.0
         self.tally = Tally()  # some of the nodes that are discarded; of imagers, theirs has it
 
@@ -113,6 +113,7 @@ class Search(Evaluation):
             imagers_s, lowest = time.perf_counter() - start, float(self._camera_floor().min(initial=np.inf))
         else:
             imagers_s = time.perf_counter() - start
+            self.waited = self.account.waiting
             complete = tree.search(self.deadline, self._tell)
             imagers_s, lowest = imagers_s + tree.groups_s, float(tree.open_ideals().min(initial=np.inf))
             interrupted = tree.interrupted
@@ -131,10 +132,9 @@ class Search(Evaluation):
             self.ranking.best, self.account, lower, complete, self.imagers, self.tables, timing, interrupted
         )
 
-    def _tell(self, share: float, what: str) -> None:
-        """Tell how far it is."""
-        self.share = share
-        self.progress(share, what)
+    def _tell(self, what: str) -> None:
+        """Tell how far it is, by what is accounted for."""
+        self.progress(1.0 - self.account.waiting / self.waited if self.waited else 0.0, what)
 
     def whole(self) -> Outcome:
         """As `run`, where what was found until a person wants no more is of no use. Raises KeyboardInterrupt then."""
@@ -246,7 +246,7 @@ class Search(Evaluation):
 
         Raises OutOfTimeError before any is accounted for.
         """
-        self.progress(self.share, BOUNDS)
+        self._tell(BOUNDS)
         start = time.perf_counter()
         few = len(rows) * len(self.tables.lightings) <= TOO_FEW_TO_BOUND
         rows = rows if few else self._lit(rows)
@@ -312,7 +312,7 @@ class Search(Evaluation):
         try:
             self.deadline.check()
             if len(useful):
-                self.progress(self.share, SETTINGS if self.ranking.best else SETTINGS_IN_VAIN)
+                self._tell(SETTINGS if self.ranking.best else SETTINGS_IN_VAIN)
                 self.evaluate_nodes(nodes.lighting_of(useful), nodes.imager_of(useful))
         except OutOfTimeError:
             self.account.restore(before)

@@ -15,7 +15,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from uwopt.arrays import Array
-from uwopt.deadline import Deadline, OutOfTimeError, Progress
+from uwopt.deadline import Deadline, OutOfTimeError
 from uwopt.forward.columns import Columns
 from uwopt.objectives.objective import Terms
 from uwopt.solvers.exact.account import Account
@@ -81,10 +81,10 @@ class Tree:
 
     # ------------------------------------------------------------ best first
 
-    def search(self, deadline: Deadline, progress: Progress) -> bool:
+    def search(self, deadline: Deadline, tell: Callable[[str], object] = str) -> bool:
         """Take all that may matter; False when time ran out, or who waits wants no more: then a step that is cut short
-        counts for nothing."""
-        rows, waited = FIRST_ROWS, self.account.waiting
+        counts for nothing. `tell` is called with a word after each."""
+        rows = FIRST_ROWS
         while len(self.open):
             before = self.account.snapshot()
             try:
@@ -105,7 +105,7 @@ class Tree:
                 self.open = rest
                 if len(self.left):
                     return False
-                progress(1.0 - 0.9 * self.account.waiting / max(waited, 1), "search")
+                tell("search")
             except (KeyboardInterrupt, OutOfTimeError) as cut:
                 self.account.restore(before)
                 self.interrupted = isinstance(cut, KeyboardInterrupt)

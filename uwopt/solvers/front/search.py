@@ -98,7 +98,7 @@ class FrontSearch:
     def run(self) -> Front:
         """Bound all nodes, take them layer by layer, refine the curves."""
         tree = self.search.tree(Undominated(self.axes, self.points.archive, self.among))
-        complete, left = tree.search(self.deadline, unheard), tree.open_ideals()
+        complete, left = tree.search(self.deadline), tree.open_ideals()
         self.interrupted |= tree.interrupted
         if len(left):
             self.account.leave_the_rest()
