@@ -159,5 +159,7 @@ def test_no_depth_is_wanted_where_none_is_asked(asked_m: float | None, told: str
     dof = DepthOfField(known, known, known, 2.0, known, known, known, 2.0, 1.8, 2.0, 2.2, asked_m, 1.0)
     (caption, _) = (one.caption for one in sharp_pictures(dof))
     assert ("The mission wants" in caption) == bool(told) and told in caption
+    for one in sharp_pictures(dof):  # a screen of 390 px has room for so much below a plot
+        assert len(one.content["layout"]["xaxis"]["title"]["text"]) <= 36
     (kept, _) = (one.caption for one in sharp_pictures(dataclasses.replace(dof, dof_reserve_m=0.04)))
     assert ("m of depth, with its reserve." in kept) == bool(told) and "reserve" not in caption

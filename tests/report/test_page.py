@@ -539,6 +539,6 @@ def test_the_bill_of_a_page_tells_purpose_note_and_dates(make_result: Make) -> N
         checked="2026-10-05",
     )  # fmt: skip
     bill = Tree(report_html(result)).text().partition("Bill of materials")[2]
-    for said in ("subsea camera", "Rated for two weeks.; whether it is still sold is not known", "quoted, 2026-08-14",
+    for said in ("subsea camera", "Rated for two weeks; whether it is still sold is not known", "quoted, 2026-08-14",
                  "read 2026-10-05"):  # fmt: skip
         assert said in bill

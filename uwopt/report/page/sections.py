@@ -257,7 +257,7 @@ def bom_row(row: BillRow) -> BomRow:
     return BomRow(
         line.number, line.kind, name, "" if line.id == name else line.id, line.each, line.due, line.known, mark,
         formats.one_line(row.price_basis, 300), sources, formats.one_line(row.purpose, 60),
-        formats.one_line("; ".join(text for text in (row.note, STILL_SOLD.get(row.availability, "")) if text), 600),
+        formats.one_line("; ".join(filter(None, (row.note.rstrip("."), STILL_SOLD.get(row.availability)))), 600),
         formats.one_line(row.checked, 10),
     )  # fmt: skip
 

@@ -175,7 +175,7 @@ def focus_plot(dof: DepthOfField) -> Plot:
     return {
         "data": data,
         "layout": layout(
-            xaxis=axis("focus distance in water from the port [m]"),
+            xaxis=axis("focus in water, from the port [m]"),
             yaxis=axis("distance in water from the port [m]", range=[0, float(f"{top:.4g}")]),
             shapes=altitude_shapes(dof),
         ),
