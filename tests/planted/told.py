@@ -445,4 +445,18 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/report/test_less_money_text.py::"
         "test_what_is_saved_and_given_up_is_told_with_the_limit_that_asks_for_it",
     ),
+    Defect(
+        name="rounding decides on the price of a lamp",
+        file="uwopt/api/choosing.py",
+        old="            sought = with_fewest_lamps(sought, deadline)\n",
+        new="",
+        test="tests/solvers/test_fewest_lamps.py::test_one_strobe_is_recommended_where_two_do_no_better",
+    ),
+    Defect(
+        name="fewer lamps are taken though they do worse",
+        file="uwopt/solvers/recommend.py",
+        old="if made and made[0].minimised <= best.minimised + AGREES_REL * abs(best.minimised):",
+        new="if made:",
+        test="tests/solvers/test_fewest_lamps.py::test_lamps_that_make_it_better_stay",
+    ),
 )

@@ -16,7 +16,7 @@ from uwopt.deadline import effort_s
 from uwopt.mission.doubt import CENTRAL
 from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import Yield, with_yields
-from uwopt.solvers.recommend import best_settable, design_of
+from uwopt.solvers.recommend import best_settable, design_of, with_fewest_lamps
 
 if TYPE_CHECKING:
     from uwopt.api.counting import Counts
@@ -36,6 +36,7 @@ def chosen_of(searched: Searched, watch: Watch, before: Counts | None = None) ->
     central, winner = mission.confidence == CENTRAL, None
     with watch.timed("evaluation"):
         try:
+            sought = with_fewest_lamps(sought, deadline)
             if central or math.isfinite(deadline.end_s):  # else what is recommended is still to be counted
                 sought, winner = best_settable(sought, deadline)
         except KeyboardInterrupt:  # what is proven is not lost; asked again, it is

@@ -34,9 +34,11 @@ from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.lightings import Under
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
+from uwopt.solvers.one_hardware import imagers_of, problem_of
 from uwopt.solvers.settable.rounding import given_of, rounded_design
 from uwopt.solvers.settable.scene import Near
 from uwopt.solvers.settable.steps import printed
+from uwopt.solvers.settings.best import scenes_need_cells
 from uwopt.tolerances import AGREES_REL
 from uwopt.units import format_quantity, texts_apart
 
@@ -111,6 +113,28 @@ def with_tilt(problem: Problem, hardware: Hardware, design: Design) -> Design:
     """A design with warnings of what lamps lose that lean as far as the mission's reserve, at the settings to set."""
     given = [settings_of(scene.settings_to_set or scene.settings) for scene in design.scenes]
     return replace(design, warnings=[*design.warnings, *tilt_notes(problem, hardware, given)])
+
+
+def with_fewest_lamps(sought: Sought, deadline: Deadline = NEVER) -> Sought:
+    """The search with as few lamps before the first of its systems as do as well, to what objectives agree to.
+
+    Half as many that burn twice as long take the same power but for the rounding of an image's mean, which must not
+    decide on the price of a lamp. A goal that weighs the cost has told them apart.
+    """
+    best, problem, goal = sought.outcome.best[0], sought.problem, sought.goal
+    if goal.weight("cost") or best.lighting.mount.explicit or scenes_need_cells(problem.scenes, goal):
+        return sought
+    for count in range(problem.count_range[0], best.count):
+        if deadline.passed():
+            break
+        alone = problem_of(problem, replace(best, count=count))
+        made = Search(alone, goal, top=1, imagers=imagers_of(alone, best.landscape)).whole().best
+        if made and made[0].minimised <= best.minimised + AGREES_REL * abs(best.minimised):
+            places = {name: getattr(best, name) for name in ("camera", "lens", "port", "light", "imager", "lighting")}
+            others = [one for one in sought.outcome.best if one is not best]
+            few = [replace(made[0], **places), *others]
+            return replace(sought, outcome=replace(sought.outcome, best=few))
+    return sought
 
 
 def best_settable(sought: Sought, deadline: Deadline = NEVER) -> tuple[Sought, Design]:
