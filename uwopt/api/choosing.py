@@ -32,11 +32,11 @@ def chosen_of(searched: Searched, watch: Watch, before: Counts | None = None) ->
     before : what was counted for a mission that differs in a few keys
     """
     mission, sought, given_way = searched.mission, searched.sought, searched.given_way
-    deadline, cut = watch.deadline, False
+    deadline, cut, few = watch.deadline, False, sought
     central, winner = mission.confidence == CENTRAL, None
     with watch.timed("evaluation"):
         try:
-            sought = with_fewest_lamps(sought, deadline)
+            sought = few = with_fewest_lamps(sought, deadline)
             if central or math.isfinite(deadline.end_s):  # else what is recommended is still to be counted
                 sought, winner = best_settable(sought, deadline)
         except KeyboardInterrupt:  # what is proven is not lost; asked again, it is
@@ -52,7 +52,8 @@ def chosen_of(searched: Searched, watch: Watch, before: Counts | None = None) ->
             cut = True
     winner = winner or design_of(sought, sought.outcome.best[0])
     listed = None if cut else sought
-    return Recommendation(mission, sought, sought.outcome, winner, listed, given_way=given_way, cut=cut)
+    proven = searched.sought.outcome if sought is few else sought.outcome  # fewer lamps change no proof
+    return Recommendation(mission, sought, proven, winner, listed, given_way=given_way, cut=cut)
 
 
 def held_by_yielding(
