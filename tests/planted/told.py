@@ -448,7 +448,7 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="rounding decides on the price of a lamp",
         file="uwopt/api/choosing.py",
-        old="            sought = with_fewest_lamps(sought, deadline)\n",
+        old="            sought = few = with_fewest_lamps(sought, deadline)\n",
         new="",
         test="tests/solvers/test_fewest_lamps.py::test_one_strobe_is_recommended_where_two_do_no_better",
     ),
