@@ -446,7 +446,7 @@ DEFECTS: tuple[Defect, ...] = (
         "test_what_is_saved_and_given_up_is_told_with_the_limit_that_asks_for_it",
     ),
     Defect(
-        name="rounding decides on the price of a lamp",
+        name="a ten-millionth of the power decides on the price of a lamp",
         file="uwopt/api/choosing.py",
         old="            sought = few = with_fewest_lamps(sought, deadline)\n",
         new="",

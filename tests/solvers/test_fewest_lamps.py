@@ -1,4 +1,4 @@
-"""Half as many lamps that burn twice as long take the same power: rounding must not decide on the price of one."""
+"""Half as many lamps that burn twice as long take the same power: a ten-millionth must not decide on their price."""
 
 from __future__ import annotations
 

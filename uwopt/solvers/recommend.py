@@ -118,8 +118,8 @@ def with_tilt(problem: Problem, hardware: Hardware, design: Design) -> Design:
 def with_fewest_lamps(sought: Sought, deadline: Deadline = NEVER) -> Sought:
     """The search with as few lamps before the first of its systems as do as well, to what objectives agree to.
 
-    Half as many that burn twice as long take the same power but for the rounding of an image's mean, which must not
-    decide on the price of a lamp. A goal that weighs the cost has told them apart.
+    Half as many that burn twice as long take the same power but for what the sensor's dark current adds meanwhile, a
+    ten-millionth, which must not decide on the price of a lamp. A goal that weighs the cost has told them apart.
     """
     best, problem, goal = sought.outcome.best[0], sought.problem, sought.goal
     if goal.weight("cost") or best.lighting.mount.explicit or scenes_need_cells(problem.scenes, goal):

@@ -21,7 +21,14 @@ from uwopt.mission.doubt import CENTRAL
 from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import Yield, with_yields
 from uwopt.objectives.goal import goal_of, taken_instead
-from uwopt.solvers.recommend import WORTH_REL, Sought, colour_notes, design_of, value_as_set
+from uwopt.solvers.recommend import (
+    WORTH_REL,
+    Sought,
+    colour_notes,
+    design_of,
+    value_as_set,
+    with_fewest_lamps,
+)
 from uwopt.solvers.warm.searches import Warm, WarmAnswer
 from uwopt.sweeps.rows import NOTHING_FITS, Row, row_of, with_gave_way, with_practice_held
 from uwopt.tolerances import PROVEN_GAP_REL
@@ -68,11 +75,12 @@ def row_of_best(
 ) -> Row | None:
     """The row of a mission with its best system; None where another might be recommended."""
     assert answer.found is not None
-    goal, best = goal_of(mission), answer.found
+    goal, proven, sought = goal_of(mission), answer.found, with_fewest_lamps(sought)
+    best = sought.outcome.best[0]
     winner = design_of(sought, best)
     if best.minimised < value_as_set(winner, goal) - goal.step(WORTH_REL, best.minimised):
         return None  # the next may be better as it can be set
-    gap = goal.share(max(best.minimised - answer.lower_bound, 0.0), best.minimised)
+    gap = goal.share(max(proven.minimised - answer.lower_bound, 0.0), proven.minimised)
     if gap > PROVEN_GAP_REL:
         return None
     result = replace(

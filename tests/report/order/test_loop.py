@@ -101,7 +101,7 @@ def test_a_mission_becomes_an_order(name: str, tmp_path: Path, monkeypatch: pyte
         monkeypatch.setattr(tender_lines, "specification", lambda *_: [])
     lines = lines_of(result, name)
     file, offered = filled(result, tender_book(result, lines), tmp_path)
-    assert "A part that meets all points below its name is suitable:" in letter(result, lines)
+    assert "A part that meets all points below its name is suitable" in letter(result, lines)
 
     made = with_quotes(mission, file, today=TODAY)
     first, second = made.offers
