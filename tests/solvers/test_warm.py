@@ -20,6 +20,7 @@ from uwopt.mission.strictness import Asking, sign_of
 from uwopt.mission.varying import VariedMission
 from uwopt.objectives.goal import goal_of
 from uwopt.solvers.exact.search import Search
+from uwopt.solvers.recommend import with_fewest_lamps
 from uwopt.solvers.warm import kept as kept_bounds
 from uwopt.solvers.warm import searches
 from uwopt.solvers.warm.kept import KeptBounds, sizes
@@ -64,7 +65,7 @@ def told(answer: WarmAnswer, mission: Mission) -> tuple[Any, ...]:
 def alone(mission: Mission) -> tuple[Any, ...]:
     """The same by a search that knows nothing of others."""
     sought = Searches(load_catalog(mission), goal_of(mission), 1).of(mission).sought
-    found = sought.outcome.best[0] if sought.outcome.best else None
+    found = with_fewest_lamps(sought).outcome.best[0] if sought.outcome.best else None
     return told(WarmAnswer(sought, found, True, 0.0, False, True, False), mission)
 
 
@@ -218,7 +219,7 @@ def test_searches_by_bounds_have_the_tables_of_the_first(monkeypatch):
 
     def told_reach(search: Search) -> Any:
         outcome = honest(search)
-        if search.given is not None:
+        if search.given is not None and len(search.problem.parts.cameras) > 1:  # else of one system with fewer lamps
             reaches.append(search.tables.problem.contractions[0].reach_m)
         return outcome
 

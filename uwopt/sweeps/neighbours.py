@@ -21,14 +21,7 @@ from uwopt.mission.doubt import CENTRAL
 from uwopt.mission.mission import Mission
 from uwopt.mission.yielding import Yield, with_yields
 from uwopt.objectives.goal import goal_of, taken_instead
-from uwopt.solvers.recommend import (
-    WORTH_REL,
-    Sought,
-    colour_notes,
-    design_of,
-    value_as_set,
-    with_fewest_lamps,
-)
+from uwopt.solvers.recommend import WORTH_REL, Sought, colour_notes, design_of, value_as_set
 from uwopt.solvers.warm.searches import Warm, WarmAnswer
 from uwopt.sweeps.rows import NOTHING_FITS, Row, row_of, with_gave_way, with_practice_held
 from uwopt.tolerances import PROVEN_GAP_REL
@@ -75,8 +68,7 @@ def row_of_best(
 ) -> Row | None:
     """The row of a mission with its best system; None where another might be recommended."""
     assert answer.found is not None
-    goal, proven, sought = goal_of(mission), answer.found, with_fewest_lamps(sought)
-    best = sought.outcome.best[0]
+    goal, best, proven = goal_of(mission), answer.found, sought.outcome.best[0]  # the same, or with more lamps
     winner = design_of(sought, best)
     if best.minimised < value_as_set(winner, goal) - goal.step(WORTH_REL, best.minimised):
         return None  # the next may be better as it can be set

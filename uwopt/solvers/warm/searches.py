@@ -28,7 +28,7 @@ from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.imagers import Imagers, enumerate_imagers, fitting_pairs
 from uwopt.solvers.exact.ranking import Found, comes_before
 from uwopt.solvers.exact.search import Search, are_too_many
-from uwopt.solvers.recommend import GENERIC_GAIN, Sought, fewest_made
+from uwopt.solvers.recommend import GENERIC_GAIN, Sought, fewest_made, with_fewest_lamps
 from uwopt.solvers.settings.best import scenes_need_cells
 from uwopt.solvers.warm.kept import Family, KeptBounds, Met, least_of_designs, least_of_nodes, some_nodes
 from uwopt.solvers.warm.parts import PartIds, ids_of, joined_ids, only
@@ -108,12 +108,14 @@ class Warm:
         return self._first_stage(mission, searched)
 
     def _first_stage(self, mission: Mission, search: Callable[[WarmStage], WarmAnswer]) -> WarmAnswer:
-        """The answer of the first stage in which something fits, or in which that is not known."""
+        """The answer of the first stage in which something fits, or in which that is not known; lamps as in `solve`."""
         lifted = mission.without_gain_cap
         answer = self._with_fewest_made(mission, search, capped=True)
         if answer.found is None and answer.complete and lifted is not mission:
-            return self._with_fewest_made(lifted, search, capped=False)
-        return answer
+            answer = self._with_fewest_made(lifted, search, capped=False)
+        if answer.found is None or answer.sought is None:
+            return answer
+        return replace(answer, found=with_fewest_lamps(answer.sought, self.deadline).outcome.best[0])
 
     def _with_fewest_made(
         self, mission: Mission, search: Callable[[WarmStage], WarmAnswer], *, capped: bool
