@@ -1,10 +1,12 @@
 """What costs much less and is little worse: the cheapest system that gives up no more than a quarter of the goal.
 
-Where prices are no part of the goal, its optimum may pay thousands for what nobody notices: a second lamp for four
-milliwatts.
+Where prices are no part of the goal, its optimum may pay thousands for what nobody notices: a camera, a dome or a lamp
+for milliwatts.
 """
 
 from __future__ import annotations
+
+import math
 
 from uwopt.deadline import NEVER, Deadline, processor_s
 from uwopt.forward.problem import Problem
@@ -13,7 +15,7 @@ from uwopt.results.basis import LessMoney
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain.knee import limit_cost_of, with_limits
-from uwopt.solvers.one_hardware import as_set, pieces_of
+from uwopt.solvers.one_hardware import as_set, best_of, pieces_of
 from uwopt.solvers.recommend import Sought
 
 GIVEN_UP = 0.25  # of the goal, at most
@@ -39,8 +41,10 @@ def less_money(sought: Sought, deadline: Deadline = NEVER) -> LessMoney | None:
     if not found:
         return None
     alone, imagers = as_set(problem, found[0], None, None)
-    own = Search(alone, sought.goal, top=1, imagers=imagers).whole().best[0]
-    prices, values = (found[0].cost, best.cost), (own.minimised, best.minimised)
+    own = best_of(alone, sought.goal, deadline, imagers)
+    if not math.isfinite(own):  # what fits to the last digit of a limit may not without it
+        return None
+    prices, values = (found[0].cost, best.cost), (own, best.minimised)
     return told(sought, found[0], prices, values, cost_limit=limit_cost_of(sought, found[0]))
 
 
