@@ -36,7 +36,7 @@ def said(make_result: Make, blocks: Callable[[Result], Any] = short_text_blocks,
 
 def test_what_is_saved_and_given_up_is_told_with_the_limit_that_asks_for_it(make_result: Make) -> None:
     expected = (
-        "For less money With lens cheap-[red]lens and 9 lights: 3 300 USD less of about 7 200 USD for 1 % more power, "
+        "For less money With lens cheap-[red]lens and 9 lights: 3 300 USD less (46 %) for 1 % more power, "
         "40.40 W by exact settings; limits.cost: 3895 asks for it, or better."
     )
     assert expected in said(make_result) and expected in said(make_result, full_text_blocks)

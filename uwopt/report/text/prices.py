@@ -36,7 +36,7 @@ def short_price_sentence(result: Result) -> str:
 
 
 def less_money_block(result: Result) -> Iterator[Block]:
-    """`With 1 light: 3 300 USD less of 7 200 USD for 0.07 % more power, 2.785 W; limits.cost: 3896 asks for it.`"""
+    """`With 1 light: 3 300 USD less (46 %) for 0.07 % more power, 2.785 W; limits.cost: 3896 asks for it.`"""
     if result.less_money is not None and result.best is not None:
         yield block("For less money", [sentence(less_money_text(result, result.less_money, result.best))])
 
@@ -49,13 +49,11 @@ def less_money_text(result: Result, cheap: LessMoney, best: Design) -> str:
         if kind not in ours or ours[kind].id != part
     ]  # fmt: skip
     other += [words.counted(lamps, "light")] if lamps != best.hardware.light_count else []
-    saved, price = (
-        formats.money(float(f"{amount:.2g}"), cheap.currency)
-        for amount in (cheap.price_of_best - cheap.price, cheap.price_of_best)
-    )
+    less = cheap.price_of_best - cheap.price
+    saved = f"{formats.money(float(f'{less:.2g}'), cheap.currency)} less ({100.0 * less / cheap.price_of_best:.0f} %)"
     more, value = cheap.value / cheap.value_of_best - 1.0, words.objective_text(result, cheap.value)
     how = f"{100.0 * abs(more):.2g} % {'more' if more >= 0.0 else 'less'}"
-    said = f"With {words.listed(other)}: {saved} less of about {price} for {how} "
+    said = f"With {words.listed(other)}: {saved} for {how} "
     said += f"{words.requirement_name(result.objective.name)}, {value} "
     if cheap.cost_limit is not None:
         return f"{said}by exact settings; limits.cost: {math.ceil(cheap.cost_limit)} asks for it, or better."
