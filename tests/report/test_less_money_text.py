@@ -7,6 +7,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+import pytest
+
 from uwopt.api.risks import risks_of
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.short import full_text_blocks, short_text_blocks
@@ -40,6 +42,19 @@ def test_what_is_saved_and_given_up_is_told_with_the_limit_that_asks_for_it(make
         "40.40 W by exact settings; limits.cost: 3895 asks for it, or better."
     )
     assert expected in said(make_result) and expected in said(make_result, full_text_blocks)
+
+
+@pytest.mark.parametrize(("even", "told"), [(0.57, True), (0.85, False), (None, False)])
+def test_light_that_is_less_even_is_told_and_then_it_is_not_as_good(
+    make_result: Make, make_design: Make, make_scene: Make, even: float | None, told: bool
+) -> None:
+    lit = make_design(scenes=[replace(make_scene("reef"), figures={"snr_db": 30.0, "uniformity": 0.91})])
+    made = replace(with_cheaper(make_result, uniformity=even, value=40.1), recommendation=lit)
+    stream = io.StringIO()
+    print_blocks(short_text_blocks(made), stream)
+    text = " ".join(stream.getvalue().split())
+    assert ("Its light is less even: 57 % of the mean in the darkest place, not 91 %." in text) == told
+    assert ("it costs more than it must" in [risk.what for risk in risks_of(made)]) != told
 
 
 def test_over_scenarios_it_is_told_by_medians(make_result: Make) -> None:

@@ -416,6 +416,8 @@ def dearer_than_it_must(result: Result, design: Design) -> Weighed:
     cheap = result.less_money
     if cheap is None or abs(cheap.value / cheap.value_of_best - 1.0) > UNNOTICED:
         return
+    if cheap.is_less_even(design.least("uniformity")):
+        return
     prices = (float(f"{amount:.2g}") for amount in (cheap.price_of_best, cheap.price))
     ours, theirs = (format_money(amount, cheap.currency) for amount in prices)
     because = "another system is as good within what anybody notices: `For less money` names it"

@@ -168,6 +168,10 @@ class Mount:
             return mounted_lamps(self.explicit)
         return lamp_set(count, baseline_m=self.baseline_m, tilt_rad=float(np.deg2rad(self.tilt_deg)))
 
+    def is_lopsided(self, count: int) -> bool:
+        """Whether one side of the camera has a lamp more than the other."""
+        return not self.explicit and self.baseline_m > 0.0 and count % 2 == 1
+
     def way_m(self, range_m: float) -> float:
         """From the foremost lamp to a plane so far before the port, along its axis [m]; never less than a front."""
         return max(range_m - max([one.z_m for one in self.explicit], default=0.0), LAMP_FRONT_M)

@@ -125,6 +125,9 @@ class Knee(Record):
     bought: list[Bought] = Field(description="what a watt and 100 USD more would buy")
 
 
+AS_EVEN = 0.9  # of the darkest place's share of the mean light: what is less is seen
+
+
 @dataclass(frozen=True, config=RECORD)
 class LessMoney(Record):
     """A system that costs much less than the best and is little worse; by medians where scenarios were counted."""
@@ -136,10 +139,17 @@ class LessMoney(Record):
     currency: str = Field(description="of the prices")
     value: Number = Field(description="of the objective, by exact settings, or its median")
     value_of_best: Number = Field(description="the same of the best system")
+    uniformity: Number | None = Field(
+        default=None, description="darkest place of the lit target over its mean, in the worst scene; null: no lamps"
+    )
     held: Number | None = Field(default=None, description="share of the choice's scenarios; null: none were counted")
     cost_limit: Number | None = Field(
-        default=None, description="limits.cost within which nothing is better; null where scenarios were counted"
+        default=None, description="limits.cost that lets it through; null where scenarios were counted"
     )
+
+    def is_less_even(self, uniformity: float | None) -> bool:
+        """Whether its darkest place gets less of the mean light than that of another system, by a tenth or more."""
+        return self.uniformity is not None and uniformity is not None and self.uniformity < AS_EVEN * uniformity
 
 
 @dataclass(frozen=True, config=RECORD)

@@ -271,6 +271,11 @@ class Design(Record):
         """Those of them that are not met."""
         return [margin for margin in self.margins if not margin.satisfied]
 
+    def least(self, figure: str) -> float | None:
+        """The least of a figure over the scenes; None where none has it."""
+        told = [value for scene in self.scenes if (value := scene.figures.get(figure)) is not None]
+        return min(told, default=None)
+
     @property
     def as_set(self) -> Self:
         """This design at the settings that a person sets: its settings, figures, margins, totals and objective.

@@ -116,25 +116,36 @@ def with_tilt(problem: Problem, hardware: Hardware, design: Design) -> Design:
 
 
 def with_fewest_lamps(sought: Sought, deadline: Deadline = NEVER) -> Sought:
-    """The search with as few lamps before the first of its systems as do as well, to what objectives agree to.
+    """The search with as few lamps in the first of its systems as do as well, to what objectives agree to.
 
     Half as many that burn twice as long take the same power but for what the sensor's dark current adds meanwhile, a
-    ten-millionth, which must not decide on the price of a lamp. A goal that weighs the cost has told them apart.
+    ten-millionth, which must not decide on the price of a lamp. Where it would, the next best are told with as few too.
+    A goal that weighs the cost has told them apart.
     """
-    best, problem, goal = sought.outcome.best[0], sought.problem, sought.goal
-    if goal.weight("cost") or best.lighting.mount.explicit or scenes_need_cells(problem.scenes, goal):
+    best, problem, goal = sought.outcome.best, sought.problem, sought.goal
+    if goal.weight("cost") or scenes_need_cells(problem.scenes, goal):
         return sought
-    for count in range(problem.count_range[0], best.count):
+    first = of_fewest_lamps(problem, goal, best[0], deadline)
+    if first is best[0]:
+        return sought
+    few = [first, *(of_fewest_lamps(problem, goal, one, deadline) for one in best[1:])]
+    return replace(sought, outcome=replace(sought.outcome, best=few))
+
+
+def of_fewest_lamps(problem: Problem, goal: Objective, found: Found, deadline: Deadline) -> Found:
+    """The same parts with as few lamps as do as well; lamps on both sides stay so: one side lights less evenly."""
+    mount = found.lighting.mount
+    for count in range(problem.count_range[0], 0 if mount.explicit else found.count):
         if deadline.passed():
             break
-        alone = problem_of(problem, replace(best, count=count))
-        made = Search(alone, goal, top=1, imagers=imagers_of(alone, best.landscape)).whole().best
-        if made and made[0].minimised <= best.minimised + AGREES_REL * abs(best.minimised):
-            places = {name: getattr(best, name) for name in ("camera", "lens", "port", "light", "imager", "lighting")}
-            others = [one for one in sought.outcome.best if one is not best]
-            few = [replace(made[0], **places), *others]
-            return replace(sought, outcome=replace(sought.outcome, best=few))
-    return sought
+        if mount.is_lopsided(count) and not mount.is_lopsided(found.count):
+            continue
+        alone = problem_of(problem, replace(found, count=count))
+        made = Search(alone, goal, top=1, imagers=imagers_of(alone, found.landscape)).whole().best
+        if made and made[0].minimised <= found.minimised + AGREES_REL * abs(found.minimised):
+            names = ("camera", "lens", "port", "light", "imager", "lighting")
+            return replace(made[0], **{name: getattr(found, name) for name in names})
+    return found
 
 
 def best_settable(sought: Sought, deadline: Deadline = NEVER) -> tuple[Sought, Design]:

@@ -56,8 +56,14 @@ def less_money_text(result: Result, cheap: LessMoney, best: Design) -> str:
     said = f"With {words.listed(other)}: {saved} for {how} "
     said += f"{words.requirement_name(result.objective.name)}, {value} "
     if cheap.cost_limit is not None:
-        return f"{said}by exact settings; limits.cost: {math.ceil(cheap.cost_limit)} asks for it, or better."
-    return f"{said}by medians; it holds in {percent(cheap.held or 0.0)} of the scenarios of the choice."
+        said += f"by exact settings; limits.cost: {math.ceil(cheap.cost_limit)} asks for it, or better."
+    else:
+        said += f"by medians; it holds in {percent(cheap.held or 0.0)} of the scenarios of the choice."
+    even = best.as_set.least("uniformity")
+    if not cheap.is_less_even(even):
+        return said
+    shares = f"{percent(cheap.uniformity or 0.0)} of the mean in the darkest place, not {percent(even or 0.0)}"
+    return f"{said} Its light is less even: {shares}."
 
 
 def short_price(result: Result, price: Price) -> str:

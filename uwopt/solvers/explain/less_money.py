@@ -16,7 +16,7 @@ from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain.knee import limit_cost_of, with_limits
 from uwopt.solvers.one_hardware import as_set, best_of, pieces_of
-from uwopt.solvers.recommend import Sought
+from uwopt.solvers.recommend import Sought, evaluated
 
 GIVEN_UP = 0.25  # of the goal, at most
 SAVED = 0.1  # of the price, at least: prices that are ranges tell no finer
@@ -63,11 +63,12 @@ def told(
     sought: Sought, found: Found, prices: tuple[float, float], values: tuple[float, float], *,
     held: float | None = None, cost_limit: float | None = None,
 ) -> LessMoney:  # fmt: skip
-    """The record of a system, with its price and value beside those of the first."""
+    """The record of a system that fits by likeliest values, with its price and value beside those of the first."""
     value, of_best = map(sought.goal.reported, values)
     return LessMoney(
         hardware={kind: part.id for kind, part in pieces_of(sought.problem, found).items()},
         light_count=sought.problem.lamps_carried(found),
         price=prices[0], price_of_best=prices[1], currency=sought.problem.mission.limits.currency, value=value,
         value_of_best=of_best, held=held, cost_limit=cost_limit,
+        uniformity=evaluated(sought.problem, found, sought.goal).least("uniformity"),
     )  # fmt: skip
