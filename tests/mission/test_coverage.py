@@ -41,6 +41,26 @@ def test_design_tells_its_lines_and_area() -> None:
     assert figures["area_m2_h"] == pytest.approx(0.75 * figures["swath_m"] * speed_m_s * 3600, rel=1e-12)
 
 
+def test_lines_overlap_where_the_vehicle_flies_lowest() -> None:
+    """An AUV at 5 m, give or take 1.5 m, was told lines 5.4 m apart, 20 % overlap: of strips 4.7 m wide at 3.5 m."""
+
+    def seen(**vehicle: Any) -> dict[str, Any]:
+        mission = uwopt.load_mission(f"{ABE}.yaml")
+        changes = {"requirements": {"sidelap": 0.2}, "vehicle": vehicle}
+        made = {key: mission.to_dict()[key] | more for key, more in changes.items()}
+        mission = mission.with_changes(**made)
+        design = uwopt.evaluate(mission, f"{ABE}.system.yaml").design
+        assert design is not None
+        return dict(design.scenes[0].figures)
+
+    level, banded, lowest = seen(), seen(altitude_tolerance_m=1.5), seen(altitude_m=3.5)
+    narrower = banded["line_spacing_m"] / level["line_spacing_m"]
+    assert narrower == pytest.approx(3.5 / 5.0, rel=0.02)  # similar triangles, but for the port's own few centimetres
+    assert banded["line_spacing_m"] == pytest.approx(0.8 * lowest["swath_m"], rel=0.01)  # focused for 5 m, not 3.5
+    assert banded["area_m2_h"] == pytest.approx(0.4 * 3600.0 * banded["line_spacing_m"])
+    assert banded["swath_m"] == pytest.approx(level["swath_m"])  # of images where the vehicle mostly flies
+
+
 def test_area_at_rest_is_a_fault() -> None:
     with pytest.raises(MissionError, match="nothing is covered"):
         uwopt.load_mission({

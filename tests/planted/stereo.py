@@ -90,8 +90,8 @@ DEFECTS = (
     Defect(
         name="lines of a pair are as far apart as one camera sees",
         file="uwopt/evaluation/figures_by_name.py",
-        old='"line_spacing_m": float(view.common_across_m[0, 1])',
-        new='"line_spacing_m": across',
+        old='"line_spacing_m": float(narrowest_m(view)[0])',
+        new='"line_spacing_m": float(view.covered_across_m[0, 1])',
         test=f"{MISSION}::test_lines_and_area_of_a_pair_count_what_both_cameras_see",
     ),
     Defect(

@@ -140,6 +140,13 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/report/test_words.py::test_warmth_of_a_housing_is_told_where_it_is_a_degree[warmer_k2-]",
     ),
     Defect(
+        name="lines are as far apart as strips are wide at the middle altitude",
+        file="uwopt/forward/views.py",
+        old="return np.asarray(view.common_across_m.min(axis=1))",
+        new="return np.asarray(view.common_across_m[:, 1])",
+        test="tests/mission/test_coverage.py::test_lines_overlap_where_the_vehicle_flies_lowest",
+    ),
+    Defect(
         name="what stands is told the distance between its lines",
         file="uwopt/report/card/blocks.py",
         old='    has_lines &= any(scene.figures.get("area_m2_h") for scene in design.scenes)',

@@ -16,7 +16,7 @@ from uwopt.report.order.other_parts import other_systems
 from uwopt.report.page.page import opening, report_html, status_words
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.helps import notes_beside
-from uwopt.report.text.nothing_fits import helpful_lines, in_more_time, infeasible_block
+from uwopt.report.text.nothing_fits import helpful_lines, in_more_time, infeasible_block, miss_text
 from uwopt.report.text.short import full_text_blocks, short_text_blocks
 from uwopt.report.text.verdict import front_sentence, verdict
 from uwopt.results.basis import Risk, WhyNothing
@@ -394,6 +394,19 @@ def test_where_no_change_helps_the_rules_that_exclude_most_are_told(make_result:
     assert "(min_swath_m 0.5 or 1, by refuse: swath)" in " ".join(
         text_of(make_result(mission=mission, infeasible=why, **nothing)).split()
     )
+
+
+@pytest.mark.parametrize("own", [None, 2.0])
+def test_who_is_refused_by_good_practice_is_not_told_to_have_asked(own: float | None, make_result: Make) -> None:
+    """A mission that says nothing of an Airy disc was told to "meet all that the mission itself says but Airy"."""
+    airy = {"name": "max_airy_px", "limit": 2.0, "needed": 2.68, "miss_rel": 0.34}
+    why = {"requirements": [], "relaxations": [airy], "nearest_miss": None}
+    nothing = {"recommendation": None, "runners_up": [], "generic_alternative": None, "status": "infeasible"}
+    note = {"code": "practice_in_vain", "path": "practice", "message": "x"}
+    mission = {"name": "x", "requirements": {"max_gsd_mm": 1.0, "max_airy_px": own}}
+    made = make_result(mission=mission, infeasible=why, warnings=[note], **nothing)
+    whose, by = ("is asked", ", by refuse: airy") if own is None else ("the mission itself says", "")
+    assert miss_text(made).startswith(f"meets all that {whose} but Airy disc (max_airy_px{by}): 2.68")
 
 
 def test_what_the_estimates_cannot_tell_apart_is_called_equal(make_result: Make, make_design: Make) -> None:

@@ -27,7 +27,7 @@ from uwopt.forward.scene import COLOURS, SceneOptics
 from uwopt.forward.sharpness import airy_wavelength_nm, arriving
 from uwopt.forward.spacers import scale_distance_m
 from uwopt.forward.spectra import sees_colours
-from uwopt.forward.views import CORNER_FIELD, Views, field_dioptres_per_m, pair_of
+from uwopt.forward.views import CORNER_FIELD, Views, field_dioptres_per_m, narrowest_m, pair_of
 from uwopt.model import lateral, sensor, sharpness
 from uwopt.model import lens as lens_model
 from uwopt.model.defocus import defocus_px, dome_decentring
@@ -100,8 +100,8 @@ def plain_figures(
         "swath_m": float(view.covered_across_m[0, 1]),
         **oblique_figures(model, index, float(settings.dioptre_per_m[0])),
         **pair_figures(scene, view),
-        "line_spacing_m": float(view.common_across_m[0, 1]) * (1.0 - needs.sidelap),
-        "area_m2_h": float(view.common_across_m[0, 1]) * (1.0 - needs.sidelap) * speed * S_PER_H,
+        "line_spacing_m": float(narrowest_m(view)[0]) * (1.0 - needs.sidelap),
+        "area_m2_h": float(narrowest_m(view)[0]) * (1.0 - needs.sidelap) * speed * S_PER_H,
         "overlap": float(figures.overlap[0, 1]),
         "frame_rate_min_hz": nominal_rate,
         "exposure_max_ms": blur_limit * 1e3,

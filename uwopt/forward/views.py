@@ -53,6 +53,11 @@ class Views(Columns):
     depth_error_m: Array  # (n, 3) largest over it, of the distance by a stereo pair; 0 of others, inf without a strip
 
 
+def narrowest_m(view: Views) -> Array:
+    """The strip that surely is seen at every altitude of the band [m], (n,): neighbouring lines overlap by it."""
+    return np.asarray(view.common_across_m.min(axis=1))
+
+
 def port_shape(ports: Ports, index: int, scene: SceneOptics) -> PortShape:
     """One port as scalars, with the water in front of it."""
     return PortShape(

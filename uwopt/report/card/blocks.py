@@ -309,7 +309,9 @@ def work_rows(result: Result, design: Design) -> Iterator[tuple[str, list[str]]]
     has_lines = any(scene.get("target") != "mid_water" for scene in result.mission.get("scenes") or [{}])
     has_lines &= any(scene.figures.get("area_m2_h") for scene in design.scenes)  # none without a speed
     if has_lines:
-        yield "distance between lines", row("line_spacing_m", "m")
+        places = [result.mission, *(result.mission.get("scenes") or [])]
+        banded = any((place.get("vehicle") or {}).get("altitude_tolerance_m") for place in places)
+        yield "distance between lines" + (", at any altitude" if banded else ""), row("line_spacing_m", "m")
     yield "swath", row("swath_m", "m")
     if any("common_swath_m" in scene.figures for scene in design.scenes):
         yield "swath of both cameras", row("common_swath_m", "m")

@@ -170,11 +170,7 @@ def excluding_most(result: Result) -> Text | None:
     most = sorted(rules, key=lambda rule: -rule.n_excluded)[:MOST_RULES]
     if not most:
         return None
-    asked = result.mission.get("requirements") or {}
-    given = {key for key, value in asked.items() if value is not None}
-    given |= {"min_swath_m", "min_common_swath_m"} if "min_area_m2_h" in given else set()  # an area asks for a swath
-    by_refusal = {key: word for word, (key, _) in REFUSED.items() if key not in given}
-    near = nearest_of_each(result.mission)
+    by_refusal, near = refusals_of(result.mission), nearest_of_each(result.mission)
 
     def told(rule: Excluded) -> str:
         key = formats.one_line(rule.name)
@@ -184,6 +180,13 @@ def excluding_most(result: Result) -> Text | None:
         return f"{words.rule_name(rule.name)} ({key}{by})"
 
     return sentence(f"Most combinations are excluded by: {'; '.join(map(told, most))}.")
+
+
+def refusals_of(mission: Mapping[str, Any]) -> dict[str, str]:
+    """The word of `refuse` by each key that it stands for, where the mission does not give that key itself."""
+    given = {key for key, value in (mission.get("requirements") or {}).items() if value is not None}
+    given |= {"min_swath_m", "min_common_swath_m"} if "min_area_m2_h" in given else set()  # an area asks for a swath
+    return {key: word for word, (key, _) in REFUSED.items() if key not in given}
 
 
 def nearest_of_each(mission: Mapping[str, Any]) -> list[float]:
@@ -270,7 +273,8 @@ def miss_sentence(result: Result | FrontResult, what: str = "it") -> Text | None
 def miss_text(result: Result | FrontResult) -> str:
     """`meets all that is asked but signal to noise (min_snr_db): 28 dB instead of 30 dB`; "" if not known.
 
-    Where good practice is relaxed as far as it may be, it says so: else it would be taken for met.
+    Where good practice is relaxed as far as it may be, it says so: else it would be taken for met. What it may not
+    relax, as a refusal, is no word of the mission's own.
     """
     helpful = relaxations_of(result)
     if not helpful:
@@ -278,7 +282,8 @@ def miss_text(result: Result | FrontResult) -> str:
     name, asked, possible = relaxation_texts(result, helpful[0])
     missed = f"{name}: {possible} instead of {asked}"
     if any(note.code == PRACTICE_IN_VAIN for note in result.warnings):
-        return f"meets all that the mission itself says but {missed}, with good practice relaxed as far as uwopt may"
+        says = "is asked" if helpful[0].name in refusals_of(result.mission) else "the mission itself says"
+        return f"meets all that {says} but {missed}, with good practice relaxed as far as uwopt may"
     return f"meets all that is asked but {missed}"
 
 
@@ -342,8 +347,9 @@ def relaxation_texts(result: Result | FrontResult, item: Relaxed) -> tuple[str, 
     currency = str((result.mission.get("limits") or {}).get("currency") or "")
     unit = {"cost": currency, "min_snr": "dB"}.get(item.name, split_unit(item.name)[1])
     asked, possible = formats.quantities_apart(item.limit, item.needed, unit=unit, digits=4)
+    name, word = words.key_name(item.name), refusals_of(result.mission).get(item.name)
     return (
-        words.key_name(item.name),
+        name if word is None else f"{name.removesuffix(')')}, by refuse: {word})",
         asked,
         "left out" if item.needed is None else possible,
     )

@@ -17,7 +17,7 @@ from uwopt.forward.figures import DesignRows, Figures, SettingRows, figures_of, 
 from uwopt.forward.part_columns import FLASH
 from uwopt.forward.problem import Problem
 from uwopt.forward.setting_rows import SceneRows, setting_rows
-from uwopt.forward.views import focus_map
+from uwopt.forward.views import focus_map, narrowest_m
 from uwopt.model.port import FocusMap
 from uwopt.objectives.objective import MAXIMISED, Terms
 from uwopt.objectives.own import OwnObjective
@@ -252,6 +252,9 @@ class Evaluator:
         def common(k: int, r: Any, t: Any, f: Any) -> Array:
             return np.asarray(r.view.common_across_m[:, 1])
 
+        def strip(k: int, r: Any, t: Any, f: Any) -> Array:
+            return narrowest_m(r.view)
+
         found = {
             "f_number": worst(lambda k, r, t, f: t.f_number, most=True),
             "exposure_ms": worst(lambda k, r, t, f: t.exposure_s * 1e3, most=True),
@@ -263,8 +266,8 @@ class Evaluator:
             "swath_m": worst(swath, most=False),
             "common_swath_m": worst(common, most=False),
             "depth_error_mm": worst(lambda k, r, t, f: r.view.depth_error_m[:, 1] * 1e3, most=True),
-            "line_spacing_m": worst(common, most=False, times=kept),
-            "area_m2_h": worst(common, most=False, times=per_hour),
+            "line_spacing_m": worst(strip, most=False, times=kept),
+            "area_m2_h": worst(strip, most=False, times=per_hour),
             "blur_px": worst(lambda k, r, t, f: f.blur_px.max(axis=1), most=True),
             "dof_near_m": worst(lambda k, r, t, f: f.dof_near_m, most=True),
             "dof_far_m": worst(lambda k, r, t, f: f.dof_far_m, most=False),
