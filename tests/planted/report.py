@@ -154,7 +154,7 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a near end of sharp depth is told as a depth",
         file="uwopt/api/risks.py",
-        old="if stem_of(margin.requirement) not in OFF_FOCUS:",
+        old="if margin.key not in OFF_FOCUS:",
         new="if True:",
         test="tests/api/test_risks.py::test_an_end_of_the_depth_of_field_says_what_uses_it_up",
     ),

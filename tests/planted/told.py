@@ -92,7 +92,7 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a near end of sharp depth that is missed reads as a depth",
         file="uwopt/api/risks.py",
-        old="    if stem_of(margin.requirement) not in OFF_FOCUS or margin.value is None:",
+        old="    if margin.key not in OFF_FOCUS or margin.value is None:",
         new="    if True:",
         test="tests/api/test_risks.py::test_an_end_of_the_depth_of_field_that_is_missed_says_what_is_sharp",
     ),

@@ -20,7 +20,6 @@ from uwopt.results.design import AS_CENTRAL, PRACTICE_MISSED, Design, Margin, No
 from uwopt.results.result import Result
 from uwopt.tolerances import SATISFIED_REL
 from uwopt.units import (
-    db_to_ratio,
     format_at_most,
     format_difference,
     format_money,
@@ -123,7 +122,7 @@ def uncertain(result: Result, design: Design) -> Weighed:
     because = f"settings that meet every requirement exist in {percent(known.held)} of the scenarios"
     if known.lost_to:
         first = known.lost_to[0].requirement
-        because += f"; else {LOST_TO.get(first) or ASKED.get(stem_of(first), plain(first))} is missed first"
+        because += f"; else {LOST_TO.get(first) or in_words(first)} is missed first"
     wanted = "all ends" if known.asked == "ends" else f"{100.0 * float(known.asked):g} % asked"
     yield 95.0, Risk("it may not do what is asked", because, wanted)
 
@@ -154,7 +153,7 @@ def nothing_in_hand(result: Result, design: Design) -> Weighed:
     because = (
         f"there is no margin in {in_hand_names(design)}: whatever is a little worse than computed misses it"
     )
-    if (end := stem_of(least[0].requirement)) in OFF_FOCUS:
+    if (end := least[0].key) in OFF_FOCUS:
         because += f"; {OFF_FOCUS[end]}{sharp_where(result)}"
     yield 52.0, Risk("it may not do what is asked", because, tight_figure(least[0], sharp_where(result)))
 
@@ -166,7 +165,7 @@ def shallow(result: Result, design: Design) -> Weighed:
     """
     deepest_m, few = result.deepest_m, dict[str, float]()
     for margin in design.margins:
-        if not margin.satisfied or stem_of(margin.requirement) != "depth_rating_m" or margin.value is None:
+        if not margin.satisfied or margin.key != "depth_rating_m" or margin.value is None:
             continue
         if deepest_m > 0.0 and margin.value < deepest_m * (1.0 + DEPTH_IN_HAND):
             few[margin.requirement.partition(" (")[2].rstrip(")") or "a part"] = margin.value
@@ -184,7 +183,7 @@ def drained(result: Result, design: Design) -> Weighed:
     """A battery that the mission uses up, or nearly so; told as missed where a limit on energy says so."""
     battery_wh = (result.mission.get("vehicle") or {}).get("battery_wh")
     used_wh = design.totals.energy_wh
-    told = any(stem_of(margin.requirement) == "energy_wh" for margin in design.missed)
+    told = any(margin.key == "energy_wh" for margin in design.missed)
     if battery_wh is None or used_wh is None or told:
         return
     if used_wh <= (1.0 - BATTERY_IN_HAND) * battery_wh * (1.0 + SATISFIED_REL):  # the reserve is just kept
@@ -246,9 +245,7 @@ def lamps_off(result: Result, design: Design) -> Weighed:
     held, helped = least_of(tilt, "held"), least_of(tilt, "readjusted")
     if held is None or held >= STEADY_DEG:
         return
-    names = listed(
-        dict.fromkeys(ASKED.get(stem_of(name), plain(name)) for name in tilt.get("first_to_break", []))
-    )
+    names = listed(dict.fromkeys(map(in_words, tilt.get("first_to_break", []))))
     because = f"when one leans further, {names or 'a requirement'} cannot be kept"
     if helped is not None and helped > held:
         because += f"; with light, exposure and gain set anew up to {helped:.1f}° can be borne"
@@ -258,7 +255,7 @@ def lamps_off(result: Result, design: Design) -> Weighed:
 
 def noisy(result: Result, design: Design) -> Weighed:
     """Images that drown in noise, as the mission asks for no signal to noise: light is then saved on."""
-    if any(stem_of(margin.requirement) in OF_NOISE for margin in design.margins):
+    if any(margin.key in OF_NOISE for margin in design.margins):
         return
     scene, snr_db = worst(design, "snr_db", least=True)
     if scene is None or snr_db >= ACCEPTABLE_SNR_DB:
@@ -504,26 +501,14 @@ RULES: Sequence[Callable[[Result, Design], Weighed]] = (
 
 def tight(design: Design) -> list[Margin]:
     """Requirements on the images and the vehicle with next to no margin, the tightest first."""
-    found = [(left, m) for m in design.margins if stem_of(m.requirement) not in OF_SETTINGS
-             and m.satisfied and (left := room(m)) is not None and left < NOTHING_IN_HAND]  # fmt: skip
+    found = [(left, m) for m in design.margins if m.key not in OF_SETTINGS
+             and m.satisfied and (left := m.share_left) is not None and left < NOTHING_IN_HAND]  # fmt: skip
     return [margin for _, margin in sorted(found, key=lambda item: item[0])]
 
 
 def in_hand_names(design: Design) -> str:
     """The same in words."""
     return listed(dict.fromkeys(asked_name(margin) for margin in tight(design)))
-
-
-def room(margin: Margin) -> float | None:
-    """What is left as a share of what is asked for, its reserve included; of decibels as a ratio.
-
-    None where it is no room that can be used up.
-    """
-    asked = margin.asked
-    if margin.margin is None or not asked or margin.sense not in ("<=", ">="):
-        return None
-    left = margin.margin + margin.reserve
-    return float(db_to_ratio(left)) - 1.0 if margin.unit == "dB" else left / abs(asked)
 
 
 def sharp_where(result: Result) -> str:
@@ -534,7 +519,7 @@ def sharp_where(result: Result) -> str:
 
 def missed_figure(margin: Margin, where: str) -> str:
     """Value and limit of what is missed; of an end of the depth of field what is sharp, where, and what should be."""
-    if stem_of(margin.requirement) not in OFF_FOCUS or margin.value is None:
+    if margin.key not in OFF_FOCUS or margin.value is None:
         return against_limit(margin)
     value, limit = ends_of(margin)
     side = "from" if margin.sense == "<=" else "to"
@@ -543,7 +528,7 @@ def missed_figure(margin: Margin, where: str) -> str:
 
 def tight_figure(margin: Margin, where: str) -> str:
     """What is tightest, with value and limit; an end of the depth of field as what is still sharp there."""
-    if stem_of(margin.requirement) not in OFF_FOCUS:
+    if margin.key not in OFF_FOCUS:
         return f"{asked_name(margin)} {against_limit(margin)}"
     assert margin.margin is not None and margin.limit is not None
     rounding = abs(margin.margin) <= SATISFIED_REL * abs(margin.limit)
@@ -554,7 +539,7 @@ def tight_figure(margin: Margin, where: str) -> str:
 
 def asked_name(margin: Margin) -> str:
     """A requirement in words."""
-    return ASKED.get(stem_of(margin.requirement), plain(margin.requirement))
+    return in_words(margin.key)
 
 
 def against_limit(margin: Margin) -> str:
@@ -568,15 +553,10 @@ def ends_of(margin: Margin) -> tuple[str, ...]:
     return texts_apart(margin.value, margin.limit, text=lambda x, digits: format_quantity(x, margin.unit, digits))
 
 
-def stem_of(requirement: str) -> str:
-    """The key without the part that it is about."""
-    return requirement.partition(" (")[0]
-
-
-def plain(requirement: str) -> str:
-    """A key as words."""
-    name = split_unit(stem_of(requirement))[0].removeprefix("min_").removeprefix("max_")
-    return name.replace("_", " ")
+def in_words(requirement: str) -> str:
+    """A key in words, without the part that it is about."""
+    key = requirement.partition(" (")[0]
+    return ASKED.get(key) or split_unit(key)[0].removeprefix("min_").removeprefix("max_").replace("_", " ")
 
 
 def worst(design: Design, figure: str, *, least: bool = False) -> tuple[SceneResult | None, float]:

@@ -175,10 +175,13 @@ class Section(BaseModel):
     def _empty_keys_take_their_default(cls, data: Any) -> Any:
         if not isinstance(data, Mapping):
             return data
-        fields = keys_of(cls)
-        return {
-            k: v for k, v in data.items() if v is not None or k not in fields or fields[k].default is None
-        }
+        return without_empty(data, cls)
+
+
+def without_empty(data: Mapping[Any, Any], model: type[BaseModel]) -> dict[Any, Any]:
+    """What a mapping of a file says; an empty key is left out where the default is something."""
+    fields = keys_of(model)
+    return {k: v for k, v in data.items() if v is not None or k not in fields or fields[k].default is None}
 
 
 def keys_of(model: type[BaseModel]) -> dict[str, FieldInfo]:

@@ -11,7 +11,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from uwopt.documents.faults import KeyPath
-from uwopt.documents.key_types import given_values, keys_of
+from uwopt.documents.key_types import given_values, keys_of, without_empty
 from uwopt.mission.keys import CLARITY_KEYS, JERLOV_TYPES, OTHER_NAMES, TARGET_WORDS
 from uwopt.mission.sections.requirements import Requirements
 from uwopt.mission.sections.vehicle import Vehicle
@@ -123,10 +123,7 @@ def _scene_in_one_form(scene: Values, index: int) -> tuple[dict[str, Any], list[
                 path: KeyPath = ("scenes", index, section, key)
                 faults.append((path, f"is given twice in this scene, also under {section}; remove one"))
             inside[key] = value
-        inside = {
-            k: v for k, v in inside.items() if v is not None or k not in keys or keys[k].default is None
-        }
-        if inside:
+        if inside := without_empty(inside, model):
             made[section] = inside
         else:
             made.pop(section, None)

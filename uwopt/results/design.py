@@ -9,6 +9,7 @@ from pydantic.dataclasses import dataclass
 
 from uwopt.results.frames import bill_rows, figure_rows, frame_of, margin_rows
 from uwopt.results.record import RECORD, Flag, Number, Record, Whole
+from uwopt.units import db_to_ratio
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -228,6 +229,22 @@ class Margin(Record):
         if self.limit is None:
             return None
         return self.limit + self.reserve if self.sense == "<=" else self.limit - self.reserve
+
+    @property
+    def key(self) -> str:
+        """The requirement without the part that sets its limit."""
+        return self.requirement.partition(" (")[0]
+
+    @property
+    def share_left(self) -> float | None:
+        """What is left as a share of what is asked for, its reserve included; of decibels as a ratio.
+
+        None where nothing is asked for that could be used up.
+        """
+        if self.margin is None or not self.asked or self.sense == "=":
+            return None
+        left = self.margin + self.reserve
+        return float(db_to_ratio(left)) - 1.0 if self.unit == "dB" else left / abs(self.asked)
 
 
 @dataclass(frozen=True, config=RECORD)

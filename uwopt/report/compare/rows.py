@@ -110,10 +110,9 @@ def margins_of(margins: Sequence[Margin]) -> dict[str, Margin]:
     for margin in margins:
         if margin.limit is None:
             continue
-        stem = margin.requirement.partition(" (")[0]
-        known = found.get(stem)
+        known = found.get(margin.key)
         if known is None or in_hand(margin) < in_hand(known):
-            found[stem] = margin
+            found[margin.key] = margin
     return found
 
 

@@ -133,6 +133,12 @@ class RigMeasures:
     pair_m: tuple[tuple[float, float, float], ...] = ()  # of a stereo pair each camera's place and its view's ends
     looks_up: bool = False  # at a ceiling: what is told as down is up
 
+    @property
+    def shown_advance_m(self) -> float | None:
+        """How far ahead the next image is drawn; None where nothing moves or it is too far away."""
+        along_m = self.edges_m[1][0] - self.edges_m[0][0] if self.edges_m else 2 * self.half_along_m
+        return self.advance_m if self.advance_m is not None and self.advance_m < 3 * along_m else None
+
 
 # ---------------------------------------------------------------- spectrum
 

@@ -276,7 +276,7 @@ def drawings(rig: RigMeasures, *, on_axis: bool) -> list[Picture]:
         ),
         Picture(
             "rig-above", "drawing", title_above,
-            f"{above_caption(drawing.shown_advance_m(rig))} "
+            f"{above_caption(rig.shown_advance_m)} "
             + (beams if rig.sun_elevation_deg is None else "No lamp shines."),
             f"Footprint {sides}. {next_one}", "svg",
             drawing.view_from_above(rig, title=title_above, description=f"Footprint {sides}. {next_one}"),
@@ -313,7 +313,7 @@ def oblique_drawings(rig: RigMeasures) -> list[Picture]:
             beside, "svg", oblique_drawing.view_from_side(rig, title=title_beside, description=beside),
         ),
         Picture(
-            "rig-above", "drawing", title_above, above_caption(oblique_drawing.shown_advance_m(rig)), above, "svg",
+            "rig-above", "drawing", title_above, above_caption(rig.shown_advance_m), above, "svg",
             oblique_drawing.trapezoid_from_above(rig, title=title_above, description=above),
         ),
     ]  # fmt: skip

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from html import escape
-from math import atan2, cos, hypot, pi, sin, tan
+from math import atan2, cos, hypot, inf, pi, sin, tan
 
 from uwopt.report.pictures.curves import Lamp, RigMeasures
 
@@ -118,15 +118,10 @@ def view_from_behind(rig: RigMeasures, *, title: str, description: str) -> str:
     return svg(title, description, as_it_looks(rig, parts))
 
 
-def shown_advance_m(rig: RigMeasures) -> float | None:
-    """How far ahead the next image is drawn; None where nothing moves or it is too far away."""
-    return rig.advance_m if rig.advance_m is not None and rig.advance_m < 6 * rig.half_along_m else None
-
-
 def view_from_above(rig: RigMeasures, *, title: str, description: str) -> str:
     """Footprint, the next one, the lamps' light on the floor and the lamps themselves; forward is up."""
     along, across = rig.half_along_m, rig.half_across_m
-    advance = shown_advance_m(rig)
+    advance = rig.shown_advance_m
     reach_x = max([across, *(abs(lamp.y_m) for lamp in rig.lamps)]) * 1.15
     ahead = along + (advance or 0.0)
     ahead = max([ahead, *(lamp.x_m for lamp in rig.lamps)]) * 1.06
@@ -232,28 +227,30 @@ def daylight(frame: PageFrame, rig: RigMeasures) -> list[str]:
 def lamp_across(frame: PageFrame, lamp: Lamp, mast_m: float) -> str:
     """A lamp as a small box that leans as it aims, with its stay."""
     x, y = frame.x(lamp.y_m), frame.y(lamp.z_m)
-    turn = -atan2(lamp.aim[1], lamp.aim[2]) * 180.0 / pi
-    stay = line(x, frame.y(mast_m), x, y - 6, "ink")
-    turned = f'transform="rotate({turn:.1f} {x:.1f} {y:.1f})"'
-    return f'{stay}<rect class="solid" x="{x - 6:.1f}" y="{y - 12:.1f}" width="12" height="12" {turned}/>'
+    return line(x, frame.y(mast_m), x, y - 6, "ink") + tilted_box(x, y, -atan2(lamp.aim[1], lamp.aim[2]))
+
+
+def tilted_box(x: float, y: float, turn_rad: float) -> str:
+    """A lamp as a small box that leans as it aims."""
+    turn = f'transform="rotate({turn_rad * 180.0 / pi:.1f} {x:.1f} {y:.1f})"'
+    return f'<rect class="solid" x="{x - 6:.1f}" y="{y - 12:.1f}" width="12" height="12" {turn}/>'
 
 
 def camera_across(frame: PageFrame, rig: RigMeasures, mast_m: float, at_m: float) -> str:
-    """Housing and port, so far to starboard; a dome is drawn to scale where it is large enough to be seen."""
+    """Housing and port, so far to starboard, up to the mast."""
+    return camera_symbol(frame, rig, at_m, 14.0 if rig.is_dome else 15.0, frame.y(mast_m) - 4)
+
+
+def camera_symbol(frame: PageFrame, rig: RigMeasures, at_m: float, length_px: float, top_px: float = inf) -> str:
+    """Housing, so long or up to a height, and port; a dome is drawn to scale where it is large enough to be seen."""
     x, y = frame.x(at_m), frame.y(0.0)
     radius = max(rig.outer_radius_m * frame.scale_px_per_m, LEAST_SYMBOL_PX)
-    if not rig.is_dome:
-        window = f'<rect class="solid" x="{x - 9:.1f}" y="{y - 3:.1f}" width="18" height="3"/>'
-        top = min(frame.y(mast_m) - 4, y - 18)
-        return (
-            f'<rect class="solid" x="{x - 7:.1f}" y="{top:.1f}" width="14" height="{y - 3 - top:.1f}"/>'
-            + window
-        )
-    base = y - radius
-    top = min(frame.y(mast_m) - 4, base - 14)
+    base = y - (radius if rig.is_dome else 3.0)
+    top = min(top_px, base - length_px)
     arc = f"M{x - radius:.1f} {base:.1f}A{radius:.1f} {radius:.1f} 0 0 0 {x + radius:.1f} {base:.1f}Z"
+    window = f'<rect class="solid" x="{x - 9:.1f}" y="{base:.1f}" width="18" height="3"/>'
     body = f'<rect class="solid" x="{x - 7:.1f}" y="{top:.1f}" width="14" height="{base - top:.1f}"/>'
-    return f'{body}<path class="solid" d="{arc}"/>'
+    return body + (f'<path class="solid" d="{arc}"/>' if rig.is_dome else window)
 
 
 def motion_arrow(rig: RigMeasures) -> str:

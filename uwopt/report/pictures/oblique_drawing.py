@@ -5,16 +5,16 @@ Lamps turn with the camera: places and aims are those of `RigMeasures`, before t
 
 from __future__ import annotations
 
-from math import atan2, cos, degrees, pi, sin, tan
+from math import atan2, cos, degrees, sin, tan
 
 from uwopt.report.pictures.curves import RigMeasures
 from uwopt.report.pictures.drawing import (
     EDGE_PX,
-    LEAST_SYMBOL_PX,
     STEEPEST_RAD,
     WIDTH_PX,
     PageFrame,
     as_it_looks,
+    camera_symbol,
     clip,
     fitted,
     level_dimension,
@@ -25,6 +25,7 @@ from uwopt.report.pictures.drawing import (
     scale_bar,
     svg,
     text,
+    tilted_box,
     upright_dimension,
 )
 
@@ -53,7 +54,7 @@ def view_from_side(rig: RigMeasures, *, title: str, description: str) -> str:
     start = turned(rig, 0.0, -rig.outer_radius_m if rig.is_dome else 0.0)  # rays start at the dome's centre
     parts.append(polygon([at(frame, start), (frame.x(near_m), floor_y), (frame.x(far_m), floor_y)], "view"))
     parts.append(line(EDGE_PX, floor_y, WIDTH_PX - EDGE_PX, floor_y, "ink"))
-    parts += [tilted_box(frame, x, y, leaning) for x, y, leaning in lamps]
+    parts += [tilted_box(frame.x(x), frame.y(y), -leaning) for x, y, leaning in lamps]
     parts.append(pitched_camera(frame, rig))
     parts.append(upright_dimension(EDGE_PX + 20, frame.y(0), floor_y, f"altitude {metres(floor_m)}", frame.x(0)))
     parts.append(level_dimension(frame.x(near_m), frame.x(far_m), floor_y + 20, f"{metres(far_m - near_m)} of floor"))
@@ -62,17 +63,10 @@ def view_from_side(rig: RigMeasures, *, title: str, description: str) -> str:
     return svg(title, description, as_it_looks(rig, parts))
 
 
-def shown_advance_m(rig: RigMeasures) -> float | None:
-    """How far ahead the next image is drawn; None where nothing moves or it is too far away."""
-    (near_m, _), (far_m, _) = rig.edges_m
-    return rig.advance_m if rig.advance_m is not None and rig.advance_m < 3 * (far_m - near_m) else None
-
-
 def trapezoid_from_above(rig: RigMeasures, *, title: str, description: str) -> str:
     """The footprint of a view that looks ahead, and the next one; the port is the dot, forward is up."""
     (near_m, near_half), (far_m, far_half) = rig.edges_m
-    advance = shown_advance_m(rig)
-    wide, deep = 1.1 * far_half, far_m - near_m
+    wide, deep, advance = 1.1 * far_half, far_m - near_m, rig.shown_advance_m
     frame = fitted(-wide, wide, -(far_m + (advance or 0.0)) - 0.05 * deep, max(0.0, -near_m) + 0.05 * deep)
 
     def outline(moved_m: float) -> list[Place]:
@@ -96,23 +90,10 @@ def at(frame: PageFrame, place: Place) -> Place:
     return frame.x(place[0]), frame.y(place[1])
 
 
-def tilted_box(frame: PageFrame, right_m: float, down_m: float, leaning_rad: float) -> str:
-    """A lamp as a small box that leans as it aims."""
-    x, y, turn = frame.x(right_m), frame.y(down_m), -leaning_rad * 180.0 / pi
-    rotate = f'transform="rotate({turn:.1f} {x:.1f} {y:.1f})"'
-    return f'<rect class="solid" x="{x - 6:.1f}" y="{y - 12:.1f}" width="12" height="12" {rotate}/>'
-
-
 def pitched_camera(frame: PageFrame, rig: RigMeasures) -> str:
-    """Housing and port, turned by the pitch about the port's vertex; a dome to scale where it can be seen."""
-    x, y = frame.x(0.0), frame.y(0.0)
-    radius = max(rig.outer_radius_m * frame.scale_px_per_m, LEAST_SYMBOL_PX)
-    base = y - (radius if rig.is_dome else 3.0)
-    arc = f"M{x - radius:.1f} {base:.1f}A{radius:.1f} {radius:.1f} 0 0 0 {x + radius:.1f} {base:.1f}Z"
-    window = f'<rect class="solid" x="{x - 9:.1f}" y="{base:.1f}" width="18" height="3"/>'
-    port = f'<path class="solid" d="{arc}"/>' if rig.is_dome else window
-    body = f'<rect class="solid" x="{x - 7:.1f}" y="{base - 26:.1f}" width="14" height="26"/>'
-    return f'<g transform="rotate({-degrees(rig.pitch_rad):.1f} {x:.1f} {y:.1f})">{body}{port}</g>'
+    """Housing and port, turned by the pitch about the port's vertex."""
+    place = f"{frame.x(0.0):.1f} {frame.y(0.0):.1f}"
+    return f'<g transform="rotate({-degrees(rig.pitch_rad):.1f} {place})">{camera_symbol(frame, rig, 0.0, 26.0)}</g>'
 
 
 __all__ = ["trapezoid_from_above", "view_from_side"]

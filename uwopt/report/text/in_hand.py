@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from uwopt.report.text import formats, words
 from uwopt.results.design import Design, Margin
-from uwopt.units import db_to_ratio, format_difference
+from uwopt.units import format_difference
 
 DEPTH = "depth_rating_m"
 BREAKING = (
@@ -27,13 +27,11 @@ def share_in_hand(margin: Margin, deepest_m: float = 0.0) -> float | None:
 
     deepest_m : depth of the deepest scene, of which a depth rating leaves so much; 0: of the rating that is asked for
     """
-    asked, name = margin.asked, margin.requirement.partition(" (")[0]
-    if name not in BREAKING or margin.margin is None or not asked:
+    if margin.key not in BREAKING or margin.share_left is None:
         return None
-    if name == DEPTH and deepest_m > 0.0 and margin.value is not None:
+    if margin.key == DEPTH and deepest_m > 0.0 and margin.value is not None:
         return margin.value / deepest_m - 1.0
-    left = margin.margin + margin.reserve
-    return float(db_to_ratio(left)) - 1.0 if margin.unit == "dB" else left / abs(asked)
+    return margin.share_left
 
 
 def fails_first(design: Design, deepest_m: float = 0.0) -> str:
