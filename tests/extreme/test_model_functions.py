@@ -382,5 +382,5 @@ def test_an_image_that_is_not_there_resolves_nothing() -> None:
     )
     assert sharp.mtf50_cyc_per_px(nothing)[0] == 0.0
     assert (
-        sharp.resolution_10_m(nothing, ground_sample_along_m=1e-3, ground_sample_across_m=1e-3)[0] == math.inf
+        sharp.resolution_10_m(nothing, ground_sample_m=1e-3)[0] == math.inf
     )

@@ -130,16 +130,11 @@ def test_frequencies_at_a_level_are_those_of_a_root_finder(
 ) -> None:
     base = replace(GOOD, working_f_number=n, motion_blur_px=blur, defocus_px=disc, lens_pitch_px=rating)
     sharp = with_colour(base, spread, 0.6)
-    for got, axis in zip(
-        sharpness.frequencies_at_cyc_per_px(level, sharpness=sharp),
-        (0, 1),
-        strict=True,
-    ):
-        root = optimize.brentq(
-            lambda nu, i=axis: float(sharpness.mtf_axes(nu, sharpness=sharp, falling=True)[i]) - level,
-            0.0, 1.0, xtol=1e-14,
-        )  # fmt: skip
-        assert got == pytest.approx(root, rel=1e-9, abs=1e-12)
+    root = optimize.brentq(
+        lambda nu: min(sharpness.mtf_axes(nu, sharpness=sharp, falling=True)) - level, 0.0, 1.0, xtol=1e-14
+    )
+    got = sharpness.highest_frequency_cyc_per_px(level, sharpness=sharp)
+    assert got == pytest.approx(root, rel=1e-9, abs=1e-12)
 
 
 def test_a_bare_pixel_resolves_what_a_sinc_does() -> None:
@@ -151,32 +146,28 @@ def test_a_bare_pixel_resolves_what_a_sinc_does() -> None:
 def test_motion_counts_along_and_the_worse_direction_is_reported() -> None:
     # one pixel of blur doubles the sinc along: sinc^2 = 1/2 at nu = 0.4429465
     moving = replace(NOTHING, motion_blur_px=1.0)
-    along, across = sharpness.frequencies_at_cyc_per_px(0.5, sharpness=moving)
-    assert along == pytest.approx(0.4429465, abs=1e-7)
-    assert across == pytest.approx(0.6033545, abs=1e-7)
-    assert sharpness.mtf50_cyc_per_px(moving) == along
+    assert sharpness.mtf50_cyc_per_px(moving) == pytest.approx(0.4429465, abs=1e-7)
     assert sharpness.mtf_half_nyquist(moving) == pytest.approx(0.9003163**2, abs=1e-6)
 
 
 def test_resolution_is_a_full_cycle_on_the_ground() -> None:
-    # sinc = 0.1 at nu = 0.9094... of a bare pixel: a cycle is 1.0996 px; across pixels of 2 mm decide
+    # sinc = 0.1 at nu = 0.9094... of a bare pixel: a cycle is 1.0996 px
     nu10 = optimize.brentq(lambda nu: np.sinc(nu) - 0.1, 0.5, 1.0)
-    got = sharpness.resolution_10_m(NOTHING, ground_sample_along_m=1e-3, ground_sample_across_m=2e-3)
+    got = sharpness.resolution_10_m(NOTHING, ground_sample_m=2e-3)
     assert got == pytest.approx(2e-3 / nu10, rel=1e-9)
 
 
 def test_infinite_blur_resolves_nothing_without_nan() -> None:
     blind = replace(GOOD, defocus_px=np.array([math.inf, 1.0]), working_f_number=np.array([4.0, math.inf]))
-    along, across = sharpness.frequencies_at_cyc_per_px(0.1, sharpness=blind)
-    assert np.all(along < 1e-200) and np.all(across < 1e-200)
-    length = sharpness.resolution_10_m(blind, ground_sample_along_m=1e-3, ground_sample_across_m=1e-3)
+    assert np.all(sharpness.highest_frequency_cyc_per_px(0.1, sharpness=blind) < 1e-200)
+    length = sharpness.resolution_10_m(blind, ground_sample_m=1e-3)
     assert np.all(length > 1e100)
 
 
 def test_transfer_along_and_across_are_the_ends_of_the_plane() -> None:
     sharp = with_colour(PLAIN, 1.0, 0.4)
     nu = FREQUENCIES
-    assert sharpness.mtf_along(nu, sharpness=sharp) == pytest.approx(
+    assert sharpness.mtf_axes(nu, sharpness=sharp)[0] == pytest.approx(
         sharpness.mtf(nu, across_cyc_per_px=0 * nu, sharpness=sharp), abs=1e-15
     )
     assert sharpness.mtf_axes(0.3, sharpness=sharp)[1] == pytest.approx(
@@ -233,7 +224,7 @@ def test_bars_are_no_narrower_than_a_pixel_and_none_arrive_through_nine_tenths_o
 
 
 def test_bars_are_those_of_the_worse_axis_with_colours_that_spread() -> None:
-    """Against the two frequencies, each found alone; more designs than are looked at together."""
+    """Against the frequencies of blur along alone and across alone; more designs than are looked at together."""
     n, rng = sharpness._BLOCK_ROOTS + 50, np.random.default_rng(5)
     colours = dict(electrons_per_nm=[1.0, 2.0, 1.0], n_water=[1.346, 1.340, 1.337])
     spread = lateral.spread_table([450.0, 550.0, 650.0], **colours)
@@ -244,7 +235,13 @@ def test_bars_are_those_of_the_worse_axis_with_colours_that_spread() -> None:
     )  # fmt: skip
     contrast = rng.uniform(0.05, 1.0, n)
     got = sharpness.smallest_bars_m(blurred, contrast=contrast, ground_sample_m=1e-3)
-    along, across = sharpness.frequencies_at_cyc_per_px(0.1 / contrast, sharpness=blurred)
+    along, across = (
+        sharpness.highest_frequency_cyc_per_px(0.1 / contrast, sharpness=replace(blurred, **same))
+        for same in (
+            {"lateral_k_across": blurred.lateral_k_along},
+            {"motion_blur_px": 0.0, "lateral_k_along": blurred.lateral_k_across},
+        )
+    )  # fmt: skip
     with np.errstate(divide="ignore"):
         expected = 1e-3 / (2.0 * np.minimum(np.minimum(along, across), 0.5))
     assert np.allclose(got, expected, rtol=1e-9)
@@ -255,9 +252,9 @@ def test_frequencies_of_a_level_are_those_of_each_design_alone():
     """Bisection and false position stop at each design's own root, to the last digit."""
     f_numbers, discs = np.array([[1.4], [8.0], [22.0]]), np.array([[0.1, 3.0, 0.7]])
     common = dict(wavelength_nm=530.0, pixel_pitch_m=3.45e-6)
-    together = sharpness.frequencies_at_cyc_per_px(
+    together = sharpness.highest_frequency_cyc_per_px(
         0.1, sharpness=sharpness.Sharpness(f_numbers, defocus_px=discs, motion_blur_px=0.4, **common)
     )
-    for (i, j), of_both in np.ndenumerate(together[0]):
+    for (i, j), of_all in np.ndenumerate(together):
         one = sharpness.Sharpness(f_numbers[i], defocus_px=discs[0, j], motion_blur_px=0.4, **common)
-        assert sharpness.frequencies_at_cyc_per_px(0.1, sharpness=one)[0] == of_both
+        assert sharpness.highest_frequency_cyc_per_px(0.1, sharpness=one) == of_all

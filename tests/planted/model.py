@@ -684,11 +684,11 @@ DEFECTS = (
         test="tests/forward/test_sharp_rows.py::test_transfer_is_the_models_at_each_focus",
     ),
     Defect(
-        name="resolution of the better direction",
+        name="half the contrast is looked for up to Nyquist alone",
         file="uwopt/model/sharpness.py",
-        old="return np.maximum(ground_sample_along_m / along",
-        new="return np.minimum(ground_sample_along_m / along",
-        test="tests/model/test_sharpness.py::test_resolution_is_a_full_cycle_on_the_ground",
+        old="most_cyc_per_px: float = 1.0",
+        new="most_cyc_per_px: float = 0.5",
+        test="tests/model/test_sharpness.py::test_a_bare_pixel_resolves_what_a_sinc_does",
     ),
     Defect(
         name="Planck with the fourth power",

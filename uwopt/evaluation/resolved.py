@@ -77,7 +77,7 @@ def _together(many: Sequence[tuple[Measured, int]]) -> list[Resolved]:
         for one, i in many
     ]
     mtf50 = sharpness.mtf50_cyc_per_px(at)
-    cycle_m = sharpness.resolution_10_m(at, ground_sample_along_m=sample_m, ground_sample_across_m=sample_m)
+    cycle_m = sharpness.resolution_10_m(at, ground_sample_m=sample_m)
     bars_m = sharpness.smallest_bars_m(
         at_corner, contrast=np.concatenate(contrast), ground_sample_m=sample_m,
         detail=first.sharp_rows(index).detail_gain_of(np.zeros(count, int), np.ones(count, int)),

@@ -15,7 +15,7 @@ beyond a null "0" means below 1e-15, so that derivatives stay finite there.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -231,15 +231,6 @@ def mtf(
     return value * spread_mtf(k, table=sharpness.spread, falling=falling)
 
 
-def mtf_along(frequency_cyc_per_px: Numeric, *, sharpness: Sharpness, falling: bool = False) -> Numeric:
-    """Transfer of detail that alternates along the motion, 0..1; arguments broadcast. See `mtf_axes` [sym]."""
-    value = round_mtf(frequency_cyc_per_px, sharpness=sharpness) * sinc_mtf(frequency_cyc_per_px)
-    value = value * sinc_mtf(frequency_cyc_per_px, width_px=sharpness.motion_blur_px)
-    if sharpness.spread is None:
-        return value
-    return value * spread_mtf(sharpness.lateral_k_along * frequency_cyc_per_px, table=sharpness.spread, falling=falling)
-
-
 def mtf_axes(
     frequency_cyc_per_px: Numeric, *, sharpness: Sharpness, falling: bool = False
 ) -> tuple[Numeric, Numeric]:
@@ -263,58 +254,28 @@ def mtf_half_nyquist(sharpness: Sharpness) -> Numeric:
 # ---------------------------------------------------------------- frequencies of a level
 
 
-def frequencies_at_cyc_per_px(
-    level: Numeric, *, sharpness: Sharpness, detail: GainOfSome | None = None
-) -> tuple[Array, Array]:
-    """Frequencies along and across at which the transfer has fallen to a level.
+def highest_frequency_cyc_per_px(
+    level: Numeric, *, sharpness: Sharpness, detail: GainOfSome | None = None, most_cyc_per_px: float = 1.0
+) -> Array:
+    """The highest frequency at which the transfer along and that across both reach a level.
 
-        F(nu) MTF(nu) = level
+        F(nu) min(MTF_along(nu), MTF_across(nu)) = level
 
     Parameters
     ----------
     level : broadcast, > 0
     sharpness : fields broadcast to (...,)
     detail : F, a factor that falls with the frequency; None: 1
+    most_cyc_per_px : higher ones are not looked for; 1: the first null of the pixel
 
     Returns
     -------
-    along, across : (...,) [cycles per px], 0..1; 0 where the blur is infinite or the level F(0) or more. Relative error
-    1e-12.
+    (...,) [cycles per px]; 0 where the blur is infinite or the level F(0) or more. Relative error 1e-12.
 
     Notes
     -----
-    The product falls from F(0) to 0 between nu = 0 and its first null, 1 cycle per px at the latest: one root,
-    held between two bounds by false position after Illinois, every fourth step a bisection.
-    """
-    shape = common_shape(sharpness, level)
-    flat, level, still, nulls = _falling_ranges(level, sharpness, shape, detail)
-    n, both = len(level), _along_then_across(flat)
-
-    def left(nu: Array, some: Array) -> Array:
-        seen = mtf_along(nu, sharpness=_some(both, some), falling=True)
-        return np.asarray(seen if detail is None else seen * detail(nu, some % n))
-
-    found = falling_roots(
-        left, level=np.tile(level, 2), start=np.tile(still, 2), end=np.concatenate(nulls), at_end=np.zeros(2 * n)
-    )
-    along, across = found.reshape(2, *shape)
-    return along[()], across[()]
-
-
-def _along_then_across(flat: Sharpness) -> Sharpness:
-    """Columns (2 n,) whose transfer along is that of n designs along, then across [numbers]."""
-    twice = _some(flat, np.tile(np.arange(len(flat.motion_blur_px)), 2))
-    motion = np.concatenate([flat.motion_blur_px, np.zeros_like(flat.motion_blur_px)])
-    return replace(
-        twice, motion_blur_px=motion, lateral_k_along=np.concatenate([flat.lateral_k_along, flat.lateral_k_across])
-    )
-
-
-def highest_frequency_cyc_per_px(level: Numeric, *, sharpness: Sharpness, detail: GainOfSome | None = None) -> Array:
-    """The highest frequency at which the transfer along and that across both reach a level, (...,) [cycles per px].
-
-    As `frequencies_at_cyc_per_px`, the lower of both, up to the Nyquist frequency: both fall, so the lesser of them
-    does, and has one root.
+    Both fall, so the lesser of them does, from F(0) to 0 between nu = 0 and the first null: one root, held between two
+    bounds by false position after Illinois, every fourth step a bisection.
     """
     shape = common_shape(sharpness, level)
     flat, level, still, nulls = _falling_ranges(level, sharpness, shape, detail)
@@ -323,7 +284,7 @@ def highest_frequency_cyc_per_px(level: Numeric, *, sharpness: Sharpness, detail
         both = np.minimum(*mtf_axes(nu, sharpness=_some(flat, some), falling=True))
         return np.asarray(both if detail is None else both * detail(nu, some))
 
-    ends, found = np.minimum(np.minimum(*nulls), NYQUIST_CYC_PER_PX), np.empty(len(level))
+    ends, found = np.minimum(nulls, most_cyc_per_px), np.empty(len(level))
     for start in range(0, len(level), _BLOCK_ROOTS):
         rows = np.arange(start, min(start + _BLOCK_ROOTS, len(level)))
 
@@ -339,24 +300,21 @@ def highest_frequency_cyc_per_px(level: Numeric, *, sharpness: Sharpness, detail
 
 def _falling_ranges(
     level: Numeric, sharpness: Sharpness, shape: tuple[int, ...], detail: GainOfSome | None
-) -> tuple[Sharpness, Array, Array, tuple[Array, Array]]:
-    """Columns (n,) of all, levels that are reached, F(0), and where transfers along and across end; 0: level missed."""
+) -> tuple[Sharpness, Array, Array, Array]:
+    """Columns (n,) of all, levels that are reached, F(0), and where the first transfer ends; 0: level missed."""
     flat = as_columns(sharpness, shape, (-1,))
     level = np.broadcast_to(np.asarray(level, dtype=float), shape).reshape(-1)
     disc_null = 1.0 / np.maximum(np.minimum(flat.defocus_px, _HUGE) * (np.pi / J1_ZERO), 1.0)
     pupil_null = 1.0 / np.maximum(np.minimum(flat.diffraction_px, _HUGE), 1.0)
-    null = np.minimum(disc_null, pupil_null)
     motion_null = 1.0 / np.maximum(np.minimum(flat.motion_blur_px, _HUGE), 1.0)
-    null, motion_null = (np.where(end > 2.0 / _HUGE, end, 0.0) for end in (null, motion_null))
+    null = np.minimum(np.minimum(disc_null, pupil_null), motion_null)
     still = np.ones(len(level)) if detail is None else detail(np.zeros(len(level)), np.arange(len(level)))
-    null = np.where(level < still, null, 0.0)
-    return flat, np.minimum(level, still), still, (np.minimum(null, motion_null), null)
+    return flat, np.minimum(level, still), still, np.where((null > 2.0 / _HUGE) & (level < still), null, 0.0)
 
 
 def mtf50_cyc_per_px(sharpness: Sharpness) -> Array:
     """Frequency at which half the contrast is left, the worse of along and across [cycles per px]."""
-    along, across = frequencies_at_cyc_per_px(0.5, sharpness=sharpness)
-    return np.minimum(along, across)
+    return highest_frequency_cyc_per_px(0.5, sharpness=sharpness)
 
 
 def smallest_bars_m(
@@ -374,24 +332,23 @@ def smallest_bars_m(
     """
     with np.errstate(divide="ignore", over="ignore"):
         level = RESOLVED_CONTRAST / np.asarray(contrast, dtype=float)
-        highest = highest_frequency_cyc_per_px(level, sharpness=sharpness, detail=detail)
+        highest = highest_frequency_cyc_per_px(
+            level, sharpness=sharpness, detail=detail, most_cyc_per_px=NYQUIST_CYC_PER_PX
+        )
         return np.asarray(ground_sample_m / (2.0 * highest))
 
 
-def resolution_10_m(
-    sharpness: Sharpness, *, ground_sample_along_m: Numeric, ground_sample_across_m: Numeric
-) -> Array:
+def resolution_10_m(sharpness: Sharpness, *, ground_sample_m: Numeric) -> Array:
     """Smallest detail with a tenth of its contrast left: the ground length of one full cycle.
 
         resolution = GSD / nu_10, the worse of along and across
 
-    sharpness : fields (...,); ground samples : broadcast [m per px] at the field point. Returns (...,) [m], a
+    sharpness : fields (...,); ground_sample_m : broadcast [m per px] at the field point. Returns (...,) [m], a
     dark and a bright stripe together (a line pair); inf where nothing is resolved. Frequencies beyond Nyquist count
     as such: below 2 px per cycle the image shows aliases. Physics page, section 12.
     """
-    along, across = frequencies_at_cyc_per_px(0.1, sharpness=sharpness)
     with np.errstate(divide="ignore", over="ignore"):
-        return np.maximum(ground_sample_along_m / along, ground_sample_across_m / across)
+        return np.asarray(ground_sample_m / highest_frequency_cyc_per_px(0.1, sharpness=sharpness))
 
 
 NUMBERS = tuple(field.name for field in fields(Sharpness) if field.name != "spread")  # all but the spread by colour
