@@ -71,7 +71,7 @@ def test_eight_modules_at_most_stand_at_the_root():
 #: What a room that must stay pure may import beside itself.
 PURE_ROOMS = {
     "model": {"errors", "arrays"},
-    "results": {"errors", "documents"},
+    "results": {"errors", "documents", "units"},
     "documents": {"errors", "units"},
 }
 

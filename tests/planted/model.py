@@ -591,8 +591,8 @@ DEFECTS = (
     Defect(
         name="bars may be narrower than a pixel",
         file="uwopt/model/sharpness.py",
-        old="np.minimum(np.minimum(*nulls), NYQUIST_CYC_PER_PX)",
-        new="np.minimum(*nulls)",
+        old="detail=detail, most_cyc_per_px=NYQUIST_CYC_PER_PX",
+        new="detail=detail",
         test="tests/model/test_sharpness.py"
         "::test_bars_are_no_narrower_than_a_pixel_and_none_arrive_through_nine_tenths_of_veil",
     ),

@@ -440,9 +440,9 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a reserve is not in hand",
-        file="uwopt/api/risks.py",
-        old="left = margin.margin + margin.reserve",
-        new="left = margin.margin",
+        file="uwopt/results/design.py",
+        old="left = self.margin + self.reserve",
+        new="left = self.margin",
         test="tests/api/test_risks.py::test_nothing_in_hand_is_told_of_what_is_asked_for",
     ),
     Defect(

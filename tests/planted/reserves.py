@@ -177,7 +177,7 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a rating that is asked for is used up by its own depth",
         file="uwopt/report/text/in_hand.py",
-        old="    if name == DEPTH and deepest_m > 0.0",
+        old="    if margin.key == DEPTH and deepest_m > 0.0",
         new="    if False and deepest_m > 0.0",
         test="tests/report/test_in_hand.py::test_a_depth_rating_counts_from_the_deepest_scene",
     ),
@@ -188,13 +188,6 @@ DEFECTS: tuple[Defect, ...] = (
         new="yield (62.0 if asked else 62.0)",
         test="tests/api/test_risks.py::"
         "test_ratings_that_leave_little_are_one_risk_and_a_slight_one_where_they_are_asked_for",
-    ),
-    Defect(
-        name="what fails first forgets the reserve",
-        file="uwopt/report/text/in_hand.py",
-        old="left = margin.margin + margin.reserve",
-        new="left = margin.margin",
-        test="tests/report/test_in_hand.py::test_what_is_in_hand_is_a_share_of_what_is_asked[one0-0.5]",
     ),
     Defect(
         name="a possible limit is told with its reserve",

@@ -278,13 +278,13 @@ def highest_frequency_cyc_per_px(
     bounds by false position after Illinois, every fourth step a bisection.
     """
     shape = common_shape(sharpness, level)
-    flat, level, still, nulls = _falling_ranges(level, sharpness, shape, detail)
+    flat, level, still, null = _falling_ranges(level, sharpness, shape, detail)
 
     def left(nu: Array, some: Array) -> Array:
         both = np.minimum(*mtf_axes(nu, sharpness=_some(flat, some), falling=True))
         return np.asarray(both if detail is None else both * detail(nu, some))
 
-    ends, found = np.minimum(nulls, most_cyc_per_px), np.empty(len(level))
+    ends, found = np.minimum(null, most_cyc_per_px), np.empty(len(level))
     for start in range(0, len(level), _BLOCK_ROOTS):
         rows = np.arange(start, min(start + _BLOCK_ROOTS, len(level)))
 
