@@ -241,7 +241,7 @@ def test_what_is_best_by_central_numbers_alone_is_counted_all_the_same(monkeypat
     monkeypatch.setattr(certainty, "chosen", lambda *_: None)
     monkeypatch.setattr(certainty, "OF_A_SYSTEM", 512)
     tank = load_mission(TANK)
-    wanted = tank.with_changes(catalog=tank.to_dict()["catalog"] | FEW, doubt={"scenarios": 32})
+    wanted = tank.with_changes(catalog=tank.to_dict()["catalog"] | FEW, doubt={"scenarios": 32}, physics="full")
     result = uwopt.solve(wanted, confidence=0.9, quick=True)
     assert result.confidence is not None and result.best is not None
     assert certainty.AS_CENTRAL in [warning.code for warning in result.best.warnings]

@@ -28,7 +28,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="settings stand at an edge where the objective does not care", file=SCENE,
-        old="self.away, noise, *crowded, power, *enough, value,",
+        old="self.away, noise, *finer, *crowded, power, *enough, value,",
         new="self.away, power, value,",
         test="tests/solvers/test_middle_settings.py::test_no_other_exposure_has_more_in_hand",
     ),

@@ -107,8 +107,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="gain stands in for light that costs nothing",
         file="uwopt/solvers/settable/scene.py",
-        old="(self.away, noise, *crowded,",
-        new="(self.away, *crowded,",
+        old="(self.away, noise, *finer,",
+        new="(self.away, *finer,",
         test="tests/solvers/test_rounding.py::test_sunlight_counts_when_a_sunlit_optimum_is_rounded",
     ),
     Defect(

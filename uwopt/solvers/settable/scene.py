@@ -60,6 +60,8 @@ PLENTY = 0.5  # of a limit: what is in hand beyond it decides nothing
 FULL = 1.0 + PLENTY  # of what is in hand as it is noted: that it is enough counts 1
 SNR_DIGITS = 1  # of decibels, where nothing else tells settings apart
 ROOM_DIGITS = 6  # of a share of a limit: what differs by rounding alone decides nothing
+ROOM_STEP = 0.005  # of a limit: what is in hand alike to a two-hundredth decides nothing
+POWER_STEP = 0.01  # of power likewise: a shutter that closes sooner saves nothing worth dim images
 EVERY = slice(None)
 BALANCES = 13  # of lamps against sun, at which the worst pixels are looked for
 OPEN_LONGER = (0.0, 0.5, 1.0)  # of the optimum's open shutter beyond the pulse, under the sun
@@ -99,9 +101,12 @@ class Tried(Columns):
         each limit or as near that as can be, then of least power, then farthest from its limits, then of the most
         signal to noise, then nearest the optimum: gain stands in for no light that the sun gives for nothing."""
         value = told_apart(np.minimum(self.value, WORST))
-        enough, crowded = (tuple(-seen.T[::-1]) for seen in (np.minimum(self.in_hand, 1.0), self.in_hand))
-        noise, power = -np.round(self.snr_db, SNR_DIGITS), told_apart(self.power_w)
-        order = np.lexsort((self.away, noise, *crowded, power, *enough, value, self.shortfall, group))
+        alike = np.round(self.in_hand / ROOM_STEP)
+        enough, crowded = (tuple(-seen.T[::-1]) for seen in (np.minimum(alike, 1.0 / ROOM_STEP), alike))
+        noise = -np.round(self.snr_db, SNR_DIGITS)
+        power = np.round(np.log(np.maximum(self.power_w, 1.0 / WORST)) / POWER_STEP)
+        finer = tuple(-self.in_hand.T[::-1])
+        order = np.lexsort((self.away, noise, *finer, *crowded, power, *enough, value, self.shortfall, group))
         return np.asarray(order[np.unique(group[order], return_index=True)[1]])
 
 
