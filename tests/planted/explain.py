@@ -624,7 +624,7 @@ DEFECTS = (
         file="uwopt/solvers/infeasible/why_nothing.py",
         old=" if one.is_of_use]",
         new="]",
-        test="tests/solvers/test_least_change.py::test_an_image_of_no_use_is_no_way_out[0.001-False]",
+        test="tests/solvers/test_least_change.py::test_an_image_of_no_use_is_no_way_out[0.02-False]",
     ),
     Defect(
         name="a limit from below is weakened to less than nothing",
@@ -667,8 +667,8 @@ DEFECTS = (
     Defect(
         name="nothing is told where what helps is out of reach by far",
         file="uwopt/solvers/infeasible/why_nothing.py",
-        old="        relaxations = every\n",
-        new="        relaxations = []\n",
+        old="        relaxations, together = every, []\n",
+        new="        relaxations, together = [], []\n",
         test="tests/solvers/test_least_change.py::test_what_is_out_of_reach_by_far_is_told_where_nothing_else_is",
     ),
     Defect(

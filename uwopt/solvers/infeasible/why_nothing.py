@@ -39,6 +39,7 @@ KEPT_SHARE = 0.35  # of the time left, for changes together where none is known 
 ONLY_SHARE = 0.75  # of what is left then, for these
 SOON_SHARE = 0.5  # of the time left, for a design that fits with changes together, where none is known to help alone
 GIVE_SHARE = 0.6  # of the time left, for requirements that give together, where none is known to help alone
+LEAST_TOGETHER = 2  # changes: one is told as that which helps alone
 TOGETHER_SHARE = 0.6  # of the time left, for changes together; the rest is for what contradicts each other
 
 
@@ -81,8 +82,9 @@ def why_nothing(trials: Trials, certificate: Certificate) -> WhyNothing:
     mover.tell_open()
     relaxations = [one for one in every if one.is_of_use]
     together, nearest = changes_together(trials, relaxations, bool(moves), singles.together, soon)
-    if not relaxations and not moves and not together:  # a limit that is out of reach by far: better told than nothing
-        relaxations = every
+    alone = {one.name for one in every}.issuperset(one.name for one in together) and len(together) < LEAST_TOGETHER
+    if not relaxations and not moves and alone:  # a limit that is out of reach by far: better told than nothing
+        relaxations, together = every, []
         nearest = design_of(trials, every)
     clash = clash_of(trials, relaxations, singles.unmet)
     return WhyNothing(
