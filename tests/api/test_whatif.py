@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 import json
+import os
+import select
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -30,6 +32,8 @@ from uwopt.report.pictures.whatif_plots import whatif_figures
 from uwopt.report.text.whatif_tables import opening, switch_text
 from uwopt.results.design import UsedHardware, UsedPart
 from uwopt.results.whatif import WhatIf, WhatIfPoint, WinningSystem
+from uwopt.solvers import beside
+from uwopt.solvers.beside import cores
 from uwopt.solvers.confidence import search
 from uwopt.solvers.recommend import with_fewest_lamps
 from uwopt.solvers.warm.searches import Warm
@@ -75,6 +79,21 @@ def test_each_point_is_the_optimum_of_its_own_search(over_speed):
     for point in over_speed.points:
         mission = base.with_values(dict(zip(keys, point.values, strict=True)))
         assert point.objective == pytest.approx(alone(mission), rel=1e-6)  # the search's claim agrees so nearly
+
+
+def test_a_table_does_not_tell_how_many_cores_made_it(over_speed):
+    """Its waters are solved side by side."""
+    with cores(2):
+        other = uwopt.whatif(reef(), SPEEDS | {"water": ["IB", "II"]})
+    told = [{name: value for name, value in vars(one).items() if name != "timing_s"} for one in (over_speed, other)]
+    assert told[0] == told[1]
+
+
+def test_systems_of_waters_that_are_solved_side_by_side_are_numbered_together(over_speed):
+    """Each water has one of its own here."""
+    table = uwopt.whatif(reef(), {"speed_m_s": [1.3, 1.31], "water": ["IB", "II"]})
+    assert [table.points[place].system for place in (0, 1)] == [0, 1]
+    assert table.systems == [over_speed.systems[point.system] for point in over_speed.points[-2:]]
 
 
 def test_speed_is_not_stricter_where_area_is_asked_for():
@@ -275,6 +294,34 @@ def test_interruption_keeps_what_is_solved(few_file, tmp_path, monkeypatch):
     text = (tmp_path / "out" / "whatif.csv").read_text(encoding="utf-8")
     assert len(text.splitlines()) == 3
     assert "Interrupted" in done.stdout
+
+
+@pytest.mark.skipif(not beside.COPIES, reason="this system makes no copies of a process")
+def test_interruption_keeps_what_is_solved_beside(monkeypatch):
+    """In the water that a copy of the process solves; this one has found nothing by then."""
+    here, honest, (known, knows) = os.getpid(), Warm.best, os.pipe()
+
+    def second_is_interrupted(warm: Warm, mission: Mission, **more: Any) -> Any:
+        if os.getpid() == here:
+            select.select([known], [], [], 100.0)
+            raise KeyboardInterrupt
+        if mission.vehicle.speed_m_s < 0.5:
+            return honest(warm, mission, **more)
+        os.write(knows, b"!")
+        return select.select([], [], [], 100.0)
+
+    monkeypatch.setattr(Warm, "best", second_is_interrupted)
+    try:
+        with cores(2):
+            table = uwopt.whatif(reef(), {"speed_m_s": [0.4, 0.6], "water": ["II", "IB"]})
+    except KeyboardInterrupt:
+        pytest.fail("nothing is kept")
+    finally:
+        for one in (known, knows):
+            os.close(one)
+    (point,) = table.points
+    assert table.status == "interrupted" and point.values == [0.4, "IB"]
+    assert point.system == 0 and len(table.systems) == 1
 
 
 def test_a_key_without_values_is_refused_by_the_command():

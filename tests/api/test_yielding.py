@@ -482,6 +482,25 @@ def test_a_table_with_certainty_begins_again_with_what_gives_way_in_solve(monkey
     assert not held.gave_way and {point.status for point in held.points} == {"infeasible"}
 
 
+def test_all_waters_of_a_table_begin_again_where_practice_gives_way_in_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Else its waters would be asked for different things."""
+    frame = next(one for one in YIELDS if one.key == "snr_at_less_db")
+    asked: list[tuple[Any, ...]] = []
+
+    def point(self: Any, values: Any, mission: Any) -> WhatIfPoint:
+        less_db = mission.requirements.snr_at_less_db
+        asked.append((*values, less_db))
+        return WhatIfPoint(list(values), "optimal" if less_db or values[1] == "I" else "infeasible", objective=less_db)
+
+    monkeypatch.setattr(CertainPoints, "point", point)
+    monkeypatch.setattr(certain_points, "gives_way_with_certainty", lambda *_: ((frame,), True, False))
+    table = uwopt.whatif(in_doubt(), {"speed_m_s": [0.2, 0.3], "water": ["I", "II"]}, confidence=0.9)
+    assert table.gave_way == ["requirements.snr_at_less_db"]
+    assert [point.objective for point in table.points] == [3.0] * 4
+    kept, given = [one[:2] for one in asked if not one[2]], [one[:2] for one in asked if one[2]]
+    assert sorted(kept) == [(0.2, "I"), (0.2, "II"), (0.3, "I")] and len(given) == 4
+
+
 @pytest.mark.parametrize(("held", "taken"), [(0.9, True), (0.71, True), (0.69, False)])
 def test_practice_does_not_give_way_for_less_than_half_of_what_is_short(held: float, taken: bool) -> None:
     first, other = (

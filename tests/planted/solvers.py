@@ -1363,8 +1363,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="copies of an interrupted process work on",
         file="uwopt/solvers/beside.py",
-        old="        for copy in copies:\n            copy.end()",
-        new="        del copies",
+        old="            copy.hear(hears)\n            copy.end()",
+        new="            copy.hear(hears)",
         test=f"{BESIDE}::test_an_interrupted_process_leaves_no_copy",
     ),
     Defect(

@@ -12,6 +12,27 @@ YIELDING = "tests/api/test_yielding.py"
 
 DEFECTS = (
     Defect(
+        name="a table keeps the numbers that systems have in its lines",
+        file="uwopt/api/whatif.py",
+        old="replace(self.grid.points[at], system=place)",
+        new="self.grid.points[at]",
+        test=f"{TESTS}::test_systems_of_waters_that_are_solved_side_by_side_are_numbered_together",
+    ),
+    Defect(
+        name="what copies have solved is lost where a person interrupts",
+        file="uwopt/solvers/beside.py",
+        old="            copy.hear(hears)\n            copy.end()\n",
+        new="            copy.end()\n",
+        test=f"{TESTS}::test_interruption_keeps_what_is_solved_beside",
+    ),
+    Defect(
+        name="one water of a table goes on where all begin again",
+        file="uwopt/api/whatif.py",
+        old="if grid.given_way and not self.is_line:",
+        new="if grid.given_way:",
+        test=f"{YIELDING}::test_all_waters_of_a_table_begin_again_where_practice_gives_way_in_one",
+    ),
+    Defect(
         name="a system ends halfway to a point that is no mission",
         file="uwopt/api/varied.py",
         old="        return made + self.at_rims()\n",

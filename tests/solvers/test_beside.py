@@ -16,7 +16,7 @@ import uwopt
 from uwopt.deadline import COSTS_S, Deadline, effort_s, processor_s, spend
 from uwopt.errors import SolverError
 from uwopt.solvers import beside
-from uwopt.solvers.beside import ahead, cores, shares, side_by_side
+from uwopt.solvers.beside import ahead, cores, shares, side_by_side, tell
 
 WAIT_S = 100.0  # for what never comes if works are not done side by side
 copied = pytest.mark.skipif(not beside.COPIES, reason="this system makes no copies of a process")
@@ -194,6 +194,43 @@ def test_an_interrupted_process_leaves_no_copy() -> None:
         os.close(one)
     with pytest.raises(ChildProcessError):
         os.waitpid(copy, os.WNOHANG)
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_what_works_tell_is_heard_whoever_does_them(count: int) -> None:
+    heard: list[str] = []
+
+    def work(number: int) -> int:
+        for turn in range(3):
+            tell(f"{number}: {turn}")
+        return number
+
+    with cores(count):
+        made = side_by_side([partial(work, number) for number in range(4)], hears=heard.append)
+    assert made == [0, 1, 2, 3]
+    own = [[one for one in heard if one.startswith(f"{number}:")] for number in range(4)]
+    assert own == [[f"{number}: {turn}" for turn in range(3)] for number in range(4)]
+    tell("after them")
+    assert len(heard) == 12
+
+
+@copied
+def test_what_a_copy_has_told_before_an_interruption_is_heard() -> None:
+    here, (told, tells), heard = os.getpid(), os.pipe(), list[str]()
+
+    def work() -> None:
+        if os.getpid() == here:
+            select.select([told], [], [], WAIT_S)
+            raise KeyboardInterrupt
+        tell("known")
+        os.write(tells, b"!")
+        select.select([], [], [], WAIT_S)
+
+    with cores(2), pytest.raises(KeyboardInterrupt):
+        side_by_side([work] * 2, hears=heard.append)
+    assert heard == ["known"]
+    for one in (told, tells):
+        os.close(one)
 
 
 @copied

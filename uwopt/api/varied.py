@@ -10,6 +10,7 @@ from functools import cached_property
 from uwopt.deadline import Deadline
 from uwopt.errors import MissionError
 from uwopt.forward.scene_checks import check_physical
+from uwopt.mission.keys import JERLOV_TYPES
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Value, Varied, VariedMission
 from uwopt.mission.yielding import Yield, with_given_way
@@ -109,6 +110,18 @@ class VariedGrid:
         every = [at for at in self.every if at not in self.refused]
         return [every[place] for place in weakest_first([self.mission(at) for at in every])]
 
+    def lines_apart(self) -> list[tuple[Varied, ...]]:
+        """The keys of each part of the table in which what is no number has one value, in the order of these.
+
+        Nothing is between two of these, so that each can be solved by itself. Where no key has numbers there is one.
+        """
+        if not any(key.is_numeric for key in self.keys):
+            return [self.keys]
+        apart = [
+            [key] if key.is_numeric else [replace(key, values=(value,)) for value in key.values] for key in self.keys
+        ]
+        return [*itertools.product(*apart)]
+
     def mission(self, at: At) -> Mission:
         """The mission at a point; raises MissionError where its keys contradict each other."""
         if at not in self.missions:
@@ -171,6 +184,11 @@ class VariedGrid:
             for fixed in itertools.product(*others):
                 line = [(*fixed[:k], value, *fixed[k + 1 :]) for value in sorted(key.values, key=float)]
                 yield from ((k, a, b) for a, b in itertools.pairwise(line))
+
+
+def murkiness(keys: Sequence[Varied]) -> int:
+    """How murky the water of a line is by the table of Jerlov types; the murkier, the longer a line takes."""
+    return max(JERLOV_TYPES.index(value) if value in JERLOV_TYPES else 0 for key in keys for value in key.values[:1])
 
 
 @dataclass

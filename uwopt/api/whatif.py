@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any, NamedTuple
 
 from uwopt.api.common import Source, central_notes, given, time_warnings
 from uwopt.api.floats import own_float_rules
 from uwopt.api.search_notes import patience_warnings
-from uwopt.api.varied import At, Switches, Systems, VariedGrid
+from uwopt.api.varied import At, Switches, Systems, VariedGrid, murkiness
 from uwopt.api.watch import Watch
 from uwopt.api.yielding import gives_way_alone, yield_notes
 from uwopt.deadline import Deadline, Progress, processor_s, unheard
@@ -26,7 +28,8 @@ from uwopt.quantities import AT_LIKELIEST
 from uwopt.results.basis import ObjectiveValue
 from uwopt.results.design import Note
 from uwopt.results.version import __version__
-from uwopt.results.whatif import SpiderLine, Switch, VariedKey, WhatIf, WhatIfPoint
+from uwopt.results.whatif import SpiderLine, Switch, VariedKey, WhatIf, WhatIfPoint, WinningSystem
+from uwopt.solvers.beside import side_by_side, tell
 from uwopt.solvers.warm.searches import Warm
 from uwopt.units import unit_suffix
 
@@ -34,6 +37,8 @@ MOST_KEYS, MOST_POINTS = 2, 10_000
 SPIDER_FACTORS = (0.8, 0.9, 1.0, 1.1, 1.2)
 MOST_ASKED = 2  # points of which it is asked what gives way, where the mission as it stands has no system
 SWITCHES_S = 30.0  # of the processor, for where systems take over, where no time is given
+PRACTICE = ("given_way", "fits_nothing", "asked_at", "relaxed_at", "to_hold")
+POINTS_SHARE = 0.75  # of a line's time, for its points; the rest for where systems take over
 HOLDS = "--confidence holds it at every point"
 
 
@@ -77,17 +82,19 @@ def whatif(
     given_way = () if hold_practice else None
     work = Work(base, goal, systems, watch.deadline, watch.progress, certain, given_way=given_way)
     grid = work.grid_of(keys)
-    status, points, switches, lines = "complete", list[WhatIfPoint](), list[Switch](), list[SpiderLine]()
+    status, switches, lines = "complete", list[Switch](), list[SpiderLine]()
     try:
         if keys:
             work.notes += check_points(grid)
             if spider and work.given_way is None:
                 work.ask_practice(grid)
-            with watch.timed("points"):
-                work.solve_all(grid)
-            points = in_given_order(grid)
-            with watch.timed("switches"):
-                switches = work.switches(grid)
+            if len(apart := grid.lines_apart()) > 1:
+                switches = Lines(work, grid, watch, apart).solve()
+            else:
+                with watch.timed("points"):
+                    work.solve_all(grid)
+                with watch.timed("switches"):
+                    switches = work.switches(grid)
         if spider:
             with watch.timed("spider"):
                 work.spider(lines)
@@ -95,7 +102,7 @@ def whatif(
         if not (grid.points or lines):
             raise
         status = "interrupted"
-    points = points or in_given_order(grid)
+    points = in_given_order(grid)
     unheld = [] if certain else central_notes(base.base, HOLDS)
     if status == "complete" and watch.deadline.passed():
         status = "stopped"
@@ -141,6 +148,8 @@ class Work:
     asked_at: int = 0  # points of which that was asked instead
     relaxed_at: str = ""  # that of which it gives way, where it is not the mission as it stands
     to_hold: bool = False  # whether any of it gives way so that something holds as often as is asked
+    told: Callable[[VariedGrid, At], object] = lambda grid, at: None  # of each point that is solved
+    is_line: bool = False  # of a table that begins again as a whole
     began_s: float = field(default_factory=time.perf_counter)
 
     def grid_of(self, keys: Sequence[Varied]) -> VariedGrid:
@@ -162,19 +171,29 @@ class Work:
         order = grid.order()
         for number, at in enumerate(order):
             if self.deadline.passed():
-                self.deadline.left_out.append(f"{len(order) - number} of {len(order)} points")
                 break
             values = ", ".join(f"{key.name} {shown(value)}" for key, value in zip(grid.keys, at, strict=True))
             self.say(number / len(order), f"point {number + 1} of {len(order)}: {values}")
-            if grid.solve(at).status == "infeasible" and not self.given_way:
+            point = grid.solve(at)
+            self.told(grid, at)
+            if point.status == "infeasible" and not self.given_way:
                 if self.given_way is None:
                     self.ask_practice(grid)
                 if self.fits_nothing and self.asked_at < MOST_ASKED:
                     self.ask_practice_at(grid, at, values)
-                if grid.given_way:
+                if grid.given_way and not self.is_line:
                     self.solve_all(grid)
+                if grid.given_way:
                     return
         self.n_searches += grid.warm.n_searches
+        if not self.is_line:
+            self.tell_left_out(grid)
+
+    def tell_left_out(self, grid: VariedGrid) -> None:
+        """How many points there was no time for."""
+        order = grid.order()
+        if left := sum(at not in grid.points for at in order):
+            self.deadline.left_out.append(f"{left} of {len(order)} points")
 
     def ask_practice(self, grid: VariedGrid) -> None:
         """What of good practice gives way for the mission as it stands, in a grid that begins again if any does."""
@@ -254,6 +273,127 @@ class Work:
         return SpiderLine(f"{key.section}.{key.name}", unit_of(key, self.base.base), float(key.values[0]), points)
 
 
+class LineShare(NamedTuple):
+    """How far a line of a table is."""
+
+    line: int
+    share: float
+    what: str
+
+
+class LinePoint(NamedTuple):
+    """A point of a line that is solved, and what is best there."""
+
+    at: At
+    point: WhatIfPoint
+    system: WinningSystem | None
+
+
+@dataclass(frozen=True)
+class SolvedLine:
+    """What is known of a line of a table beside its points."""
+
+    systems: list[WinningSystem]  # in the order in which they were met
+    switches: list[Switch]  # between these
+    notes: list[Note]
+    n_searches: int
+    practice: dict[str, Any]  # what `Work` knows of it
+
+
+@dataclass
+class Lines:
+    """The parts of a table that have one value of each key of words, such as a water: solved side by side.
+
+    Each is solved by itself, so that nobody can tell from a table on how many cores it was made. What is solved is
+    heard of at once, and kept where a person wants no more.
+    """
+
+    work: Work
+    grid: VariedGrid
+    watch: Watch
+    keys: list[tuple[Varied, ...]]  # of each line
+    shares: list[float] = field(default_factory=list)  # how far each is
+    met: dict[At, WinningSystem] = field(default_factory=dict)  # what is best at the points that are solved
+    began_s: float = field(default_factory=time.perf_counter)
+
+    def solve(self) -> list[Switch]:
+        """All points of the grid, and where other systems take over. Raises KeyboardInterrupt, with what is solved in
+        the grid."""
+        self.shares = [0.0] * len(self.keys)
+        murkiest_first = sorted(range(len(self.keys)), key=lambda line: murkiness(self.keys[line]), reverse=True)
+        works = [partial(self._line, number) for number in murkiest_first]
+        try:
+            done = side_by_side(works, lists=[self.work.deadline.left_out], hears=self._hear)
+        finally:
+            self._place_systems()
+            self._time("switches", since_s=self.watch.timing_s.get("points", 0.0))
+        return self._joined([done[murkiest_first.index(number)] for number in range(len(self.keys))])
+
+    def _line(self, number: int) -> SolvedLine:
+        """One line by itself, which ends early where good practice gives way: then all begin again."""
+        systems = Systems(self.work.goal)
+        work = replace(self.work, systems=systems, notes=[], n_searches=0, is_line=True, told=self._told)
+        own = work.grid_of(self.keys[number])
+        own.given_way, own.missions, own.refused = self.grid.given_way, {**self.grid.missions}, self.grid.refused
+        work.say = partial(self._say, number, 0.0, POINTS_SHARE)
+        work.solve_all(own)
+        switches = list[Switch]()
+        if not own.given_way or self.work.given_way:
+            work.say = partial(self._say, number, POINTS_SHARE, 1.0 - POINTS_SHARE)
+            switches = work.switches(own)
+        practice = {name: getattr(work, name) for name in PRACTICE}
+        return SolvedLine(systems.found, switches, work.notes, work.n_searches, practice)
+
+    @staticmethod
+    def _say(number: int, begins: float, part: float, share: float, what: str) -> None:
+        tell(LineShare(number, begins + part * share, what))
+
+    @staticmethod
+    def _told(grid: VariedGrid, at: At) -> None:
+        point = grid.points[at]
+        tell(LinePoint(at, point, None if point.system is None else grid.systems.found[point.system]))
+
+    def _hear(self, told: LineShare | LinePoint) -> None:
+        """Here, whoever solves a line."""
+        if isinstance(told, LineShare):
+            self.shares[told.line] = told.share
+            self.work.say(sum(self.shares) / len(self.shares), told.what)
+            return
+        self._time("points")
+        self.grid.points[told.at] = told.point
+        if told.system is not None:
+            self.met[told.at] = told.system
+
+    def _time(self, name: str, since_s: float = 0.0) -> None:
+        """How long it has taken until now; since_s: but for what was before."""
+        self.watch.timing_s[name] = time.perf_counter() - self.began_s - since_s
+
+    def _place_systems(self) -> None:
+        """The table's numbers of systems in place of the lines' own."""
+        for at in self.grid.order():
+            if at in self.met:
+                place = self.work.systems.place_of(self.met[at])
+                self.grid.points[at] = replace(self.grid.points[at], system=place)
+
+    def _joined(self, lines: list[SolvedLine]) -> list[Switch]:
+        """Where other systems take over, of all lines; where good practice has given way, from the beginning."""
+        work, is_known = self.work, bool(self.work.given_way)
+        work.n_searches += sum(line.n_searches for line in lines)
+        asked = max(lines, key=lambda line: (bool(line.practice["given_way"]), line.practice["given_way"] is not None))
+        for name, value in asked.practice.items():
+            setattr(work, name, value)
+        if work.given_way and not is_known:
+            self.grid.begin_again(work.given_way)
+            self.met.clear()
+            return self.solve()
+        work.notes += {note.code: note for line in lines for note in line.notes}.values()
+        work.tell_left_out(self.grid)
+        made = list[Switch]()
+        for line in lines:
+            places: dict[int | None, int | None] = {None: None}
+            places |= {number: work.systems.place_of(system) for number, system in enumerate(line.systems)}
+            made += [replace(one, first=places[one.first], second=places[one.second]) for one in line.switches]
+        return made
 
 
 def for_certainty(work: Work) -> bool:

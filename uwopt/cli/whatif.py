@@ -53,13 +53,14 @@ def whatif_command(
     from uwopt.report.text.console import ProgressBar
     from uwopt.report.text.whatif_tables import whatif_blocks
     from uwopt.report.write import check_folder, write_whatif
+    from uwopt.solvers.beside import cores
 
     deadline = limit_of(seconds)
     wanted = None if objective is None else parsed_objective(objective)
     varied = by_key(vary or [])
     if out is not None:
         check_folder(out)
-    with ProgressBar(quiet=quiet) as bar:
+    with ProgressBar(quiet=quiet) as bar, cores():
         from uwopt.api.whatif import whatif
 
         table = whatif(

@@ -5,8 +5,9 @@ are made only inside `with cores(n)`, as the command line does: of a process wit
 server has them, a copy may wait for ever for what one of these held. Where copies are not made, or the system makes
 none well (only Linux does: on macOS a copy's libraries may fail), the works are done one after another.
 
-Works must not need each other, nor tell a progress bar of theirs. What they count (`deadline.effort_s`) and append to
-`lists` counts here too, and each begins with the effort of when it might have begun, not with that of those that went
+Works must not need each other, nor tell a progress bar of theirs, but what they `tell` is heard here as they go on, so
+that it is known even where a person wants no more. What they count (`deadline.effort_s`) and append to `lists` counts
+here too, and each begins with the effort of when it might have begun, not with that of those that went
 before on a single core: so that nobody can tell from the answer where it was worked out.
 """
 
@@ -22,15 +23,26 @@ from collections.abc import Callable, Iterator, Sequence
 from contextvars import ContextVar
 from functools import partial
 from itertools import pairwise
-from typing import Any, Never
+from typing import TYPE_CHECKING, Any, Never
 
 from uwopt.deadline import add_effort, effort_s, go_on_from, processor_s
+
+if TYPE_CHECKING:
+    from multiprocessing.connection import Connection
 
 MOST_CORES = 4  # each copy may need a few hundred MB
 SHARES = 2  # of a work that is shared out, on every machine, so that its answer is the same; more would be dearer
 NUMBER = 4  # bytes of a work's number; as many as a pipe holds may wait, which is some ten thousand
 COPIES = "linux" in sys.platform  # whether the system makes copies of a process that work
+Hears = Callable[[Any], object]
+
+
+def no_one_hears(thing: Any) -> None:
+    """What works tell, where nobody wants to know."""
+
+
 _CORES: ContextVar[int] = ContextVar("cores", default=1)
+_HEARS: ContextVar[Hears] = ContextVar("hears", default=no_one_hears)
 
 
 @contextlib.contextmanager
@@ -49,31 +61,48 @@ def usable_cores() -> int:
     return len(os.sched_getaffinity(0)) if COPIES else os.cpu_count() or 1
 
 
+def tell(thing: Any) -> None:
+    """Let who waits for the works know something of this one, wherever it is done."""
+    _HEARS.get()(thing)
+
+
 def side_by_side(
-    works: Sequence[Callable[[], Any]], *, lists: Sequence[list[Any]] = (), begins: Callable[[int], object] = int
-) -> list[Any]:
+    works: Sequence[Callable[[], Any]], *, lists: Sequence[list[Any]] = (), begins: Callable[[int], object] = int,
+    hears: Hears = no_one_hears,
+) -> list[Any]:  # fmt: skip
     """What each of these makes, in their order; those that last longest are best named first.
 
     This process does the first itself, so that it is known of that how far it came when a person wants no more.
     What a work raises is raised here, that of the first such work. `lists`: what the works append to, in order.
     `begins`: called with the number of each work that this process does, and of that which it waits for in the end.
+    `hears`: called with what works `tell`: of those in copies as often as one here does, while they are waited for, and
+    when a person interrupts. What a copy did that the system has ended is told again.
     """
     if not works:
         return []
     queue = _Queue(range(1, len(works)))
     copies = [_Copy(works, queue, lists) for _ in range(min(_CORES.get(), len(works)) - 1)]
     made: dict[int, _Done] = {}
+
+    def heard(thing: Any) -> None:
+        hears(thing)
+        for copy in copies:
+            copy.hear(hears)
+
+    token = _HEARS.set(heard)
     try:
         begins(0)
         made = {0: _Done.of(works[0], lists), **queue.done(works, lists, begins)}
         for awaited in sorted(set(range(len(works))) - made.keys())[-1:]:  # begun last by whoever else is at work
             begins(awaited)
         for copy in copies:
-            made |= copy.answer()
+            made |= copy.answer(heard)
     finally:
         queue.close()
         for copy in copies:
+            copy.hear(hears)
             copy.end()
+        _HEARS.reset(token)
     for place, work in enumerate(works):
         if place not in made:  # of a copy that the system has ended
             made[place] = _Done.of(work, lists)
@@ -98,7 +127,7 @@ def ahead(work: Callable[[], Any], *, lists: Sequence[list[Any]] = ()) -> Iterat
     begun_s = effort_s()
 
     def asked_of(copy: _Copy | None) -> Any:
-        made = {} if copy is None else copy.answer()
+        made = {} if copy is None else copy.answer(no_one_hears)
         done = made[0] if made else _Done.of(work, lists, begun_s)
         done.take_over(lists)
         return done.value
@@ -177,47 +206,62 @@ class _Queue:
 
 
 class _Copy:
-    """A copy of this process that does works from the queue, and sends what they made."""
+    """A copy of this process that does works from the queue, and sends what they tell and what they made."""
 
     def __init__(self, works: Sequence[Callable[[], Any]], queue: _Queue, lists: Sequence[list[Any]]):
-        self._source, sink = os.pipe()
+        from multiprocessing.connection import Pipe
+
+        self._source, sink = Pipe(duplex=False)
+        self._reads = True  # from the beginning of what it sends next
+        self._made: dict[int, _Done] | None = None
         begun_s = processor_s()
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # of other threads: the progress bar's, which waits
             self._process = os.fork()
         if not self._process:
             self._work(works, queue, lists, sink, begun_s)
-        os.close(sink)
+        sink.close()
 
     def _work(
-        self, works: Sequence[Callable[[], Any]], queue: _Queue, lists: Sequence[list[Any]], sink: int,
-        begun_s: float,
+        self, works: Sequence[Callable[[], Any]], queue: _Queue, lists: Sequence[list[Any]],
+        sink: Connection[Any, Any], begun_s: float,
     ) -> Never:  # fmt: skip  # pyrefly: ignore[bad-return]
         """What the copy does: it returns nowhere, runs no handler of its end and writes to no stream."""
         status = 1
         try:
             signal.signal(signal.SIGINT, signal.SIG_IGN)  # whom a person interrupts ends its copies
             signal.signal(signal.SIGTERM, signal.SIG_DFL)
-            os.close(self._source)
+            self._source.close()
             _CORES.set(1)
+            _HEARS.set(lambda thing: sink.send((True, thing)))
             go_on_from(begun_s)
-            with os.fdopen(sink, "wb") as stream:
-                pickle.dump(queue.done(works, lists), stream)
+            sink.send((False, queue.done(works, lists)))
             status = 0
         finally:
             os._exit(status)
 
-    def answer(self) -> dict[int, _Done]:
-        """What it made, once it has; nothing where it could not send it."""
-        with os.fdopen(self._source, "rb", closefd=False) as stream:
+    def hear(self, hears: Hears, *, wait: bool = False) -> None:
+        """Take what it has told by now; wait: until all that it does is made, or it has ended."""
+        while self._reads and self._made is None and (wait or self._source.poll()):
+            self._reads = False
             try:
-                return dict(pickle.load(stream))
-            except (EOFError, pickle.UnpicklingError):
-                return {}
+                is_told, thing = self._source.recv()
+            except (EOFError, OSError, pickle.UnpicklingError):
+                return
+            self._reads = True
+            if is_told:
+                hears(thing)
+            else:
+                self._made = thing
+
+    def answer(self, hears: Hears) -> dict[int, _Done]:
+        """What it made, once it has; nothing where it could not send it."""
+        self.hear(hears, wait=True)
+        return self._made or {}
 
     def end(self) -> None:
         """End it, done or not."""
-        os.close(self._source)
+        self._source.close()
         with contextlib.suppress(ProcessLookupError):
             os.kill(self._process, signal.SIGKILL)
         os.waitpid(self._process, 0)
