@@ -57,7 +57,7 @@ def test_phase_functions_are_drawn_as_uwopt_holds_them(orders: Any, name: str) -
     walk, table = orders("walk"), orders("model").phase_table(name)
     water = walk.water_of(1.0, 1.0, walk.phase_of(name))
     for degrees in (2.0, 40.0, 90.0, 150.0):
-        beyond = _moment(table, np.sin(np.deg2rad(degrees) / 2), cosine_power=0)
+        beyond = _moment(table, np.sin(np.deg2rad(degrees) / 2))
         assert 1 - np.interp(np.deg2rad(degrees), water.angle, water.share) == pytest.approx(beyond, rel=0.01)
 
 

@@ -297,7 +297,6 @@ WITHOUT_UNIT: dict[str, str] = {
 ARGUMENTS_WITHOUT_UNIT: dict[str, str] = {
     "model.lens.image_irradiance(radiance)": "spectral or not: the result has its unit, without the steradian",
     "model.imaging.radiance_weight(radiance_in_water)": "per lumen, or per second: the result has its unit",
-    "model.port.flat_port_transmittance(absorption_depth)": "an optical depth, which has no unit",
 }
 
 

@@ -65,9 +65,8 @@ def test_powers_by_hand() -> None:
     # 0.5 * 100 W * 4 * (2 ms * 5 Hz = 1 %) = 2 W
     pulsed = light.pulsed_led_power_w(0.5, full_power_w=100.0, count=4, pulse_s=2e-3, frame_rate_hz=5.0)
     assert pulsed == pytest.approx(2.0, rel=1e-15)
-    # 100 J * 0.5 Hz * 2 / 0.8 = 125 W
-    flash = light.flash_power_w(100.0, count=2, frame_rate_hz=0.5, charging_efficiency=0.8)
-    assert flash == pytest.approx(125.0, rel=1e-15)
+    # 100 J * 0.5 Hz * 2 = 100 W
+    assert light.flash_power_w(100.0, count=2, frame_rate_hz=0.5) == pytest.approx(100.0, rel=1e-15)
     assert light.flash_light_lm_s(100.0, efficacy_lm_s_per_j=35.0) == 3500.0
 
 
@@ -80,7 +79,7 @@ def test_power_formulas_run_on_symbols_and_agree_with_floats(symbol: Any) -> Non
         lambda x: light.continuous_power_w(x, full_power_w=100.0, count=3),
         lambda x: light.pulsed_led_power_w(0.7, full_power_w=9.0, count=2, pulse_s=x, frame_rate_hz=4.0),
         lambda x: light.pulsed_led_power_w(x, full_power_w=9.0, count=2, pulse_s=0.01, frame_rate_hz=4.0),
-        lambda x: light.flash_power_w(x, count=2, frame_rate_hz=x, charging_efficiency=0.8),
+        lambda x: light.flash_power_w(x, count=2, frame_rate_hz=x),
         lambda x: light.flash_light_lm_s(x, efficacy_lm_s_per_j=35.0),
         lambda x: light.duty_frac(x, frame_rate_hz=7.0),
     ]

@@ -150,22 +150,14 @@ def test_acrylic_port_head_on_by_hand() -> None:
     assert port.normal_port_transmittance(n_water=1.34, n_glass=1.49) == pytest.approx(0.958575, abs=1e-6)
 
 
-def test_bulk_absorption_takes_its_share() -> None:
-    whole = port.normal_port_transmittance(n_water=1.34, n_glass=1.49, internal_frac=0.5)
-    assert whole == pytest.approx(0.5 * 0.958575, abs=1e-6)
-
-
 @given(angle=st.floats(0.0, 1.4))
 def test_oblique_flat_port_agrees_with_amplitudes_face_by_face(angle: float) -> None:
     n_glass, n_water = 1.49, 1.34
     cos_glass = math.cos(math.asin(math.sin(angle) / n_glass))
     air = amplitude_transmittances(math.cos(angle), 1.0, n_glass)
     water = amplitude_transmittances(cos_glass, n_glass, n_water)
-    bulk = math.exp(-0.1 / cos_glass)
-    expected = 0.5 * (air[0] * water[0] + air[1] * water[1]) * bulk
-    got = port.flat_port_transmittance(
-        math.tan(angle), n_water=n_water, n_glass=n_glass, absorption_depth=0.1
-    )
+    expected = 0.5 * (air[0] * water[0] + air[1] * water[1])
+    got = port.flat_port_transmittance(math.tan(angle), n_water=n_water, n_glass=n_glass)
     assert got == pytest.approx(expected, rel=1e-9)
 
 

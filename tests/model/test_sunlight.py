@@ -122,15 +122,6 @@ def test_sun_beyond_the_zenith_is_refused():
         sunlight.surface_factor(math.radians(91.0), n_water=N_WATER)
 
 
-def test_surface_spectrum_has_the_lux_of_the_scene():
-    wavelength = np.array([500.0, 550.0, 600.0])
-    photopic = np.array([0.323, 0.995, 0.631])
-    spectrum = sunlight.surface_irradiance_w_m2_nm(
-        80_000.0, relative_spectrum=[109.4, 104.0, 90.0], wavelength_nm=wavelength, photopic=photopic
-    )
-    assert 683.002 * np.trapezoid(photopic * spectrum, wavelength) == pytest.approx(80_000.0)
-
-
 # ---------------------------------------------------------------- down to the floor
 
 

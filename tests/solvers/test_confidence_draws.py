@@ -48,7 +48,7 @@ def test_each_state_falls_into_another_part_of_the_probability() -> None:
 
 def test_points_fill_the_cube_evenly() -> None:
     """256 points in 16 parts of four dimensions: 16 each if spread perfectly, 8 to 24 by chance."""
-    points = even_points(0, "water", 256, 4)
+    points = even_points(0, 256)
     assert ((points >= 0.0) & (points < 1.0)).all()
     halves = points > 0.5
     counts = [int((halves == np.array(corner)).all(axis=1).sum()) for corner in product((False, True), repeat=4)]

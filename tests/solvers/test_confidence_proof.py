@@ -294,7 +294,7 @@ def test_a_glance_tells_what_is_better() -> None:
     beside = Counted(every[middle], made[middle], made[middle].best(SHARE))
     glance = Glance.of(looked(sought, scenarios, []), beside)
     glance.look_at(every, NEVER)
-    told = [names(problem, found) for found in glance.promising(len(every))]
+    told = [names(problem, found) for found in glance.promising]
     better = [names(problem, every[k]) for k in order if median[k] < 0.99 * median[middle]]
     assert 4 <= len(better) == len(told) and set(told) == set(better)
     assert told[0] in better[:4]  # as many lamps, or two of which one is lit

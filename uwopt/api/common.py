@@ -104,14 +104,9 @@ def used_water(scene: str, known: Clarity) -> UsedWater:
     )  # fmt: skip
 
 
-def versions() -> dict[str, str]:
-    """Versions of Python and of the libraries that numbers depend on."""
-    return dict(installed_versions())
-
-
 @cache
-def installed_versions() -> dict[str, str]:
-    """The same, looked up once: reading packages' metadata costs as much as a small evaluation."""
+def versions() -> dict[str, str]:
+    """Versions of Python and of libraries that numbers depend on, once: to look them up costs as a small evaluation."""
     out = {"catalogue": EDITION, "python": sys.version.split()[0]}
     for name in ("numpy", "scipy", "casadi", "nlopt", "pymoo", "jerlov"):
         try:

@@ -186,7 +186,7 @@ def practice_notes(given: GivenSystem, design: Design) -> list[Note]:
         "what the mission itself says is met: all that is missed is good practice, which solve relaxes where nothing "
         "meets it"
     )
-    is_met = meets_all(plain, given.hardware, shown, level_tolerance_rel=LEVEL_TOLERANCE_REL)
+    is_met = meets_all(plain, given.hardware, shown)
     return [Note(PRACTICE_MISSED, "practice", text)] if is_met else []
 
 

@@ -16,7 +16,7 @@ from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.strictness import Asking
 from uwopt.mission.yielding import Yield
-from uwopt.objectives.objective import Objective
+from uwopt.solvers.infeasible.relaxer import ANY
 from uwopt.solvers.recommend import Sought
 from uwopt.solvers.warm.parts import PartIds, ids_of, only
 
@@ -75,10 +75,10 @@ class PracticeKnown:
             yield tuple(every[: every.index(last[-1])])
 
 
-def on_hardware(ids: PartIds, mission: Mission, catalog: Catalog, goal: Objective, like: Problem) -> Sought | None:
+def on_hardware(ids: PartIds, mission: Mission, catalog: Catalog, like: Problem) -> Sought | None:
     """A search of a mission on known hardware alone; None where it does not allow that."""
     few = only(selected(mission, catalog, generic=mission.catalog.generic_at_last), ids)
     if not (few.completes if "complete" in ids else few.cameras and few.lenses and few.ports):
         return None
     problem = build_problem(mission, few, scenes=like.scenes_for(mission))
-    return Sought.of(few, problem, goal, enough=True, whole=True)
+    return Sought.of(few, problem, ANY, enough=True, whole=True)

@@ -218,7 +218,7 @@ class YieldTrials:
         if any(_fits_alone(problem, found, weaker) for problem, found in self.fitted[:WITNESSES]):
             return True
         for ids in self.before:
-            sought = on_hardware(ids, weaker, self.catalog, ANY, self.like)
+            sought = on_hardware(ids, weaker, self.catalog, self.like)
             if sought is not None and sought.outcome.best:
                 self.before.remove(ids)  # it is among what fitted here
                 self._take(sought)

@@ -30,7 +30,7 @@ from uwopt.forward.enclosures import tight_at_worst
 from uwopt.forward.figures import Figures
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective, Terms
-from uwopt.objectives.requirements import MarginRows, common_margins
+from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL, MarginRows, common_margins
 from uwopt.results.design import Design, Margin, Note, SceneResult, Totals
 from uwopt.units import ratio_to_db
 
@@ -74,11 +74,9 @@ def measured(problem: Problem, hardware: Hardware, given: list[SceneSettings]) -
     return Measured(model, each, figures)
 
 
-def meets_all(
-    problem: Problem, hardware: Hardware, given: list[SceneSettings], *, level_tolerance_rel: float
-) -> bool:
-    """Whether a design with these settings meets every requirement; no more is worked out of it."""
-    found = margins_of(problem, measured(problem, hardware, given), level_tolerance_rel)
+def meets_all(problem: Problem, hardware: Hardware, given: list[SceneSettings]) -> bool:
+    """Whether a design with these settings, as they can be set, meets every requirement; no more is worked out."""
+    found = margins_of(problem, measured(problem, hardware, given), LEVEL_TOLERANCE_REL)
     return all(bool(one.satisfied[0]) for margins in found for one in margins)
 
 

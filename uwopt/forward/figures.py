@@ -415,10 +415,7 @@ def power_w(
         frame_rate_hz=settings.rate_hz,
     )
     flashing = light_model.flash_power_w(
-        lights.pulse_energy_j * settings.level,
-        count=count,
-        frame_rate_hz=settings.rate_hz,
-        charging_efficiency=1.0,  # the pulse's energy is counted at the supply
+        lights.pulse_energy_j * settings.level, count=count, frame_rate_hz=settings.rate_hz
     )
     timed = (lights.kind == PULSED) | np.isfinite(lead_s)
     mean = np.where(timed, pulsed, np.where(lights.kind == FLASH, flashing, burning))

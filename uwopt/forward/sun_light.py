@@ -26,6 +26,7 @@ from uwopt.model import port, seafloor, sunlight
 from uwopt.model.fineness import scaled
 from uwopt.model.image_mean import along_symmetric, frame_places, gauss, pixel_grid
 from uwopt.model.imaging import descent, field_loss, floor_point, radiance_weight, ray_spread
+from uwopt.model.light import spectral_flux_w_nm
 from uwopt.model.spectrum import resample
 
 if TYPE_CHECKING:
@@ -210,17 +211,15 @@ class SunField:
         return float(np.deg2rad(self.scene.view.scene.sun_elevation_deg))
 
     def surface(self) -> Array:
-        """Spectral irradiance just above the water."""
+        """Spectral irradiance just above the water, from its illuminance: as a lamp's flux from its lumens."""
         scene, daylight = self.scene, spectra.light_spectrum("D65")
         relative = resample(
             scene.wavelength_nm, table_nm=daylight.wavelength_nm, table_values=daylight.value, outside="zero"
         )
-        return np.asarray(
-            sunlight.surface_irradiance_w_m2_nm(
-                scene.view.scene.sun_lux, relative_spectrum=relative, wavelength_nm=scene.wavelength_nm,
-                photopic=scene.photopic,
-            )
-        )  # fmt: skip
+        return np.asarray(spectral_flux_w_nm(
+            scene.view.scene.sun_lux, relative_spectrum=relative, wavelength_nm=scene.wavelength_nm,
+            photopic=scene.photopic,
+        ))  # fmt: skip
 
     def at_floor(self) -> Array:
         """Spectral irradiance on the floor."""

@@ -311,31 +311,31 @@ def _transform_magnitude(n_k: int, step: float, wavelength: Array, density: Arra
     below = cell.astype(np.int64)
     grid = np.bincount(below, electrons * (1.0 - rest), minlength=below.max() + 2)
     grid += np.bincount(below + 1, electrons * rest, minlength=grid.size)
-    return _chirp_magnitude(grid, n_k, _TURN) / (_triangle(n_k, _TURN) * electrons.sum())
+    return _chirp_magnitude(grid, n_k) / (_triangle(n_k) * electrons.sum())
 
 
 @cache
-def _triangle(n_k: int, turn: float) -> Array:
+def _triangle(n_k: int) -> Array:
     """sinc^2 of half the phases 0, turn, 2 turn ..., (n_k,)."""
-    return np.square(np.sinc(np.arange(n_k) * (0.5 * turn / np.pi)))
+    return np.square(np.sinc(np.arange(n_k) * (0.5 * _TURN / np.pi)))
 
 
-def _chirp_magnitude(values: Array, n_k: int, turn: float) -> Array:
-    """|sum over m of values[m] exp(i j m turn)| at j = 0 ... n_k - 1, values (n,), turn [rad] -> (n_k,).
+def _chirp_magnitude(values: Array, n_k: int) -> Array:
+    """|sum over m of values[m] exp(i j m turn)| at j = 0 ... n_k - 1, values (n,) -> (n_k,).
 
     By Bluestein's chirp, j m = (j^2 + m^2 - (j - m)^2) / 2: a convolution, and so three Fourier transforms as long as
     values and results together. Errs by 1e-12 of the sum of |values| at j m turn to 1e6. Bluestein, IEEE Trans. Audio
     Electroacoust. 18, 451 (1970).
     """
     length = 1 << (n_k + values.size - 1).bit_length()
-    phase = 0.5 * turn * np.square(np.arange(values.size, dtype=float))
+    phase = 0.5 * _TURN * np.square(np.arange(values.size, dtype=float))
     spread = np.fft.fft(values * np.exp(1j * phase), length)
-    return np.abs(np.fft.ifft(spread * _chirp_transform(length, n_k, turn))[:n_k])
+    return np.abs(np.fft.ifft(spread * _chirp_transform(length, n_k))[:n_k])
 
 
 @lru_cache(maxsize=4)
-def _chirp_transform(length: int, n_k: int, turn: float) -> Array:
+def _chirp_transform(length: int, n_k: int) -> Array:
     """Transform of exp(-i turn m^2 / 2), m from n_k - length to n_k - 1 around a circle, (length,)."""
     place = np.arange(length, dtype=float)
     place[n_k:] -= length
-    return np.asarray(np.fft.fft(np.exp(-0.5j * turn * np.square(place))))
+    return np.asarray(np.fft.fft(np.exp(-0.5j * _TURN * np.square(place))))

@@ -43,19 +43,16 @@ def cos4_field(tan_air_x: Numeric, tan_air_y: Numeric) -> Numeric:
     return 1.0 / (1.0 + tan_air_x**2 + tan_air_y**2) ** 2
 
 
-def image_irradiance(
-    radiance: Numeric, *, transmission: Numeric, working_f_number: Numeric, cos_field_angle: Numeric = 1.0
-) -> Numeric:
-    """Irradiance of the image of an extended source.
+def image_irradiance(radiance: Numeric, *, transmission: Numeric, working_f_number: Numeric) -> Numeric:
+    """Irradiance of the image of an extended source on the axis; `cos4_field` of it elsewhere.
 
-        E_I = (pi / 4) L T_lens / N_w^2 cos^4 alpha                                                  (4) [sym]
+        E_I = (pi / 4) L T_lens / N_w^2                                                              (4) [sym]
 
     Parameters
     ----------
     radiance : (...,) [W m^-2 sr^-1, or per nm], in the air before the lens: T_port L_water / n_w^2
     transmission : broadcast, T_lens, 0..1
     working_f_number : broadcast, N (1 + m)
-    cos_field_angle : broadcast, cosine of the angle in air
 
     Returns
     -------
@@ -69,7 +66,7 @@ def image_irradiance(
     ----------
     Physics page, section 5.
     """
-    return (np.pi / 4.0) * radiance * transmission / working_f_number**2 * cos_field_angle**4
+    return (np.pi / 4.0) * radiance * transmission / working_f_number**2
 
 
 def airy_diameter_m(wavelength_nm: Numeric, *, working_f_number: Numeric) -> Numeric:

@@ -73,11 +73,9 @@ def pulsed_led_power_w(
     return level_frac * full_power_w * count * duty_frac(pulse_s, frame_rate_hz=frame_rate_hz)
 
 
-def flash_power_w(
-    energy_j: Symbolic, *, count: Symbolic, frame_rate_hz: Symbolic, charging_efficiency: Symbolic
-) -> Symbolic:
-    """Mean electrical power of flashes fired once a frame: W f count / charging efficiency [W]."""
-    return energy_j * frame_rate_hz * count / charging_efficiency
+def flash_power_w(energy_j: Symbolic, *, count: Symbolic, frame_rate_hz: Symbolic) -> Symbolic:
+    """Mean electrical power of flashes fired once a frame: W f count [W], with the pulse's energy at the supply."""
+    return energy_j * frame_rate_hz * count
 
 
 def flash_peak_power_w(energy_j: Symbolic, *, charging_power_w: Symbolic, frame_rate_hz: Symbolic) -> Symbolic:

@@ -107,31 +107,28 @@ def fresnel_by_polarisation(
     return product / np.maximum(s_sum**2, _TINY), product / np.maximum(p_sum**2, _TINY), cos_behind
 
 
-def normal_port_transmittance(*, n_water: Numeric, n_glass: Numeric, internal_frac: Numeric = 1.0) -> Numeric:
+def normal_port_transmittance(*, n_water: Numeric, n_glass: Numeric) -> Numeric:
     """Share of light that passes a port head on: a dome everywhere, a flat port on its axis.
 
-        T_port = 4 n_w n_g / (n_w + n_g)^2 * 4 n_g / (n_g + 1)^2 * internal                         [sym]
+        T_port = 4 n_w n_g / (n_w + n_g)^2 * 4 n_g / (n_g + 1)^2                                    [sym]
 
-    Arguments broadcast; light reflected twice between the faces (under 0.02 %) is not counted.
+    Arguments broadcast; light reflected twice between the faces (under 0.02 %) is not counted, nor loss in the glass.
     Physics page, section 4.
     """
     water_face = 4.0 * n_water * n_glass / (n_water + n_glass) ** 2
     air_face = 4.0 * n_glass / (n_glass + 1.0) ** 2
-    return water_face * air_face * internal_frac
+    return water_face * air_face
 
 
-def flat_port_transmittance(
-    tan_air: Numeric, *, n_water: Numeric, n_glass: Numeric, absorption_depth: Numeric = 0.0
-) -> Numeric:
-    """Share of unpolarised light that passes a flat port obliquely.
+def flat_port_transmittance(tan_air: Numeric, *, n_water: Numeric, n_glass: Numeric) -> Numeric:
+    """Share of unpolarised light that passes the faces of a flat port obliquely.
 
-        T_port = (T_s T_s' + T_p T_p') / 2 * exp(-alpha t_g / cos theta_g)
+        T_port = (T_s T_s' + T_p T_p') / 2
 
     Parameters
     ----------
     tan_air : (...,) tangent of the ray's angle in air
     n_water, n_glass : broadcast
-    absorption_depth : broadcast, alpha t_g of the glass, dimensionless
 
     Returns
     -------
@@ -144,8 +141,7 @@ def flat_port_transmittance(
     cos_air = 1.0 / np.sqrt(1.0 + tan_air**2)
     air_s, air_p, cos_glass = fresnel_by_polarisation(cos_air, n_from=1.0, n_to=n_glass)
     water_s, water_p, _ = fresnel_by_polarisation(cos_glass, n_from=n_glass, n_to=n_water)
-    bulk = np.exp(-absorption_depth / cos_glass)
-    return 0.5 * (air_s * water_s + air_p * water_p) * bulk
+    return 0.5 * (air_s * water_s + air_p * water_p)
 
 
 # ---------------------------------------------------------------- rays

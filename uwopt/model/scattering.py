@@ -135,7 +135,7 @@ def share_beyond(angle_rad: float, table: PhaseTable | None) -> float:
     """
     if table is not None:
         if angle_rad not in table.shares:
-            table.shares[angle_rad] = _moment(table, float(np.sin(angle_rad / 2)), cosine_power=0)
+            table.shares[angle_rad] = _moment(table, float(np.sin(angle_rad / 2)))
         return table.shares[angle_rad]
     f = (1 - SEA_WATER_DEPOLARISATION) / (1 + SEA_WATER_DEPOLARISATION)
     cos = float(np.cos(angle_rad))
@@ -152,8 +152,8 @@ def _sample_angle_rad() -> FloatArray:
     return np.asarray(2 * np.arctan2(x, np.sqrt((1 - x) * (1 + x))), dtype=float)
 
 
-def _moment(table: PhaseTable, x_from: float, *, cosine_power: int) -> float:
-    """Integral of p cos^k over the solid angle with sin(psi/2) above x_from: exact for the table."""
+def _moment(table: PhaseTable, x_from: float) -> float:
+    """Integral of p over the solid angle with sin(psi/2) above x_from: exact for the table."""
     x = np.arange(table.n_cell + 1) / table.n_cell
     edges = np.concatenate([[x_from], x[x > x_from]])
     abscissa, weight = np.polynomial.legendre.leggauss(3)  # exact up to x^5; the integrand has x^4 at most
@@ -161,7 +161,7 @@ def _moment(table: PhaseTable, x_from: float, *, cosine_power: int) -> float:
     at = (edges[:-1] + half)[:, None] + half[:, None] * abscissa
     values = np.interp(at, x, table.phase_per_sr[:-1])
     # d Omega = 2 pi sin psi d psi = 8 pi x dx
-    return float(np.sum(8 * np.pi * values * at * (1 - 2 * at * at) ** cosine_power * weight * half[:, None]))
+    return float(np.sum(8 * np.pi * values * at * weight * half[:, None]))
 
 
 def _checked_knots(angle_rad: ArrayLike, phase_per_sr: ArrayLike) -> tuple[FloatArray, FloatArray]:

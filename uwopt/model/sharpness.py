@@ -211,15 +211,13 @@ def round_mtf(frequency_cyc_per_px: Numeric, *, sharpness: Sharpness) -> Numeric
     )
 
 
-def mtf(
-    along_cyc_per_px: Numeric, *, across_cyc_per_px: Numeric, sharpness: Sharpness, falling: bool = False
-) -> Numeric:
+def mtf(along_cyc_per_px: Numeric, *, across_cyc_per_px: Numeric, sharpness: Sharpness) -> Numeric:
     """Transfer of the whole chain at a frequency vector.
 
         MTF = sinc(nu_al) sinc(nu_ac) sinc(b nu_al) D(|nu|) B(|nu|) R(|nu|) |Phi(k . nu)|            [sym]
 
-    along_cyc_per_px, across_cyc_per_px : (...,), broadcast with the fields of sharpness; falling : as in
-    `lateral.spread_mtf`. Returns (...,) 0..1. [sym] without `spread`. Physics page, section 8.
+    along_cyc_per_px, across_cyc_per_px : (...,), broadcast with the fields of sharpness. Returns (...,) 0..1. [sym]
+    without `spread`. Physics page, section 8.
     """
     frequency = np.sqrt(along_cyc_per_px**2 + across_cyc_per_px**2)
     value = round_mtf(frequency, sharpness=sharpness) * sinc_mtf(along_cyc_per_px)
@@ -228,7 +226,7 @@ def mtf(
     if sharpness.spread is None:
         return value
     k = sharpness.lateral_k_along * along_cyc_per_px + sharpness.lateral_k_across * across_cyc_per_px
-    return value * spread_mtf(k, table=sharpness.spread, falling=falling)
+    return value * spread_mtf(k, table=sharpness.spread)
 
 
 def mtf_axes(

@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 
 from uwopt.arrays import FloatArray
 from uwopt.errors import RangeError
-from uwopt.model.light import spectral_flux_w_nm
 from uwopt.model.multiple import SUN_OFTEN, SUN_ONCE
 from uwopt.model.phase_formulas import molecular_per_sr
 from uwopt.model.port import fresnel_by_polarisation
@@ -25,29 +24,6 @@ REFERENCE_TRANSMITTANCE = 0.95
 REFERENCE_ELEVATION_RAD = np.deg2rad(60.0)
 LEAST_ABSORPTION_PER_M = 1e-4  # of `diffuse_path_radiance_w_m2_sr_nm`: a tenth of the clearest water's
 N_AZIMUTH = 64  # of a mean over azimuth; trapezoid rule of a periodic function
-
-
-def surface_irradiance_w_m2_nm(
-    sun_lux: ArrayLike, *, relative_spectrum: ArrayLike, wavelength_nm: ArrayLike, photopic: ArrayLike
-) -> Any:
-    """Spectral irradiance on a horizontal plane just above the water, from its illuminance.
-
-        E = E_v S / (683.002 * integral of V S d lambda)
-
-    Parameters
-    ----------
-    sun_lux : (...,) [lx]
-    relative_spectrum : (n,) [any unit per nm], of daylight; the physics page takes CIE D65
-    wavelength_nm : (n,) [nm], increasing
-    photopic : (n,) [1], luminous efficiency V of the CIE on the same grid
-
-    Returns
-    -------
-    (..., n) [W m^-2 nm^-1]
-    """
-    return spectral_flux_w_nm(
-        sun_lux, relative_spectrum=relative_spectrum, wavelength_nm=wavelength_nm, photopic=photopic
-    )
 
 
 def refracted_cos_zenith(elevation_rad: ArrayLike, *, n_water: ArrayLike) -> Any:

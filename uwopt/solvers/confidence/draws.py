@@ -18,7 +18,7 @@ from uwopt.catalog.parts.doubts import doubtful, each_with, taken_as
 from uwopt.catalog.records import Part, Port
 
 Places = NDArray[np.int64]
-PRIMES = (2, 3, 5, 7, 11)
+PRIMES = (2, 3, 5)
 
 
 def triangular(probability: Array, low: float, mode: float, high: float) -> Array:
@@ -48,16 +48,15 @@ def probabilities(seed: int, name: str, count: int) -> Array:
     return (shuffled(seed, name, count) + rng.random(count)) / count
 
 
-def even_points(seed: int, name: str, count: int, dimensions: int) -> Array:
-    """Points that fill the unit cube evenly, (count, dimensions): a Hammersley set, shifted at random as on a torus.
+def even_points(seed: int, count: int) -> Array:
+    """Points that fill the unit cube evenly, (count, 4): a Hammersley set, shifted at random as on a torus.
 
         u_k1 = (k + 1/2) / n,   u_kd = the digits of k in the (d - 1)-th prime base, mirrored at the point
 
     Hammersley 1960, Ann. N. Y. Acad. Sci. 86:844; the shift: Cranley and Patterson 1976.
     """
-    shift = np.random.default_rng([seed, zlib.crc32(name.encode()), 2]).random(dimensions)
-    columns = [(np.arange(count) + 0.5) / count]
-    columns += [mirrored(np.arange(count), base) for base in PRIMES[: dimensions - 1]]
+    columns = [(np.arange(count) + 0.5) / count, *(mirrored(np.arange(count), base) for base in PRIMES)]
+    shift = np.random.default_rng([seed, zlib.crc32(b"water"), 2]).random(len(columns))
     return np.asarray((np.stack(columns, axis=1) + shift) % 1.0)
 
 

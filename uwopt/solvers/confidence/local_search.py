@@ -114,7 +114,7 @@ def compare(seen: Looked, others: Sequence[Found], deadline: Deadline, best: Cou
             glance.look_at(new[first : first + A_GLANCE], deadline)
     except OutOfTimeError:
         complete = False
-    hopeful = glance.promising(A_ROUND)
+    hopeful = glance.promising[:A_ROUND]
     for first in range(0, len(hopeful), A_COUNT):
         if first and deadline.passed():
             return SeenBeside(False, hopeful, glance.close)
@@ -165,9 +165,10 @@ class Glance:
         """What seems worse by no more than luck, the best first."""
         return [found for least, found in sorted(self.no_better, key=lambda one: one[0]) if least < CLOSE_REL]
 
-    def promising(self, count: int) -> list[Found]:
-        """So many of what seems better, the best first."""
-        return [found for _, found in sorted(self.seen, key=lambda one: one[0])[:count]]
+    @property
+    def promising(self) -> list[Found]:
+        """What seems better, the best first."""
+        return [found for _, found in sorted(self.seen, key=lambda one: one[0])]
 
 
 def step(value: Array, base: Array) -> float:

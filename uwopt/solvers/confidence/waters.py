@@ -53,7 +53,7 @@ class WaterState:
 
 def drawn_states(doubt: Doubt, seed: int, count: int, *, has_band: bool = False) -> list[WaterState]:
     """Evenly spread states; those of all scenes of a mission are drawn together. `has_band`: of altitudes, not one."""
-    at = even_points(seed, "water", count, 4).T
+    at = even_points(seed, count).T
 
     def between(probability: Array, asked: bool) -> Array:
         return triangular(probability, -1.0, 0.0, 1.0) if asked else np.zeros(count)

@@ -172,9 +172,7 @@ class SmoothScene:
             return light.pulsed_led_power_w(
                 at.level, full_power_w=self.full_power_w, count=1, pulse_s=at.time_s, frame_rate_hz=self.rate_hz
             )
-        return light.flash_power_w(
-            self.pulse_energy_j * at.level, count=1, frame_rate_hz=self.rate_hz, charging_efficiency=1.0
-        )
+        return light.flash_power_w(self.pulse_energy_j * at.level, count=1, frame_rate_hz=self.rate_hz)
 
 
 def wanted_of_mean(rows: SceneRows) -> tuple[tuple[float, float, float], ...]:

@@ -44,6 +44,7 @@ QUICK_TURN = 0.5  # of the time left, for one of all imagers where that is soon 
 FEW = 3  # requirements that are as well dropped one by one
 SUSPECT_TURN, LAST_SUSPECT = 0.45, 0.7  # of the time left, for one that likely stands in the way
 DRAW_SHARE = 0.5  # of the time left, for how little of these does
+GIVE_SHARE = 0.6  # of the time left, for requirements that give together, where none is known to help alone
 
 
 @dataclass
@@ -181,10 +182,10 @@ class Singles:
         self._take_the_only_miss(found, alike)
         return [*self._open(dict.fromkeys(alike, 0.0)), *others]
 
-    def give_together(self, share: float) -> None:
+    def give_together(self) -> None:
         """Requirements that give together, of which a few imagers show that they do; if it is one, that helps alone."""
         trials = self.trials
-        with trials.within(trials.deadline.part(share)):
+        with trials.within(trials.deadline.part(GIVE_SHARE)):
             self.together = few_that_give(trials)
         if self.together is None or len(self.together[0]) != 1:
             return

@@ -38,7 +38,6 @@ QUICK_SHARE = 0.2  # of the time left, likewise, where single changes are soon k
 KEPT_SHARE = 0.35  # of the time left, for changes together where none is known to help alone
 ONLY_SHARE = 0.75  # of what is left then, for these
 SOON_SHARE = 0.5  # of the time left, for a design that fits with changes together, where none is known to help alone
-GIVE_SHARE = 0.6  # of the time left, for requirements that give together, where none is known to help alone
 LEAST_TOGETHER = 2  # changes: one is told as that which helps alone
 TOGETHER_SHARE = 0.6  # of the time left, for changes together; the rest is for what contradicts each other
 
@@ -146,7 +145,7 @@ def first_that_help(trials: Trials, singles: Singles, mover: Mover, *, is_quick:
     if not mover.helpful and not is_quick:
         singles.try_more()
     if soon is None and not singles.helpful and not mover.helpful and not trials.over:
-        singles.give_together(GIVE_SHARE)
+        singles.give_together()
     return soon
 
 

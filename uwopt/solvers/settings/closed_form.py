@@ -155,9 +155,7 @@ def drawn_power_w(rows: SceneRows, level: Array, time_s: Array, exposure_s: Arra
     exposure_s : (n,) [s], None: what the lamps need
     """
     burning = light.continuous_power_w(level, full_power_w=rows.full_power_w, count=1) * rows.on_share(time_s)
-    flashing = light.flash_power_w(
-        rows.pulse_energy_j * level, count=1, frame_rate_hz=rows.rate_hz, charging_efficiency=1.0
-    )
+    flashing = light.flash_power_w(rows.pulse_energy_j * level, count=1, frame_rate_hz=rows.rate_hz)
     lights_w = np.where(rows.kind == FLASH, flashing, burning) + rows.idle
     if rows.camera_w is None:
         return lights_w
