@@ -159,6 +159,25 @@ def test_a_given_system_is_counted_with_its_iris_where_it_stands(monkeypatch: py
     assert uwopt.evaluate(TANK, system).confidence is None
 
 
+def test_what_blurs_is_not_told_as_a_lack_of_light(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A year at a vent was told "no exposure, gain and light level give enough signal" in 59 % of the scenarios.
+
+    At 20 dB the tank's system lacks light in no scenario: all that it misses where contrast is asked, too, is that.
+    """
+    monkeypatch.setattr(certainty, "OF_A_SYSTEM", 200)
+    tank, system = load_mission(TANK), ROOT / "problems" / "paper-tank.system.yaml"
+    held = {}
+    for sharp in (None, 0.702):
+        wanted = {"min_snr": None, "min_snr_db": 20.0, "min_mtf_half_nyquist": sharp}
+        mission = tank.with_changes(requirements=tank.to_dict()["requirements"] | wanted)
+        known = uwopt.evaluate(mission, system, confidence=0.9).confidence
+        assert known is not None
+        held[sharp] = known.held, {one.requirement: one.share for one in known.lost_to}
+    assert held[None] == (1.0, {})
+    assert 0.2 < held[0.702][0] < 0.8
+    assert held[0.702][1] == {"min_mtf_half_nyquist": pytest.approx(1.0 - held[0.702][0])}
+
+
 @pytest.mark.parametrize(
     ("wrong", "mend"),
     [

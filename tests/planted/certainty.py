@@ -634,9 +634,16 @@ DEFECTS = (
         test=f"{TESTS}::test_fixed_settings_take_what_the_worst_of_those_that_count_takes",
     ),
     Defect(
+        name="what blurs is told as a lack of light",
+        file="uwopt/solvers/confidence/outcomes.py",
+        old="named[dark[lit]] = ",
+        new="named[dark[lit][:0]] = ",
+        test="tests/api/test_confidence.py::test_what_blurs_is_not_told_as_a_lack_of_light",
+    ),
+    Defect(
         name="fixed settings are fixed anew in scenarios to come",
         file=f"{ROOM}/search.py",
-        old="f_numbers=stop, given=given), 0)",
+        old="f_numbers=stop, given=given, tells=True), 0)",
         new="f_numbers=stop), 0)",
         test=f"{TESTS}::test_settings_that_were_fixed_are_those_of_scenarios_to_come",
     ),

@@ -221,7 +221,7 @@ def confidence_of(
     problem = problem if design is None else problem.focused_on(focus_to_set_m(design))
     stops = None if given.f_number is None else [given.f_number]
     own = as_given(problem, hardware, design) if fixed and design is not None else None
-    made = outcomes(problem, found, goal, scenarios, deadline, f_numbers=stops, given=own)
+    made = outcomes(problem, found, goal, scenarios, deadline, f_numbers=stops, given=own, tells=True)
     share = 1.0 if asked == ENDS else float(asked)
     seen = Counted(found, made, made.best(share))
     by = [] if asked == ENDS else decided_by(problem, goal, seen, scenarios)

@@ -70,12 +70,10 @@ Holds: TypeAlias = Callable[[Sequence[Move]], bool]
 def all_missed(problem: Problem, objective: Objective, seen: Counted, scenarios: Scenarios) -> dict[str, int]:
     """What hardware misses first at its stop, in how many scenarios: what no settings can mend as well.
 
-    Hardware that is counted with others behind one port does not tell that.
+    Hardware that is counted with others behind one port does not tell that, nor what blurs from what is dark.
     """
-    if seen.outcomes.lost:
-        return seen.outcomes.missed(seen.stop)
-    alone = outcomes(problem, seen.found, objective, scenarios, f_numbers=[float(seen.outcomes.f_numbers[seen.stop])])
-    return alone.missed(0)
+    stop = float(seen.outcomes.f_numbers[seen.stop])
+    return outcomes(problem, seen.found, objective, scenarios, f_numbers=[stop], tells=True).missed(0)
 
 
 def eases(mission: Mission, missed: Iterable[str]) -> Iterator[Ease]:

@@ -38,6 +38,7 @@ STOPS_ON = (0.0, 1 / 3, 2 / 3, 4 / 3)  # from the widest stop that most scenario
 GAP = 1e-2  # of a scenario's objective where settings have no closed form: far less than scenarios differ
 A_SCENARIO = 2000  # cells of one scenario: it counts as missed where none of them does by then
 MOST_TOGETHER = 48  # hardware whose rows are in memory at once
+LIGHT, SHARP = "light", ("min_mtf_half_nyquist", "resolve_mm")  # what no settings reach
 MOST = 0.9  # of the scenarios: a stop that as many allow is not too wide
 
 
@@ -84,15 +85,20 @@ class Outcomes:
 
 def outcomes(
     base: Problem, found: Found, objective: Objective, scenarios: Scenarios, deadline: Deadline = NEVER, *,
-    f_numbers: Sequence[float] | None = None, given: Settings | None = None,
+    f_numbers: Sequence[float] | None = None, given: Settings | None = None, tells: bool = False,
 ) -> Outcomes:  # fmt: skip
-    """How one hardware does in all scenarios, at the stops of its ring or at these, with settings that are given."""
-    return outcomes_of_each(base, [found], objective, scenarios, deadline, f_numbers=f_numbers, given=given)[0]
+    """How one hardware does in all scenarios, at the stops of its ring or at these, with settings that are given.
+
+    tells : fine detail that blurs from a lack of light
+    """
+    more = {"f_numbers": f_numbers, "given": given, "tells": tells}
+    return outcomes_of_each(base, [found], objective, scenarios, deadline, **more)[0]
 
 
 def outcomes_of_each(
     base: Problem, found: Sequence[Found], objective: Objective, scenarios: Scenarios, deadline: Deadline = NEVER, *,
     f_numbers: Sequence[float] | None = None, every_stop: bool = False, given: Settings | None = None,
+    tells: bool = False,
 ) -> list[Outcomes]:  # fmt: skip
     """How each hardware does in all scenarios.
 
@@ -104,7 +110,7 @@ def outcomes_of_each(
         group = Together.of(base, [found[k] for k in places], scenarios)
         marks = [marks_of(base, group, hardware, f_numbers, every_stop) for hardware in range(len(places))]
         rows = group.rows(objective, deadline) if any(marks) else []
-        made |= zip(places, outcomes_together(group, objective, rows, marks, given), strict=True)
+        made |= zip(places, outcomes_together(group, objective, rows, marks, given, tells), strict=True)
     return [made[k] for k in range(len(found))]
 
 
@@ -146,7 +152,7 @@ def groups_of(found: Sequence[Found]) -> Iterator[list[int]]:
 
 def outcomes_together(
     group: Together, objective: Objective, rows: list[SceneRows], marks: Sequence[list[float]],
-    given: Settings | None = None,
+    given: Settings | None = None, tells: bool = False,
 ) -> list[Outcomes]:  # fmt: skip
     """How each of a group does with its iris at these marks; `given`: with these settings, where they are fixed."""
     count = group.scenarios.count
@@ -167,6 +173,7 @@ def outcomes_together(
         fixed = [settings[first:last] for first, last in pairwise(ends)]
     else:
         every = judge.verdict(adapted)
+        every = judge.told(*every) if tells else every
     ends = np.cumsum([0, *map(len, imager)])
     for h, own in enumerate(marks):
         if own:
@@ -263,13 +270,29 @@ class Judge:
             "min_dof_m": self.misplaced,
             **{name: ~kept for name, kept in designs.kept_limits(limits)},
             "rules": np.logical_or.reduce([(r.time_max_s < 0.0) & ~self.misplaced for r in self.rows]),
-            "light": ~best.feasible,
+            LIGHT: ~best.feasible,
             "power_w": power > limit(limits.power_w) * ROUND,
             "energy_wh": power > problem.scene_power_limit_w * ROUND,  # what is left of it for one scene
         }
         feasible = ~np.logical_or.reduce(list(misses.values()))
         first = np.select(list(misses.values()), list(misses), "")
         return np.where(feasible & np.isfinite(value), value, np.inf), first
+
+
+    def told(self, value: Array, first: Array) -> tuple[Array, Array]:
+        """The verdict, in which fine detail that blurs is no lack of light: that has settings where none is asked for.
+
+        Under the sun, where it takes long to know, both stay one.
+        """
+        dark = np.flatnonzero(first == LIGHT)
+        asked = np.max([[r.min_mtf, r.resolve_m] for r in self.rows], axis=0) > 0.0
+        if not (len(dark) and asked.any()) or any(r.sunlit for r in self.rows):
+            return value, first
+        easier = [replace(r, min_mtf=0.0, resolve_m=0.0) for r in self.rows]
+        lit = best_settings(replace(self.question, rows=easier).take(dark)).feasible
+        named = np.array(first, dtype=object)
+        named[dark[lit]] = SHARP[int(np.argmax(asked))]
+        return value, named
 
 
 def may_stand_at(rows: SceneRows, f_number: Array) -> Array:

@@ -338,7 +338,7 @@ def anew(problem: Problem, objective: Objective, certain: Certain) -> Counted:
     scenarios = unseen(problem, certain.asked, certain.scenarios)
     stop = None if certain.best.f_number is None else [certain.best.f_number]
     found, given = certain.best.found, certain.best.settings
-    return Counted(found, outcomes(problem, found, objective, scenarios, f_numbers=stop, given=given), 0)
+    return Counted(found, outcomes(problem, found, objective, scenarios, f_numbers=stop, given=given, tells=True), 0)
 
 
 def at_its_stop(problem: Problem, objective: Objective, one: Counted, deadline: Deadline = NEVER) -> Found | None:

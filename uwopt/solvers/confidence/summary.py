@@ -81,7 +81,7 @@ def missed_centrally(problem: Problem, objective: Objective, one: Counted) -> li
     central = Scenarios.drawn(mission, problem.scenes, mission.doubt.none, seed=mission.seed, count=1)
     stops = None if one.f_number is None else [one.f_number]
     there = problem.focused_on(one.outcomes.meant_m)
-    return list(outcomes(there, one.found, objective, central, f_numbers=stops).missed(0))
+    return list(outcomes(there, one.found, objective, central, f_numbers=stops, tells=True).missed(0))
 
 
 def proof_told(problem: Problem, objective: Objective, proof: NoneBetter) -> CertaintyProof:
