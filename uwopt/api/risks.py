@@ -15,7 +15,7 @@ from uwopt.mission.practice import ACCEPTABLE_SNR_DB
 from uwopt.mission.reserves import BATTERY_IN_HAND, RECOMMENDED_RESERVE, REFUSED
 from uwopt.mission.weakened import LEAST_SNR_DB
 from uwopt.model.sharpness import RESOLVED_CONTRAST
-from uwopt.results.basis import Risk
+from uwopt.results.basis import MISSED, MISSED_OF_PRACTICE, Risk
 from uwopt.results.design import AS_CENTRAL, PRACTICE_MISSED, Design, Margin, Note, SceneResult
 from uwopt.results.result import Result
 from uwopt.tolerances import SATISFIED_REL
@@ -107,9 +107,9 @@ def risks_of(result: Result) -> list[Risk]:
 
 def missed(result: Result, design: Design) -> Weighed:
     """Requirements that fail as it stands."""
-    by, because = "asked for", "the requirement is missed"
+    by, because = "asked for", MISSED
     if any(note.code == PRACTICE_MISSED for note in result.warnings):
-        by, because = "good practice asks", "what the mission itself says is met"
+        by, because = "good practice asks", MISSED_OF_PRACTICE
     for name, margin in {asked_name(m): m for m in design.missed}.items():
         yield 100.0, Risk(f"{name} is not as {by}", because, missed_figure(margin, sharp_where(result)))
 

@@ -92,6 +92,10 @@ class Assumption(Record):
     source: str = Field(description="why it was taken")
 
 
+#: Why what a given system misses is a risk; a page that lists what is missed leaves these out of its risks.
+MISSED, MISSED_OF_PRACTICE = "the requirement is missed", "what the mission itself says is met"
+
+
 @dataclass(frozen=True, config=RECORD)
 class Risk(Record):
     """What may go wrong with a system."""

@@ -33,6 +33,7 @@ from uwopt.report.text.nothing_fits import (
 from uwopt.report.text.prices import less_money_block, short_price_sentence
 from uwopt.report.text.tables import (
     hardware_block,
+    missed_lines,
     nearest_miss,
     proof_blocks,
     rounding_lines,
@@ -41,7 +42,7 @@ from uwopt.report.text.tables import (
     status_style,
     system_blocks,
 )
-from uwopt.results.basis import Risk
+from uwopt.results.basis import MISSED, MISSED_OF_PRACTICE, Risk
 from uwopt.results.design import (
     COLOUR_LEFT_OPEN,
     PRACTICE_IN_VAIN,
@@ -52,6 +53,7 @@ from uwopt.results.design import (
     BillRow,
     Cost,
     Design,
+    Margin,
 )
 from uwopt.results.result import Result
 from uwopt.solvers.infeasible.none_left import stays_empty
@@ -134,6 +136,7 @@ def first_blocks(result: Result) -> Iterator[Block]:
     design = result.best
     if design is None:
         return
+    yield from missed_block(result, design)
     yield buy_block(design, "The system" if result.command == "evaluate" else "Buy")
     yield set_block(result, design)
     yield cost_block(result, design.as_set)
@@ -287,6 +290,22 @@ def nominal_place(result: Result) -> str:
     return f" at the nominal altitude, {nominal_m:g} m"
 
 
+def missed_block(result: Result, design: Design) -> Iterator[Block]:
+    """Every requirement that a given system misses, each where it is worst."""
+    worst = dict[str, Margin]()
+    for margin in design.as_set.missed:
+        known = worst.get(margin.requirement)
+        if known is None or shortfall(margin) > shortfall(known):
+            worst[margin.requirement] = margin
+    if worst and result.command == "evaluate":
+        yield block("Missed", missed_lines([*worst.values()], design.as_set))
+
+
+def shortfall(margin: Margin) -> float:
+    """How far a margin is from none; infinite where it has no number."""
+    return math.inf if margin.margin is None else abs(margin.margin)
+
+
 # ---------------------------------------------------------------- buy and set
 
 
@@ -411,7 +430,9 @@ def power_text(design: Design) -> str:
 def risk_blocks(result: Result) -> Iterator[Block]:
     """What would hold more often, where that is known, and the greatest risks."""
     yield from surer_block(result)
-    yield risk_block(result.risks)
+    others = [risk for risk in result.risks if risk.because not in (MISSED, MISSED_OF_PRACTICE)]
+    if others or others == result.risks:
+        yield risk_block(others)
 
 
 def risk_block(risks: Sequence[Risk]) -> Block:

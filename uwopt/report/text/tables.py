@@ -230,11 +230,24 @@ def common_margins(scenes: Sequence[SceneResult]) -> list[Margin]:
 
 def margin_lines(margins: Sequence[Margin], design: Design, exact: Mapping[str, Margin]) -> list[Line]:
     """The table, and how much of its limits is kept in reserve."""
+    return [margin_table(margins, design, exact), *reserve_lines(margins, design)]
+
+
+def missed_lines(margins: Sequence[Margin], design: Design) -> list[Line]:
+    """What is missed, reached and asked, and how much of that is kept in reserve."""
+    table = columns(("requirement", "left"), ("value", "right"), ("asked", "right"))
+    for margin in margins:
+        table.add_row(*map(Text, margin_texts(margin, kinds_by_id(design), design.totals.cost)[:3]))
+    return [table, *reserve_lines(margins, design)]
+
+
+def reserve_lines(margins: Sequence[Margin], design: Design) -> list[Line]:
+    """How much of their limits is kept in reserve; none where nothing is."""
     kinds = kinds_by_id(design)
     kept = [
         f"{words.requirement_name(m.requirement, kinds)} {formats.reserve_text(m)}" for m in margins if m.reserve
     ]
-    return [margin_table(margins, design, exact), *([sentence(f"In these limits: {'; '.join(kept)}.")] if kept else [])]
+    return [sentence(f"In these limits: {'; '.join(kept)}.")] if kept else []
 
 
 def margin_table(margins: Sequence[Margin], design: Design, exact: Mapping[str, Margin]) -> Grid:
