@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from functools import partial
 from itertools import product
 from pathlib import Path
 from types import SimpleNamespace
@@ -24,7 +25,7 @@ from uwopt.solvers.exact.certificate import certificate
 from uwopt.solvers.infeasible import least_change, least_limit, singles
 from uwopt.solvers.infeasible import why_nothing as infeasible
 from uwopt.solvers.infeasible.joint_changes import CommonShare, few_that_give, least_set
-from uwopt.solvers.infeasible.least_change import Change, Narrowing, in_rounds, rounded_away
+from uwopt.solvers.infeasible.least_change import Change, Narrowing, fitting, in_rounds, rounded_away
 from uwopt.solvers.infeasible.moves import Mover
 from uwopt.solvers.infeasible.relaxer import Relaxer
 from uwopt.solvers.infeasible.singles import Singles
@@ -362,6 +363,21 @@ def test_limits_speed_and_height_told_together_are_enough(parts, catalog):
     }
     assert fits(mission(parts, **limits).with_changes(vehicle=moved), catalog)
     assert not fits(mission(parts, **limits), catalog)
+
+
+def test_a_height_gives_with_its_tolerance(parts, catalog):
+    """A quarter of 2 m is no height with a tolerance of 0.9 m; drawn back alone, that is no mission either."""
+    wanted = mission(parts, max_blur_px=0.1, min_snr_db=30.0)
+    wanted = wanted.with_changes(vehicle=wanted.to_dict()["vehicle"] | {"altitude_tolerance_m": 0.9})
+    both = CommonShare(Trials(wanted, catalog, POWER, "never"), NEVER, by_factor=True)
+    both.moved = both.vehicle
+    low = both.mission(both.weaker_by(0.75))
+    assert (low.vehicle.altitude_m, low.vehicle.altitude_tolerance_m) == (0.5, 0.225)
+    found = seek(low, catalog, POWER, generic="never", top=1)
+    assert fitting(found, partial(both.mission, both.weaker_by(0.75))) is not None
+    assert fitting(found, partial(both.mission, {**both.weaker_by(0.75), "altitude_tolerance_m": 0.9})) is None
+    changes = both._drawn_back(0.75, found).changes
+    assert fits(both.mission(both.asked | {one.name: one.needed for one in changes}), catalog)
 
 
 @pytest.mark.parametrize(("asked", "is_told"), [(0.1, True), (0.02, False)])

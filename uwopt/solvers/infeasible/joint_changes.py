@@ -1,6 +1,6 @@
 """Changes that help together: each a smaller share of what is asked than any that helps alone.
 
-    limit_i (1 +- s), and where that is not enough speed (1 - s) and altitude (1 - s),
+    limit_i (1 +- s), and where that is not enough speed, altitude and its tolerance (1 - s),
     for want of energy also hours (1 - s) and battery (1 + s)
 
 or, where nothing is known to help alone, limits from above by as large a factor, limit_i / (1 - s); with the least
@@ -25,7 +25,7 @@ from uwopt.mission.weakened import is_from_above
 from uwopt.results.basis import Relaxed
 from uwopt.results.design import Design
 from uwopt.solvers.infeasible.freed_rules import BATTERY, BUDGETS, ENERGY, MAY_PASS
-from uwopt.solvers.infeasible.least_change import Change, rounded_away, same_hardware, with_its_hardware
+from uwopt.solvers.infeasible.least_change import Change, fitting, rounded_away, with_its_hardware
 from uwopt.solvers.infeasible.move_keys import shared_keys
 from uwopt.solvers.infeasible.reached import UNKNOWN, judged_by, miss, missed_by
 from uwopt.solvers.infeasible.relaxer import ANY, FEW_IMAGERS
@@ -225,8 +225,7 @@ class CommonShare:
 
     def _fits(self, found: Sought, values: Mapping[str, float | None]) -> Sought | None:
         """A design's hardware in the mission with other values, if it fits."""
-        less = same_hardware(found, self.mission(values))
-        return less if less.outcome.best else None
+        return fitting(found, partial(self.mission, values))
 
 
 def one_by_one(

@@ -12,9 +12,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Protocol
 
 from uwopt.deadline import NEVER, Deadline
+from uwopt.errors import UwoptError
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.infeasible.reached import miss
@@ -169,8 +171,8 @@ def with_its_hardware(
             break
         if not is_nearer:
             continue
-        tried = same_hardware(found, relaxed(step))
-        if tried.outcome.best:
+        tried = fitting(found, partial(relaxed, step))
+        if tried is not None:
             far, found = step, tried
         elif share == LITTLE:
             break
@@ -188,6 +190,16 @@ def rounded_away(value: float, asked: float) -> float:
     unit = 10.0 ** (math.floor(math.log10(abs(value))) - DIGITS + 1)
     steps = math.ceil(value / unit - 1e-9) if value > asked else math.floor(value / unit + 1e-9)
     return float(f"{steps * unit:.{DIGITS}g}")
+
+
+def fitting(found: Sought, mission: Callable[[], Mission]) -> Sought | None:
+    """The best settings of a design's hardware for a mission; None where there are none, or it is no mission."""
+    try:
+        asked = mission()
+    except UwoptError:  # as with a tolerance above the height
+        return None
+    less = same_hardware(found, asked)
+    return less if less.outcome.best else None
 
 
 def same_hardware(found: Sought, mission: Mission) -> Sought:

@@ -19,6 +19,7 @@ from uwopt.solvers.infeasible.least_change import rounded_away
 
 FARTHEST_SPEED = 0.1  # of the speed that is asked
 ALTITUDES = (0.4, 0.65, 1.5, 0.15)  # of the altitude that is asked; what is near and fits at all fits soonest
+STEADY = "altitude_tolerance_m"
 STEADIEST = 0.25  # of the tolerance that is asked
 FARTHEST_CLARITY = (40.0, 8.0)  # times as clear, but no clearer than a mission can say
 CLEAREST = {"c_per_m": 0.055, "visibility_m": 80.0, "secchi_m": 80.0, "turbidity_ntu": 0.02}
@@ -56,7 +57,7 @@ def tries_of(mission: Mission, *, for_want_of_energy: bool = False, for_want_of_
 
 def shared_keys(mission: Mission, *, for_want_of_energy: bool) -> dict[str, float]:
     """Keys of the vehicle that may give together with limits, as asked: by a share less, but of a battery more."""
-    common = {key: in_all_scenes(mission, "vehicle", key) for key in ("speed_m_s", "altitude_m")}
+    common = {key: in_all_scenes(mission, "vehicle", key) for key in ("speed_m_s", "altitude_m", STEADY)}
     if for_want_of_energy:
         energy = [one for one in _energy(mission, for_want_of_energy=True) if one.key.name in (BATTERY, HOURS)]
         common |= {one.key.name: float(one.asked) for one in energy}
@@ -68,8 +69,8 @@ def _vehicle(mission: Mission) -> Iterator[Try]:
     if altitude := in_all_scenes(mission, "vehicle", "altitude_m"):
         values = tuple(rounded_away(factor * altitude, altitude) for factor in ALTITUDES)
         yield _try("vehicle", "altitude_m", altitude, values)
-    if tolerance := in_all_scenes(mission, "vehicle", "altitude_tolerance_m"):
-        yield _try("vehicle", "altitude_tolerance_m", tolerance, (rounded_away(STEADIEST * tolerance, tolerance),))
+    if tolerance := in_all_scenes(mission, "vehicle", STEADY):
+        yield _try("vehicle", STEADY, tolerance, (rounded_away(STEADIEST * tolerance, tolerance),))
     if speed := in_all_scenes(mission, "vehicle", "speed_m_s"):
         yield _try("vehicle", "speed_m_s", speed, (rounded_away(FARTHEST_SPEED * speed, speed),))
     if interval := in_all_scenes(mission, "requirements", "frame_interval_s"):
