@@ -539,7 +539,7 @@ def test_requirements_that_give_together_are_found_among_a_few_imagers(parts, ca
     limits = {one.name: one.needed for one in least_set(trials, known)[0]}
     assert fits(trials.with_limits(wanted, limits), catalog)
     one = Singles(trials)
-    one.give_together(1.0)
+    one.give_together()
     assert [helps.name for helps in one.helpful] == (["min_swath_m"] if len(given) == 1 else [])
 
 
