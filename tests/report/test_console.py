@@ -49,8 +49,25 @@ def test_a_log_gets_a_line_each_time_the_timer_rings(capsys: Log) -> None:
     assert len(Timer.made) == 3  # the first, and one after each line
     text = capsys.readouterr().err
     first, second = text.splitlines()
-    assert first.startswith("uwopt: search, 25 %") and second.startswith("uwopt: search, 50 %")
+    assert first.startswith("uwopt: search, 25 % of this step, ") and second.startswith("uwopt: search, 50 % of this")
     assert "\r" not in text and "\x1b" not in text
+
+
+@pytest.mark.parametrize(("of_all", "share"), [(True, 0.9), (False, None)])
+def test_no_bar_falls_back(monkeypatch: pytest.MonkeyPatch, of_all: bool, share: float | None) -> None:
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    monkeypatch.setattr(sys, "stderr", Terminal())
+    with ProgressBar(of_all=of_all, timer=Timer) as bar:  # type: ignore[arg-type]
+        assert bar.report is not None
+        bar.report(0.9, "settings of systems")
+        Timer.made[-1].then()
+        bar.report(0.1, "search")
+        (task,) = bar._bar.tasks
+        assert task.description.startswith("search") and task.total == (share and 1.0)  # none: it only moves
+        assert share is None or task.completed == share
 
 
 def test_a_log_tells_the_stage_where_nobody_knows_its_share(capsys: Log) -> None:

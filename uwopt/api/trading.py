@@ -64,6 +64,7 @@ from uwopt.solvers.recommend import with_rounded
 from uwopt.solvers.settable.rounding import given_of
 from uwopt.solvers.settable.scene import Near
 from uwopt.solvers.settings.cell_pool import QUALITIES
+from uwopt.units import listed
 
 EXACT_S = 120.0  # for the exact front, unless the call says otherwise
 PEER_S, PEER_ALONE_S = 2.0, 30.0  # for a population solver: a look beside the exact front, or the search itself
@@ -143,6 +144,9 @@ def pareto(
     return replace(result, warnings=[*yield_notes(given_way), *result.warnings, *notes])
 
 
+ALL_BUT_DONE = 0.99  # of the work, where only the check by another method is left
+
+
 @dataclass(frozen=True)
 class Stages:
     """What one work adds to what was searched, and how long its stages took [s]."""
@@ -210,7 +214,7 @@ class ParetoCall:
         sought = FrontSearched(selection, problem, search, front, [])
         works = [partial(self.by_peers, search, waiting, alone=front is None)] if waiting else []
         if waiting and front is not None:  # neither needs the other; figures are shared out further
-            works.insert(0, partial(self.shown_points, sought))
+            works.insert(0, partial(self.shown_points, sought, waiting))
         try:
             found = side_by_side(works, lists=[self.deadline.left_out])
         except KeyboardInterrupt:  # what is proven is kept
@@ -240,11 +244,12 @@ class ParetoCall:
                 break
         return Stages({"peers": peers, "cut": cut}, watch.timing_s)
 
-    def shown_points(self, sought: FrontSearched) -> Stages:
-        """The points of an exact front that are shown."""
+    def shown_points(self, sought: FrontSearched, waiting: Sequence[str]) -> Stages:
+        """The points of an exact front that are shown, while those that wait search beside, longer where time is set."""
         watch = self.watch.apart()
         with watch.timed("evaluation"):
             points = self.points(sought, *self.shown(sought))
+        self.progress(ALL_BUT_DONE, f"{listed(waiting)} searches too, as a check")
         return Stages({"points": points}, watch.timing_s)
 
     def turn(self, n_waiting: int, usual_s: float) -> Deadline:

@@ -45,7 +45,7 @@ def bench_command(
 
     if out is not None:
         check_folder(out)
-    with ProgressBar(quiet=quiet) as bar:
+    with ProgressBar(quiet=quiet, of_all=True) as bar:
         from uwopt.bench.page import bench_blocks, write_bench
         from uwopt.bench.run import Bench, mission_files, run
 

@@ -51,7 +51,7 @@ def hand_over(
     try:
         with ProgressBar(quiet=quiet) as bar:
             if bar.report is not None:
-                bar.report(0.1, "writing the report")
+                bar.report(0.0, "writing the report")
             if out is None:
                 pass
             elif isinstance(result, Result):

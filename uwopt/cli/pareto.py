@@ -60,7 +60,7 @@ def pareto_command(
     deadline = limit_of(seconds)
     if out is not None:
         check_folder(out)
-    with ProgressBar(quiet=quiet) as bar, cores():
+    with ProgressBar(quiet=quiet, of_all=True) as bar, cores():
         from uwopt.api.trading import pareto
 
         left_s = time_to_answer(deadline, writes=out is not None)

@@ -60,7 +60,7 @@ def plot_command(
 
     check_file(checked_suffix(out))
     inputs = by_key([word for word in (x, y) if word is not None], "--x, --y")
-    with ProgressBar(quiet=quiet) as bar:
+    with ProgressBar(quiet=quiet, of_all=system is not None) as bar:
         more = {} if figure is None else {"figure": figure}
         made = plot(
             name.value, mission, system, scene=scene - 1, physics=physics and physics.value, inputs=inputs,

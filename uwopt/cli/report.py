@@ -42,7 +42,7 @@ def report_command(
         raise OutputError(f"{target}: is there already and is no page; choose another --out.")
     with ProgressBar(quiet=quiet) as bar:
         if bar.report is not None:
-            bar.report(0.1, "making the report")
+            bar.report(0.0, "making the report")
         written = write_page(read_result(result), target, deadline=deadline)
     tell_written([written], quiet=quiet)
     return DONE

@@ -96,7 +96,7 @@ def sweep_command(
     wanted = None if objective is None else parsed_objective(objective)
     varied = by_key(vary or [])
     check_folder(out)
-    with ProgressBar(quiet=quiet) as bar:
+    with ProgressBar(quiet=quiet, of_all=True) as bar:
         from uwopt.sweeps.run import sweep
 
         made = sweep(

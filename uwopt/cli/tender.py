@@ -40,7 +40,7 @@ def tender_command(
     held = read_solved(result)
     with ProgressBar(quiet=quiet) as bar:
         if bar.report is not None:
-            bar.report(0.1, "what each part must fulfil")
+            bar.report(0.0, "what each part must fulfil")
         lines = lines_of(held, result, deadline)
     files: dict[str, str | bytes] = {
         BOOK_FILE: tender_book(held, lines), LETTER_FILE: letter(held, lines), BUYER_FILE: kept_back(lines),

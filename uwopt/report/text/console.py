@@ -97,11 +97,16 @@ class ProgressBar:
     and one every ten seconds.
 
     Use as a context; `report` is the callback that a search calls with its share done and what it does.
+
+    of_all : whether a share is one of all there is to do, and never falls back; else it is of the step that is named,
+        which the bar does not show: nobody knows how many steps follow
     """
 
     def __init__(
-        self, *, quiet: bool = False, timer: Timer = threading.Timer, clock: Callable[[], float] = time.monotonic
-    ):
+        self, *, quiet: bool = False, of_all: bool = False, timer: Timer = threading.Timer,
+        clock: Callable[[], float] = time.monotonic,
+    ):  # fmt: skip
+        self._of_all = of_all
         self._wanted = not quiet and sys.stderr is not None
         self._piped = self._wanted and not is_terminal(sys.stderr)
         self._new_timer = timer
@@ -167,11 +172,16 @@ class ProgressBar:
     def _tell(self) -> None:
         """A line for a pipe."""
         self._told, self._told_s = self._what, self._clock()
-        share = f"{100 * self._share:.0f} %"  # 0 where nobody knows; at its end a stage has more to do than was counted
-        done = f"{share} of it, " if self._share and share != "100 %" else ""
         spent_s = self._told_s - self._start_s
         with contextlib.suppress(OSError, ValueError):  # nobody reads it
-            print(f"uwopt: {self._what or 'working'}, {done}{spent_s:.0f} s", file=sys.stderr, flush=True)
+            print(f"uwopt: {self._said()}, {spent_s:.0f} s", file=sys.stderr, flush=True)
+
+    def _said(self) -> str:
+        """What is done, and how much of it where that is known: at its end a step has more to do than was counted."""
+        share = f"{100 * self._share:.0f} %"
+        known = self._share and share != "100 %"
+        done = f", {share}{'' if self._of_all else ' of this step'}" if known else ""
+        return f"{self._what or 'working'}{done}"
 
     def _show(self) -> None:
         from rich.console import Console
@@ -184,14 +194,17 @@ class ProgressBar:
                 TextColumn("{task.description}", markup=False), BarColumn(), TimeElapsedColumn(),
                 console=Console(stderr=True, legacy_windows=False), transient=True,
             )  # fmt: skip
-            self._bar.add_task(self._what or "working", total=1.0)
-            self._bar.update(self._bar.task_ids[0], completed=self._share)
+            self._bar.add_task("", total=1.0 if self._of_all else None)
+            self._draw(self._bar)
             self._bar.start()
+
+    def _draw(self, bar: Progress) -> None:
+        bar.update(bar.task_ids[0], completed=self._share, description=self._what if self._of_all else self._said())
 
     def _report(self, share: float, what: str) -> None:
         with self._lock:
-            self._share, self._what = min(max(share, 0.0), 1.0), what
+            self._share, self._what = min(max(share, self._share if self._of_all else 0.0), 1.0), what
             if self._bar is not None:
-                self._bar.update(self._bar.task_ids[0], completed=self._share, description=what)
+                self._draw(self._bar)
             elif self._piped and what != self._told and self._clock() - self._told_s >= PATIENCE_S:
                 self._tell()
