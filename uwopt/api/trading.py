@@ -245,7 +245,7 @@ class ParetoCall:
         return Stages({"peers": peers, "cut": cut}, watch.timing_s)
 
     def shown_points(self, sought: FrontSearched, waiting: Sequence[str]) -> Stages:
-        """The points of an exact front that are shown, while those that wait search beside, longer where time is set."""
+        """The points of an exact front that are shown; those that wait search beside, and longer where time is set."""
         watch = self.watch.apart()
         with watch.timed("evaluation"):
             points = self.points(sought, *self.shown(sought))

@@ -272,9 +272,10 @@ class Explorer:
         if job is None:
             return (*still, "", "0", True, True, True, no_update, no_update)
         if job.done is None:
-            share = f"{100 * job.share:.0f} %" if job.share else ""
-            told = f"{job.what} {share}".strip()
-            return (*still, told, str(job.share), False, job.stopped_at is not None, True, [], no_update)
+            of_all = job.kind == "map"  # else of the step that is named; a bar without a value only moves
+            share = f", {100 * job.share:.0f} %{'' if of_all else ' of this step'}" if job.share else ""
+            bar = str(job.share) if of_all else None
+            return (*still, job.what + share, bar, False, job.stopped_at is not None, True, [], no_update)
         if job.is_handed_over:  # the clock had ticked once more
             raise PreventUpdate
         job.is_handed_over = True
