@@ -29,6 +29,8 @@ from uwopt.forward.parts import Parts
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import load_mission
 from uwopt.mission.practice import with_practice
+from uwopt.report.order.tender_lines import room_at_limits
+from uwopt.solvers.explain.specification import PropertyLimit
 
 CATALOG = load_catalog()
 MISSION: dict[str, Any] = {
@@ -263,6 +265,33 @@ def test_a_housing_to_be_made_has_room_wherever_the_pupil_lies(
     assert needed["dome_radius_mm"] == pytest.approx(radius_mm, abs=0.01)
     assert fits_inside(problem.cameras, problem.lenses, 0.0, problem.ports).item() is not to_be_made
     assert tight_at_worst(camera, lens, 0.0, problem.ports)["housing_length_mm"] == pytest.approx((0.117, 0.115))
+
+
+@pytest.mark.parametrize(("lens_mm", "asked_mm"), [(80.0, 84.0), (None, 74.7107), (300.0, 90.0)])
+def test_a_housing_is_asked_for_with_room_for_what_other_makers_may_send(
+    lens_mm: float | None, asked_mm: float
+) -> None:
+    """Makers of a lander were told of a lens of 74.8 mm at most, and of a housing of 50 mm inside at least."""
+    built = model(replace(PORT, housing=replace(TUBE, inner_length_mm=150.0, inner_diameter_mm=90.0)))
+    parts = built.problem.parts
+    body = {name: exact(size) for name, size in (
+        ("body_width_mm", 29.0), ("body_height_mm", 29.0), ("body_length_mm", 40.0), ("plug_mm", 45.0),
+    )}  # fmt: skip
+    camera = replace(parts.cameras[0], **body)
+    lens = replace(parts.lenses[0], length_mm=exact(40.0), diameter_mm=exact(30.0), pupil_mm=exact(16.0))
+    problem = Problem(built.problem.mission, replace(parts, cameras=(camera,), lenses=(lens,)), paper=True)
+
+    def told(kind: Any, **most: float | None) -> list[PropertyLimit]:
+        return [PropertyLimit(kind, name, 1.0, False, 400.0, None, size) for name, size in most.items()]
+
+    found = {
+        "camera": told("camera", body_width_mm=50.0, body_height_mm=50.0, plug_mm=None, power_w=5.0),
+        "lens": told("lens", diameter_mm=lens_mm, length_mm=60.0),
+    }
+    room = room_at_limits(DesignModel(problem, built.hardware), found)
+    # by hand: across the lens, else across the corners of the body, sqrt(50^2 + 50^2), and 4; no more than there is
+    assert room["housing_diameter_mm"] == pytest.approx(asked_mm, abs=1e-3)
+    assert room["housing_length_mm"] == pytest.approx(60.0 - 16.0 + 40.0 + 45.0 + 2.0)
 
 
 def test_a_flange_weighs_in_air_and_in_water() -> None:

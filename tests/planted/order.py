@@ -14,6 +14,25 @@ BOOK = "tests/report/order/test_bom_book.py"
 
 DEFECTS = (
     Defect(
+        name="makers are asked for what does not matter",
+        file="uwopt/solvers/explain/specification.py",
+        old="None if alone is None else own)", new="own)",
+        test=f"{SPEC}::test_of_what_may_be_as_bad_as_it_likes_nothing_is_asked",
+    ),
+    Defect(
+        name="a system is held against one that is better by likeliest values",
+        file="uwopt/report/order/tender_lines.py",
+        old="value > goal.minimised(best.objective_value)", new="value > -math.inf",
+        test=f"{TENDER}::test_who_is_better_by_likeliest_values_alone_is_no_limit",
+    ),
+    Defect(
+        name="a housing is asked for with room for the named lens alone",
+        file="uwopt/report/order/tender_lines.py",
+        old="if one.name in SIZES and one.together is not None", new="if one.name in ()",
+        test="tests/forward/test_enclosures.py"
+        "::test_a_housing_is_asked_for_with_room_for_what_other_makers_may_send[80.0-84.0]",
+    ),
+    Defect(
         name="a better system that cannot be set is offered as equal",
         file="uwopt/report/text/words.py",
         old="        if not was_passed_over(result, design.objective_value)",

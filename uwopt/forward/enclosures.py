@@ -145,6 +145,12 @@ def room_m(ports: Ports) -> dict[str, Array]:
 
 def tight_at_worst(camera: Camera, lens: Lens, spacer_m: float, port: Ports) -> dict[str, tuple[float, float]]:
     """Needed and had [m], by requirement, of what is not enough where estimated sizes are at their high ends."""
+    sizes = sizes_at_worst(camera, lens, spacer_m, port)
+    return {name: (needed, had) for name, (needed, had) in sizes.items() if not needed <= had * ROUND}
+
+
+def sizes_at_worst(camera: Camera, lens: Lens, spacer_m: float, port: Ports) -> dict[str, tuple[float, float]]:
+    """Needed and had [m], by requirement, where estimated sizes are at their high ends."""
 
     def high(part: Camera | Lens, name: str) -> Array:
         value: Quantity | None = getattr(part, name)
@@ -154,8 +160,7 @@ def tight_at_worst(camera: Camera, lens: Lens, spacer_m: float, port: Ports) -> 
     nearest, farthest = 1e-3 * np.array(ends_of(lens.pupil_mm))[:, None]
     width, height, deep, plug = (high(camera, name) for name in BODY)
     worst = Bodies(width, height, deep, plug, high(lens, "diameter_mm"), length + spacer_m, farthest, nearest)
-    needed = room_needed_m(worst, port)
-    return {name: (float(n[0]), float(r[0])) for name, (n, r) in needed.items() if not n[0] <= r[0] * ROUND}
+    return {name: (float(n[0]), float(r[0])) for name, (n, r) in room_needed_m(worst, port).items()}
 
 
 def fits_inside(

@@ -8,6 +8,7 @@ import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -24,6 +25,7 @@ from uwopt.cli.app import app  # noqa: E402
 from uwopt.deadline import Deadline  # noqa: E402
 from uwopt.errors import CatalogError, ResultError  # noqa: E402
 from uwopt.mission.mission import Mission, load_mission  # noqa: E402
+from uwopt.objectives.goal import goal_of  # noqa: E402
 from uwopt.report.order import tender_lines  # noqa: E402
 from uwopt.report.order.answers import answer_blocks, certainty_sentences, change_sentences  # noqa: E402
 from uwopt.report.order.tender_book import FIRST_ANSWER, asked_of, kept_back, letter, tender_book  # noqa: E402
@@ -168,6 +170,21 @@ def with_margins(result: Result, margins: list[Margin]) -> Result:
     assert best is not None
     scene = replace(best.scenes[0], margins=margins, margins_as_set=margins)
     return replace(result, recommendation=replace(best, scenes=[scene]))
+
+
+def test_who_is_better_by_likeliest_values_alone_is_no_limit(
+    monkeypatch: pytest.MonkeyPatch, result: Result
+) -> None:
+    """A pair chosen for how often it holds was to stay the best against a cheaper one: "at most 1 440 px" of 1 440."""
+    best = result.best
+    assert best is not None and best.objective_value is not None
+    others = [
+        SimpleNamespace(hardware={"camera": name}, objective_value=times * best.objective_value, worse_frac=0.3)
+        for name, times in (("cheaper-but-seldom", 0.8), ("dearer", 1.3))
+    ]
+    monkeypatch.setattr(tender_lines, "other_systems", lambda *_: others)
+    goal = goal_of(load_mission(small(FEW)))
+    assert tender_lines.nearest_rival(result, "camera", goal) == (pytest.approx(1.3 * best.objective_value), "dearer")
 
 
 def test_a_tender_without_time_asks_without_limits_and_says_so(result: Result) -> None:

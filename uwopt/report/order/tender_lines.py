@@ -6,14 +6,16 @@ Limits are found by the certified search of the system with its part made worse 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from uwopt.catalog.columns import COLUMNS, REQUIRED, Column
 from uwopt.catalog.parts.part import KINDS, OF_A_DESIGN, Kind
 from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import ResultError
+from uwopt.evaluation.design_model import DesignModel
 from uwopt.evaluation.recompute import replayed
+from uwopt.forward.enclosures import BODY, sizes_at_worst
 from uwopt.objectives.goal import goal_of
 from uwopt.objectives.objective import Objective
 from uwopt.report.order.maker_words import NOT_THEIRS, words_for
@@ -25,7 +27,7 @@ from uwopt.report.text.not_counted import depth_m
 from uwopt.report.text.stated import cells_of
 from uwopt.results.design import BillRow, Design
 from uwopt.results.result import Result
-from uwopt.solvers.explain.specification import PropertyLimit, specification
+from uwopt.solvers.explain.specification import PropertyLimit, changed, specification
 from uwopt.units import format_difference, format_number, unit_told
 
 #: What is asked of every maker beside the facts of the part.
@@ -45,6 +47,8 @@ VITAL: dict[str, tuple[str, ...]] = {
 }  # fmt: skip
 LOOSE = 5.0  # times worse than the named part: no part that is offered comes near to it
 ROOM_FOR = {"inner_diameter_mm": "housing_diameter_mm", "inner_length_mm": "housing_length_mm"}  # its requirement
+SIZES = (*BODY, "length_mm", "diameter_mm")  # of cameras and lenses, which take up room
+EMPTY: Mapping[str, float] = {}
 OF_FIELDS = {"qe_scale": "qe"}  # the record's field by the column that states it
 
 
@@ -104,7 +108,8 @@ def tender_lines(result: Result, design: Design, deadline: Deadline) -> list[Ten
     made = replayed(result, design)
     problem, hardware = made.model.problem, made.model.hardware
     goal = goal_of(problem.mission)
-    lines = []
+    lines: list[TenderLine] = []
+    found: dict[Kind, list[PropertyLimit]] = {}
     for row in design.bom:
         kind = next((kind for kind in KINDS if kind == row.kind), None)
         if kind is None or not row.to_buy:
@@ -115,37 +120,62 @@ def tender_lines(result: Result, design: Design, deadline: Deadline) -> list[Ten
             if deadline.passed():
                 deadline.left_out.append(f"the limits of the {kind}")
             else:
-                limits = specification(problem, hardware, goal, kind, rival)
-        lines.append(line_of(result, design, row, kind, limits, name))
+                limits = found[kind] = specification(problem, hardware, goal, kind, rival)
+        room_mm = room_at_limits(made.model, found) if kind == "housing" and found else {}
+        lines.append(line_of(result, design, row, kind, limits, name, room_mm))
     return lines
 
 
+def room_at_limits(model: DesignModel, found: Mapping[Kind, Sequence[PropertyLimit]]) -> dict[str, float]:
+    """What camera and lens take up in the housing where each is as large as its maker is told, by requirement [mm].
+
+    No more than the housing that is named has room for: a larger camera leaves room for a smaller lens.
+    """
+    parts = model.problem.parts.of(model.hardware)
+    largest = {
+        kind: changed(parts[kind], {
+            one.name: one.together for one in found.get(kind, ()) if one.name in SIZES and one.together is not None
+        })
+        for kind in ("camera", "lens")
+    }  # fmt: skip
+    sizes = sizes_at_worst(largest["camera"], largest["lens"], model.spacer_m, model.port)
+    return {name: 1e3 * min(needed, had) for name, (needed, had) in sizes.items()}
+
+
 def nearest_rival(result: Result, kind: str, goal: Objective) -> tuple[float, str]:
-    """The minimised objective of the best system with another part of a kind that is not as good, and its id."""
+    """The minimised objective of the best system with another part of a kind that is not as good, and its id.
+
+    One that is better by likeliest values, and was passed over for how often it holds, is no limit to stay below.
+    """
     best = result.best
     assert best is not None
     own = best.hardware.parts[kind].id if kind in best.hardware.parts else ""
     for other in other_systems(result):
         differs = other.hardware.get(kind) not in (None, own)
         if differs and other.objective_value is not None and (other.worse_frac or 0.0) > AS_GOOD:
-            return goal.minimised(other.objective_value), other.hardware[kind]
+            value = goal.minimised(other.objective_value)
+            if best.objective_value is None or value > goal.minimised(best.objective_value):
+                return value, other.hardware[kind]
     return math.inf, ""
 
 
 def line_of(
-    result: Result, design: Design, row: BillRow, kind: Kind, limits: Sequence[PropertyLimit], rival: str
-) -> TenderLine:
+    result: Result, design: Design, row: BillRow, kind: Kind, limits: Sequence[PropertyLimit], rival: str,
+    room_mm: Mapping[str, float],
+) -> TenderLine:  # fmt: skip
     """One line with its facts."""
     own = row.id
     others = [one.hardware[kind] for one in other_systems(result) if one.hardware.get(kind) not in (None, own)]
     if kind == "camera":  # the same images, whoever delivers
         others = [str(item["part"]) for item in (result.robustness or {}).get("siblings") or []] + others
     name = f"{row.manufacturer} {row.model}".strip() or own
-    facts = tuple(facts_of(result, kind, own, limits))
+    facts = tuple(facts_of(result, kind, own, limits, room_mm))
     return TenderLine(kind, own, name, row.generic, row.to_buy, tuple(dict.fromkeys(others)), rival, facts)
 
 
-def facts_of(result: Result, kind: Kind, part_id: str, limits: Sequence[PropertyLimit]) -> Iterator[AskedFact]:
+def facts_of(
+    result: Result, kind: Kind, part_id: str, limits: Sequence[PropertyLimit], room_mm: Mapping[str, float]
+) -> Iterator[AskedFact]:
     """What a maker is asked of a part: what limits it, what every part must say, what is not known of this one."""
     by_key: dict[str, list[PropertyLimit]] = {}
     for limit in limits:
@@ -167,13 +197,18 @@ def facts_of(result: Result, kind: Kind, part_id: str, limits: Sequence[Property
         needed, best, together = (" and ".join(filter(None, texts)) for texts in zip(*told, strict=True)) if told else (
             "", "", ""
         )  # fmt: skip
-        if beside := needed_beside(result, kind, key):
+        if beside := needed_beside(result, kind, key, room_mm):
             needed = together = beside
-        loose = bool(ends) and all(abs(math.log(one.together / one.value)) > math.log(LOOSE) for one in ends)
+        loose = bool(ends) and all(one.together is None or may_be_far(one.together / one.value) for one in ends)
         yield AskedFact(key, words_for(column), unit_of(column), needed, best, together, value, known, loose)
 
 
-def needed_beside(result: Result, kind: Kind, key: str) -> str:
+def may_be_far(ratio: float) -> bool:
+    """Whether a number may differ so much from the named part's that no part that is offered comes near to it."""
+    return abs(math.log(ratio)) > math.log(LOOSE)
+
+
+def needed_beside(result: Result, kind: Kind, key: str, room_mm: Mapping[str, float] = EMPTY) -> str:
     """What a fact must be for other reasons than the light: depth, room for camera and lens, what fits or is asked for.
 
     Empty where nothing is.
@@ -183,7 +218,10 @@ def needed_beside(result: Result, kind: Kind, key: str) -> str:
         return "" if deep_m is None else f"at least {format_number(deep_m)} m"
     if kind == "housing" and key in ROOM_FOR:
         needed_mm = room_needed_mm(result, ROOM_FOR[key])
-        return "" if needed_mm is None else f"at least {format_number(float(math.ceil(needed_mm)))} mm"
+        if needed_mm is None:
+            return ""
+        most_mm = max(needed_mm, room_mm.get(ROOM_FOR[key], 0.0))
+        return f"at least {format_number(float(math.ceil(round(most_mm, 6))))} mm"
     if key == "mounts":
         return " or ".join(shared_mounts(result))
     if kind == "camera" and key in ("colour", "shutter"):

@@ -44,7 +44,8 @@ class PropertyLimit:
     """One number of a part: what it is, which way is worse, and how bad it may become; of two ends, one of them.
 
     `feasible`, `best` : the last value at which settings meet the mission, and at which the system stays the best; None
-    where as bad as was tried still does. `together` : a value that all numbers of the part may have at once.
+    where as bad as was tried still does. `together` : a value that all numbers of the part may have at once; None of
+    one that may be as bad as was tried.
     """
 
     kind: str
@@ -53,7 +54,7 @@ class PropertyLimit:
     more_is_better: bool
     feasible: float | None
     best: float | None
-    together: float
+    together: float | None
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,7 @@ def specification(
     feasible, best = trial.limits(asked, (math.inf, rival))
     together = trial.together(asked, feasible)
     return [
-        PropertyLimit(kind, one.name, one.value, one.sign > 0, alone, stays, own)
+        PropertyLimit(kind, one.name, one.value, one.sign > 0, alone, stays, None if alone is None else own)
         for one, alone, stays, own in zip(asked, feasible, best, together, strict=True)
         if alone is not None or stays is not None
     ]
