@@ -61,12 +61,12 @@ def test_slowest_camera_is_that_of_the_overlap(limits: dict[tuple[str, str], Pro
 
 
 def test_of_what_may_be_as_bad_as_it_likes_nothing_is_asked(made: Replay) -> None:
-    """Makers of a camera that exposes for 0.6 ms were told that 10 s are the least that suits."""
+    """Makers of a camera that is set to 12 dB were told that 37.5 dB are the least that suits."""
     problem = made.model.problem
     every = specification(problem, made.model.hardware, goal_of(problem.mission), "camera", rival=1e-9)
     assert all((one.together is None) == (one.feasible is None) for one in every)
-    longest = next(one for one in every if one.name == "max_exposure_us")  # one of 3 ms, or of a hundredth, would do
-    assert longest.feasible is None
+    gain = next(one for one in every if one.name == "max_gain_db")  # no level is asked for that a gain would reach
+    assert gain.feasible is None
 
 
 def test_power_is_limited_by_the_mission_and_by_the_rival(limits: dict[tuple[str, str], PropertyLimit]) -> None:
