@@ -215,11 +215,39 @@ def test_lens_of_an_unknown_format_is_kept_out_with_its_name(tmp_path):
 def test_a_bad_price_list_is_told_row_by_row_with_every_fault(tmp_path):
     text = 'id,price,currency,date\nkowa-nosuch,12,EUR,2026-01-01\nflir-bfs-u3-51s5m,"1304,50",dollar,14.08.2026\n'
     report = check_file(written(tmp_path, "quotes.csv", text))
-    assert (report.n_rows, len(report.faults)) == (2, 3)  # `1 row: 3 faults`, of which each row told one
-    assert all(map(str.__contains__, report.faults, ("price", "three letters", "YYYY-MM-DD")))
+    assert (report.n_rows, len(report.faults)) == (2, 4)  # `1 row: 3 faults`, of which each row told one
     (block,) = check_blocks(report)
-    assert "kowa-nosuch" in str(block.lines[0])  # in the order of the file
+    told = " ".join(map(str, block.lines))
+    words = ("kowa-nosuch", "price", "three letters", "YYYY-MM-DD")
+    assert [*map(told.index, words)] == sorted(map(told.index, words))  # in the order of the file
     assert check_file(written(tmp_path, "more.csv", "id,price,date\nflir-bfs-u3-51s5m,1300,2026-08\n")).ok
+
+
+@pytest.mark.parametrize(
+    ("currency", "fault"),
+    [("UDS", "write USD"), ("EUT", "write EUR"), ("ERU", "write EUR"), ("QQQ", "ISO 4217"), ("sek", ""), ("USD", "")],
+)
+def test_a_misspelt_currency_is_told_in_its_row(tmp_path, currency, fault):
+    text = f"id,price,currency,date\nflir-bfs-u3-51s5m,1300,{currency},2026-08-01\n"
+    path = written(tmp_path, "quotes.csv", text)
+    report = check_file(path)
+    assert report.ok == (not fault) and len(report.notes) == (currency == "sek")  # limits.rates may have that
+    if fault:
+        assert "row 2" in report.faults[0] and fault in report.faults[0]
+        with pytest.raises(CatalogError, match="row 2"):  # of which `solve` told neither file nor row
+            load_catalog([], path)
+
+
+def test_a_column_without_its_unit_is_told_with_it(tmp_path):
+    text = "part,id,resolution_x,resolution_y,pixel_pitch\ncamera,a,4000,3000,1.5\n"
+    told = check_file(written(tmp_path, "cameras.csv", text)).faults[:3]
+    assert all(map(str.__contains__, told, ("'resolution_x_px'", "'resolution_y_px'", "'pixel_pitch_um'")))
+
+
+def test_a_quote_for_a_part_that_no_file_has_is_a_fault(tmp_path):
+    own = written(tmp_path, "lenses.csv", "part,id,focal_length_mm,mounts\nlens,my-lens,8,C\n")
+    quotes = written(tmp_path, "quotes.csv", "id,price\nmy-lens,210\n")
+    assert not check_file(quotes).ok and check_file(quotes, [own]).ok
 
 
 def test_columns_that_a_spreadsheet_parts_by_semicolons_are_one_fault(tmp_path):

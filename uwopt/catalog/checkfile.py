@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -9,6 +11,7 @@ from typing import Literal
 from uwopt.catalog.changes import changes_of, is_change_table, moved_on
 from uwopt.catalog.columns import COLUMNS
 from uwopt.catalog.curves.usercurves import check_curves, is_curve_table
+from uwopt.catalog.money import known_rates
 from uwopt.catalog.parts.kinds import PARTS
 from uwopt.catalog.records import KINDS
 from uwopt.catalog.tables import Table, parse_table, read_text
@@ -35,15 +38,18 @@ class FileReport:
         return not self.faults
 
 
-def check_file(path: Path) -> FileReport:
-    """Check a parts file, a price list or a curve; never raises for what the file holds."""
+def check_file(path: Path, beside: Sequence[Path] = ()) -> FileReport:
+    """Check a parts file, a price list or a curve; never raises for what the file holds.
+
+    beside : files of parts of which a price list may name some
+    """
     try:
-        return _checked(path)
+        return _checked(path, beside)
     except CatalogError as fault:
         return FileReport(path, "unreadable", 0, tuple(fault.faults))
 
 
-def _checked(path: Path) -> FileReport:
+def _checked(path: Path, beside: Sequence[Path]) -> FileReport:
     if not path.exists():
         raise CatalogError(f"{path}: no such file; check its name.")
     if path.suffix.casefold() not in (".yaml", ".yml"):
@@ -55,7 +61,8 @@ def _checked(path: Path) -> FileReport:
             return _checked_changes(path, table)
         if is_price_table(table):
             quotes, faults = check_prices(table)
-            return FileReport(path, "prices", len(table.rows), tuple(faults), tuple(_unknown_ids(quotes)))
+            faults += _unknown_ids(quotes, beside)
+            return FileReport(path, "prices", len(table.rows), tuple(faults), tuple(_without_rate(quotes)))
     rows, faults = check_parts(path)
     if faults:
         return FileReport(path, "parts", len(rows), tuple(faults))
@@ -95,16 +102,30 @@ def _built(path: Path) -> tuple[tuple[str, ...], tuple[str, ...]]:
     return (), tuple(notes)
 
 
-def _unknown_ids(quotes: list[PriceQuote]) -> list[str]:
+def _unknown_ids(quotes: list[PriceQuote], beside: Sequence[Path]) -> list[str]:
+    """Quotes of parts that neither the catalogue nor a file beside has, which no mission takes."""
     from uwopt.catalog.catalogue import unknown_part
     from uwopt.catalog.load import load_catalog
 
-    catalog = load_catalog()
-    known = {part_id.casefold() for part_id in catalog.ids()}
+    ids = {*load_catalog().ids()}
+    for path in beside:
+        with contextlib.suppress(CatalogError):  # told of itself, or no file of parts
+            ids |= {*load_catalog([path]).ids()}
+    known = {part_id.casefold() for part_id in ids}
     return [
-        f"{quote.where}: {unknown_part(quote.part_id, catalog.ids())}"
+        f"{quote.where}: {unknown_part(quote.part_id, ids)} Of an own part, check the file that has it beside this one."
         for quote in quotes
         if quote.part_id.casefold() not in known
+    ]
+
+
+def _without_rate(quotes: list[PriceQuote]) -> list[str]:
+    """Quotes in a currency that has no exchange rate here."""
+    known = known_rates()
+    return [
+        f"{quote.where}: {quote.currency} has no exchange rate here; a mission needs it in limits.rates."
+        for quote in quotes
+        if quote.currency not in known
     ]
 
 

@@ -9,6 +9,7 @@ import math
 import re
 from dataclasses import dataclass
 
+from uwopt.catalog.money import currency_fault
 from uwopt.catalog.parts.cell import ANY, LARGEST, SMALLEST, Field, Form, Range, fields_of
 from uwopt.catalog.parts.kinds import PARTS, stated_fields
 from uwopt.catalog.parts.part import OPENING, Kind, Part, PartKind
@@ -102,6 +103,8 @@ def parse_cell(column: Column, text: str) -> Cell:
         if wrong:
             raise CellError(f"{column.name} = {text!r} is not {column.allowed()}")
         return items
+    if column.name == "currency" and (fault := currency_fault(text)):
+        raise CellError(fault)
     return text
 
 

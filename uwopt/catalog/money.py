@@ -7,10 +7,35 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from functools import cache
 
 from uwopt.catalog.tables import built_in_rows
 from uwopt.errors import CatalogError
+
+#: Money that states use, as ISO 4217 (list one, 2026) writes it.
+ISO_4217 = (
+    "AED AFN ALL AMD ANG AOA ARS AUD AWG AZN BAM BBD BDT BGN BHD BIF BMD BND BOB BRL BSD BTN BWP BYN BZD CAD "
+    "CDF CHF CLP CNY COP CRC CUP CVE CZK DJF DKK DOP DZD EGP ERN ETB EUR FJD FKP GBP GEL GHS GIP GMD GNF GTQ "
+    "GYD HKD HNL HTG HUF IDR ILS INR IQD IRR ISK JMD JOD JPY KES KGS KHR KMF KPW KRW KWD KYD KZT LAK LBP LKR "
+    "LRD LSL LYD MAD MDL MGA MKD MMK MNT MOP MRU MUR MVR MWK MXN MYR MZN NAD NGN NIO NOK NPR NZD OMR PAB PEN "
+    "PGK PHP PKR PLN PYG QAR RON RSD RUB RWF SAR SBD SCR SDG SEK SGD SHP SLE SOS SRD SSP STN SVC SYP SZL THB "
+    "TJS TMT TND TOP TRY TTD TWD TZS UAH UGX USD UYU UZS VES VND VUV WST XAF XCD XCG XOF XPF YER ZAR ZMW ZWG"
+)
+CURRENCIES = frozenset(ISO_4217.split())
+
+
+def currency_fault(text: str) -> str:
+    """What is wrong with a currency that a file names; "" where nothing is. One without a rate may be given one."""
+    code = text.upper()
+    if len(code) != 3 or not code.isascii() or not code.isalpha():
+        return f"currency = {text!r} is not three letters, such as USD"
+    if code in CURRENCIES:
+        return ""
+    same = [known for known in sorted(CURRENCIES) if sorted(known) == sorted(code)]
+    near = same or get_close_matches(code, default_rates(), n=1)
+    mend = f"write {near[0]} if that is meant" if near else "write one of ISO 4217, such as USD"
+    return f"currency = {text!r} is none; {mend}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import datetime as dt
 import difflib
 import math
-from collections.abc import Iterable
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -217,8 +217,9 @@ def _listed_numbers(text: str) -> list[float]:
     return sorted(numbers) if all(map(math.isfinite, numbers)) else []
 
 
-def _unknown_column(file: str, name: str, known: Iterable[str]) -> str:
-    near = difflib.get_close_matches(name, sorted(known), n=1, cutoff=0.5)
+def _unknown_column(file: str, name: str, known: Collection[str]) -> str:
+    with_unit = [column for column in known if column.startswith(f"{name}_")]
+    near = with_unit or difflib.get_close_matches(name, sorted(known), n=1, cutoff=0.5)
     hint = f"did you mean {near[0]!r}?" if near else "`uwopt catalog template` prints the known ones."
     return f"{file}: column {name!r} is unknown; {hint}"
 
@@ -309,15 +310,13 @@ def check_prices(table: Table) -> tuple[list[PriceQuote], list[str]]:
 
 
 def _quote_faults(row: Row) -> list[str]:
-    """What is wrong with the currency and the day of a quote, which are text."""
-    currency, day, faults = row.cells.get("currency", ""), row.cells.get("date", ""), []
-    if currency and not (len(currency) == 3 and currency.isalpha()):
-        faults.append(f"currency = {currency!r} is not three letters, such as USD")
+    """What is wrong with the day of a quote, which is text."""
+    day = row.cells.get("date", "")
     try:
         dt.date.fromisoformat(day + "-01-01"[len(day) - 4 :] if 4 <= len(day) < 10 else day or "2000-01-01")
     except ValueError:
-        faults.append(f"date = {day!r} is no day; write YYYY-MM-DD")
-    return faults
+        return [f"date = {day!r} is no day; write YYYY-MM-DD"]
+    return []
 
 
 def _quote(cells: dict[str, Cell], where: str) -> PriceQuote:

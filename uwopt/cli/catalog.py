@@ -108,7 +108,8 @@ def check_command(
     from uwopt.report.text.console import print_blocks
     from uwopt.report.text.parts import check_blocks
 
-    reports = [check_file(Path(name)) for name in files]
+    paths = [*map(Path, files)]
+    reports = [check_file(path, [other for other in paths if other != path]) for path in paths]
     for report in reports:
         if report.content == "unreadable":
             told("\n".join(report.faults), BAD_INPUT)
