@@ -11,7 +11,23 @@ BY_HAND = f"{DURATION}test_energy_storage_and_endurance_are_those_by_hand"
 EXPOSED = f"{SWITCHED_SEARCH}test_lamps_and_cameras_share_the_least_power_by_hand"
 OVER_SCENES = f"{SEARCH}test_cells_and_closed_form_agree_on_energy_over_two_scenes"
 
+LEAST = f"{SWITCHED_SEARCH}test_no_level_and_time_draw_less_than_the_least_of_lamps_and_cameras"
+
 DEFECTS = (
+    Defect(
+        name="cameras of flashes are bounded by their longest exposure",
+        file="uwopt/solvers/settings/switched.py",
+        old="rows.exposing_w(rows.exposure_s(shortest_s))",
+        new="rows.exposing_w(rows.exposure_s(rows.time_max_s))",
+        test=f"{LEAST}[2]",
+    ),
+    Defect(
+        name="a dial is bounded without the level where its slope is 0",
+        file="uwopt/solvers/settings/switched.py",
+        old="[lowest, top, *(np.sqrt(one) for one in slopes), *(need",
+        new="[lowest, top, *(need",
+        test=f"{LEAST}[0]",
+    ),
     Defect(
         name="points are tried in cells that can better nothing",
         file="uwopt/solvers/settings/cell_points.py",

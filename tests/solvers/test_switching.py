@@ -10,18 +10,22 @@ import numpy as np
 import pytest
 from agreement import agree
 from energy_cases import enumerated_of, switched_case
+from hand_made_rows import FADING, FLASHES, STEPS, scene
 from random_cases import CHOSEN, in_batches, lamp, planted, ranked, solved
 from settings_attack import lit, sharp
 from thorough import THOROUGH
 
 from uwopt.evaluation.design import evaluate_design
+from uwopt.forward.part_columns import CONTINUOUS, PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.settable.rounding import given_of
 from uwopt.solvers.settings.best import best_settings
 from uwopt.solvers.settings.cells import best_by_cells
-from uwopt.solvers.settings.closed_form import most_light
+from uwopt.solvers.settings.closed_form import drawn_power_w, most_light
 from uwopt.solvers.settings.question import GAP, Question
+from uwopt.solvers.settings.switched import least_power_w
+from uwopt.solvers.settings.windows import window
 
 FEW = (17, 24, 33, 81)  # one scene and two, both physics, all kinds of lamps, quickly enumerated
 SEEDS = tuple(s for s in CHOSEN if solved(s).best) if THOROUGH else FEW
@@ -87,6 +91,38 @@ def test_lamps_and_cameras_share_the_least_power_by_hand(camera_w: float) -> Non
     assert found.lower_bound[0] <= least_w * (1 + 1e-9)
     assert drawn_w == pytest.approx(least_w, rel=GAP)
     assert drawn_w - found.lower_bound[0] <= 1.01 * GAP * drawn_w
+    assert 3.0 + least_power_w(exposing)[0] == pytest.approx(least_w, rel=1e-9)
+
+
+PULSES: dict[str, Any] = {"kind": PULSED}
+KINDS: tuple[dict[str, Any], ...] = ({}, STEPS, FADING, FLASHES, FADING | STEPS, PULSES, STEPS | PULSES)
+
+
+@pytest.mark.parametrize("place", range(len(KINDS)))
+def test_no_level_and_time_draw_less_than_the_least_of_lamps_and_cameras(place: int) -> None:
+    """Ten thousand settings each that give the light which is asked for, at the smallest f-number, of drawn designs."""
+    rng, kind = np.random.default_rng(place), KINDS[place]
+    for _ in range(20):
+        def drawn(low: float, high: float) -> float:
+            return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+        rate_hz, lead_s = drawn(1e-3, 1.0), drawn(1e-3, 3.0) if rng.random() < 0.8 else np.inf
+        times = {} if "time_max_s" in kind else {"time_max_s": drawn(0.05, 0.9) / rate_hz}
+        rows = scene(**times | kind | dict(rate_hz=rate_hz, min_level=drawn(1e-3, 0.1), max_level=drawn(0.3, 1.0),
+                     signal_e=[drawn(0.1, 1e3)], readout_s=0.01))  # fmt: skip
+        rows = replace(rows, lead_s=np.array([lead_s]), camera_w=np.array([drawn(0.1, 50.0)]),
+                       awake_s=np.array([drawn(1e-3, 2.0)]), idle_w=np.array([0.2]))  # fmt: skip
+        low = window(rows)[0][0]
+        spread = np.geomspace(float(rows.min_level[0]), float(rows.max_level[0]), 100)
+        levels = spread if rows.dims_freely[0] else rows.levels[0][rows.levels[0] <= rows.max_level[0]]
+        times_s = np.geomspace(float(rows.time_min_s[0]), float(rows.time_max_s[0]), 10_000 // max(len(levels), 1))
+        level, time_s = (grid.ravel() for grid in np.meshgrid(levels, times_s))
+        bright = rows.light_lm[0] * level * time_s >= low * (rows.n_low[0] * rows.working_factor[0]) ** 2
+        power_w = drawn_power_w(rows, level[bright], time_s[bright])
+        least_w = least_power_w(rows)[0]
+        assert least_w <= power_w.min(initial=np.inf) * (1.0 + 1e-9)
+        if rows.kind[0] == CONTINUOUS and len(power_w):
+            assert power_w.min() <= 1.1 * least_w  # neighbours on the grid differ by a tenth at most
 
 
 def test_power_is_left_for_the_exposure_of_the_highest_snr() -> None:

@@ -16,6 +16,7 @@ from uwopt.solvers.settings import closed_form, dark, windows
 from uwopt.solvers.settings.few_pixels import deciding_pixels
 from uwopt.solvers.settings.joint import is_bounded, joint_bound
 from uwopt.solvers.settings.question import Best, Question
+from uwopt.solvers.settings.switched import bound_with_cameras
 from uwopt.units import ratio_to_db
 
 DARK_ROUNDS = 25
@@ -55,9 +56,8 @@ def _best_of_kind(question: Question, *, closed_alone: bool) -> Best:
     """The same by whichever way holds for such rows and such an objective."""
     rows, objective = question.rows, question.objective
     weighs = bool(objective.weight("snr_db") and objective.weight("power"))
-    if rows[0].optimistic:  # the least that cameras draw is counted apart
-        rows = [replace(r, camera_w=None) for r in rows]
-        question = replace(question, rows=rows)
+    if rows[0].optimistic and any(r.camera_w is not None for r in rows):  # what cameras draw is counted apart
+        return _bounded_with_cameras(question, closed_alone=closed_alone)
     if weighs and rows[0].optimistic and is_bounded(rows, objective):  # as good as closed forms, and far cheaper
         return best_joint(question)
     if not needs_cells(rows, objective):
@@ -71,6 +71,15 @@ def _best_of_kind(question: Question, *, closed_alone: bool) -> Best:
         unknown = counts and any(r.sunlit for r in rows) and np.isinf(question.cutoff).all()
         return (best_of_what_fits if unknown else best_by_cells)(question)
     return best_where_sharp(question, closed_alone=closed_alone)
+
+
+def _bounded_with_cameras(question: Question, *, closed_alone: bool) -> Best:
+    """Bounds by the lamps alone, raised by what cameras draw; where that is too much, no settings are searched."""
+    free = replace(question, rows=[replace(r, camera_w=None) for r in question.rows])
+    dear = bound_with_cameras(question, np.full(len(question), -np.inf))
+    found = _best_of_kind(replace(free, cutoff=np.where(dear > question.cutoff, -np.inf, question.cutoff)),
+                          closed_alone=closed_alone)
+    return replace(found, lower_bound=np.maximum(found.bound(free), dear))
 
 
 def best_joint(question: Question) -> Best:
@@ -238,7 +247,7 @@ def best_of_switched_cameras(question: Question) -> Best:
     rows, mean_limit, camera_power_w = question.rows, question.mean_limit, question.camera_power_w
     free = replace(question, rows=[replace(r, camera_w=None) for r in rows])
     found = best_closed(free)
-    bound = found.bound(question)
+    bound = bound_with_cameras(question, found.bound(question))
     if question.objective.weight("snr_db"):
         most_w = camera_power_w + np.max([r.exposing_w(r.longest_exposure_s) for r in rows], axis=0)
         found = best_closed(replace(free, camera_power_w=most_w))
