@@ -98,6 +98,27 @@ def test_what_waits_long_between_images_is_switched_off(interval_s: float, lamps
     assert (carried.lamps_between_images, carried.camera_between_images) == (lamps, camera)
 
 
+def test_each_scene_is_switched_off_by_its_own_interval() -> None:
+    """A lander with an image a minute of bait, in a scene of its own, kept camera and computer on: 291 Wh, not 201."""
+    place = {"water": "IB", "seafloor": 0.2, "depth_m": 30}
+    scenes = [
+        {**place, "name": "bait", "requirements": {"frame_interval_s": 60}},
+        {**place, "name": "visitors", "requirements": {"frame_interval_s": 5}},
+        {**place, "name": "slow", "requirements": {"frame_interval_s": 60}, "vehicle": {"camera_between_images": "on"}},
+        {**place, "name": "any"},
+    ]
+    vehicle = {"altitude_m": 2.0, "speed_m_s": 0.1}
+
+    def switched(common: dict[str, Any], **more: Any) -> list[tuple[str, str]]:
+        mission = load_mission({"scenes": scenes, "vehicle": vehicle | more, "requirements": common})
+        return [(v.vehicle.lamps_between_images, v.vehicle.camera_between_images) for v in mission.views]
+
+    assert switched({}) == [("off", "off"), ("on", "on"), ("off", "on"), ("on", "on")]
+    # what the mission asks of all is off where no scene says otherwise
+    assert switched({"frame_interval_s": 3600}) == [("off", "off"), ("on", "on"), ("off", "on"), ("off", "off")]
+    assert switched({}, camera_between_images="on") == [("off", "on"), ("on", "on"), ("off", "on"), ("on", "on")]
+
+
 def test_a_mission_with_all_filled_in_comes_back() -> None:
     made = mission()
     assert load_mission(made.to_dict()).to_dict() == made.to_dict()

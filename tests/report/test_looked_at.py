@@ -53,6 +53,8 @@ def test_columns_of_a_table_stay_in_line() -> None:
 def test_floors_and_mixtures_keep_their_words() -> None:
     for scenes in ([{}], [{"target": "floor"}], [{"target": "wall"}, {"target": "floor"}]):
         assert wording({"scenes": scenes})("floor, altitude") == "floor, altitude"
+    mixed = wording({"scenes": [{"target": "mid_water"}, {}]})  # the lamps of a lander that looks down and ahead
+    assert mixed("lights aimed straight down") == "lights aimed where the camera looks"
 
 
 def test_only_the_texts_of_a_page_change() -> None:

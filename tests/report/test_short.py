@@ -165,6 +165,9 @@ def test_images_are_told_with_the_distance_at_which_they_are_taken(make_result: 
     flown = {"name": "x", "vehicle": {"altitude_m": 2.0, "altitude_tolerance_m": 0.25}}
     assert "Images at the nominal altitude, 2 m: " in text_of(make_result(mission=flown))
     assert "Images: " in text_of(make_result(mission={"name": "x"}))
+    scenes = [{"name": "bait", "vehicle": {"altitude_m": 1.2}}, {"name": "visitors", "vehicle": {"altitude_m": 2.5}}]
+    swimming = make_result(mission=flown | {"scenes": scenes})
+    assert "Images at the nominal altitudes, 1.2 m to 2.5 m: " in " ".join(text_of(swimming).split())
 
 
 def test_parts_are_bought_at_what_is_left_to_pay_as_a_range(doubtful: Result) -> None:

@@ -52,9 +52,8 @@ def with_practice(data: Mapping[str, Any]) -> dict[str, Any]:
         for key in left_out:  # computer and cables may be among them, and would count twice
             del filled["catalog"][key]
     interval_s = requirements.get("frame_interval_s")
-    if isinstance(interval_s, (int, float)):
-        slow = {"lamps_between_images": SLOW_LAMP_S, "camera_between_images": SLOW_CAMERA_S}
-        filled["vehicle"] |= {key: "off" for key, least_s in slow.items() if interval_s >= least_s}
+    filled["vehicle"] |= {key: "off" for key, word in _switched(interval_s).items() if word == "off"}
+    made |= _switched_by_scene(made, filled["vehicle"])
     for section, keys in filled.items():
         given = made.get(section)
         if given is None or isinstance(given, Mapping):
@@ -70,6 +69,30 @@ def with_practice(data: Mapping[str, Any]) -> dict[str, Any]:
     if made.get("confidence") is None:
         made["confidence"] = RECOMMENDED_CONFIDENCE
     return made
+
+
+def _switched(interval_s: Any) -> dict[str, str]:
+    """What is on or off between images that are so far apart; nothing where no number says how far."""
+    if not isinstance(interval_s, (int, float)):
+        return {}
+    slow = {"lamps_between_images": SLOW_LAMP_S, "camera_between_images": SLOW_CAMERA_S}
+    return {key: "off" if interval_s >= least_s else "on" for key, least_s in slow.items()}
+
+
+def _switched_by_scene(made: Mapping[str, Any], filled: Mapping[str, Any]) -> dict[str, Any]:
+    """The scenes, each with what is on or off between its own images, where that differs and nobody says it."""
+    scenes = made.get("scenes")
+    if not isinstance(scenes, (list, tuple)):
+        return {}
+    said = {key for key, value in _section(made, "vehicle").items() if value is not None}
+    told = []
+    for scene in scenes:
+        own = _section(scene, "vehicle") if isinstance(scene, Mapping) else {}
+        words = _switched(_section(scene, "requirements").get("frame_interval_s")) if isinstance(scene, Mapping) else {}
+        differs = {key: word for key, word in words.items() if word != filled.get(key, "on") and key not in said}
+        is_open = isinstance(scene, Mapping) and (scene.get("vehicle") is None or own)
+        told.append({**scene, "vehicle": {**differs, **own}} if differs and is_open else scene)
+    return {"scenes": told}
 
 
 def _names_a_housing(extras: Any) -> bool:

@@ -46,15 +46,15 @@ def wording(mission: Mapping[str, Any], keys: Mapping[str, str] | None = None) -
     """
     said = of_target(mission, keys or {})
     vehicle = mission.get("vehicle")
-    if not (isinstance(vehicle, Mapping) and vehicle.get("pitch_deg")):
+    is_turned = isinstance(vehicle, Mapping) and vehicle.get("pitch_deg")
+    if not (is_turned or len(targets_of(mission)) > 1):
         return said
     return lambda text: said(text.replace("aimed straight down", "aimed where the camera looks"))
 
 
 def of_target(mission: Mapping[str, Any], keys: Mapping[str, str]) -> Callable[[str], str]:
     """The same by what is looked at, however the camera is turned."""
-    scenes = [scene for scene in mission.get("scenes") or () if isinstance(scene, Mapping)]
-    targets = {str(scene.get("target") or "floor") for scene in scenes}
+    targets = targets_of(mission)
     target = targets.pop() if len(targets) == 1 else "floor"
     if target not in TARGET_WORDS or (target == "floor" and all(usual == name for usual, name in keys.items())):
         return unchanged
@@ -68,6 +68,12 @@ def of_target(mission: Mapping[str, Any], keys: Mapping[str, str]) -> Callable[[
 
     way_to_it = "straight up" if target == "ceiling" else "straight ahead"
     return lambda text: SPOKEN.sub(word, text).replace("straight down", way_to_it)
+
+
+def targets_of(mission: Mapping[str, Any]) -> set[str]:
+    """What the scenes of a mission look at."""
+    scenes = [scene for scene in mission.get("scenes") or () if isinstance(scene, Mapping)]
+    return {str(scene.get("target") or "floor") for scene in scenes}
 
 
 def unchanged(text: str) -> str:

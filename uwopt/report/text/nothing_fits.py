@@ -191,10 +191,7 @@ def refusals_of(mission: Mapping[str, Any]) -> dict[str, str]:
 
 def nearest_of_each(mission: Mapping[str, Any]) -> list[float]:
     """The least distance in each scene of a mission's plain values [m]; infinite where it tells none."""
-    every = [mission.get("vehicle") or {}]
-    own = [scene.get("vehicle") or {} for scene in mission.get("scenes") or ()]
-    if own:
-        every = [every[0] | {key: value for key, value in one.items() if value is not None} for one in own]
+    every = words.vehicles_of(mission)
     return [one.get("altitude_m", math.inf) - (one.get("altitude_tolerance_m") or 0.0) for one in every]
 
 

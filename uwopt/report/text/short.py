@@ -283,11 +283,14 @@ def sharp_from(design: Design) -> str:
 
 
 def nominal_place(result: Result) -> str:
-    """` at the nominal altitude, 2 m`; empty where the mission names none."""
-    nominal_m = (result.mission.get("vehicle") or {}).get("altitude_m")
-    if not isinstance(nominal_m, (int, float)):
+    """` at the nominal altitude, 2 m`, of scenes that differ ` at the nominal altitudes, 1 m to 2 m`; empty of none."""
+    told = (one.get("altitude_m") for one in words.vehicles_of(result.mission))
+    nominal_m = sorted({float(one) for one in told if isinstance(one, (int, float))})
+    if not nominal_m:
         return ""
-    return f" at the nominal altitude, {nominal_m:g} m"
+    if len(nominal_m) == 1:
+        return f" at the nominal altitude, {nominal_m[0]:g} m"
+    return f" at the nominal altitudes, {nominal_m[0]:g} m to {nominal_m[-1]:g} m"
 
 
 def missed_block(result: Result, design: Design) -> Iterator[Block]:

@@ -56,6 +56,13 @@ def key_name(name: str) -> str:
     return said if said == written else f"{said} ({written})"
 
 
+def vehicles_of(mission: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """The plain values of the vehicle in each scene of a mission."""
+    common = dict(mission.get("vehicle") or {})
+    own = [scene.get("vehicle") or {} for scene in mission.get("scenes") or ()]
+    return [common | {key: value for key, value in one.items() if value is not None} for one in own] or [common]
+
+
 def note_subject(path: str) -> str:
     """What a note is about, in words: `requirements.max_blur_px` is motion blur; several keys are good practice's."""
     key = "practice" if ", " in path else path.rpartition(".")[2]
