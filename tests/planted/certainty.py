@@ -615,8 +615,8 @@ DEFECTS = (
     Defect(
         name="beyond its band it is as bright as at its ends",
         file=f"{ROOM}/states.py",
-        old="changes[name] = np.where(seen, beyond_it, column)",
-        new="changes[name] = column",
+        old="return np.where(seen, beyond_it, column) if",
+        new="return column if",
         test=f"{TESTS}::test_light_in_other_water_is_that_of_the_model[mean]",
     ),
     Defect(

@@ -161,7 +161,11 @@ def through_band(count: int, at: Array) -> Array:
 
     Of the polynomial through all of them; 1 where there is but one.
     """
-    nodes = np.linspace(-1.0, 1.0, count) if count > 1 else np.zeros(1)
+    return lagrange(np.linspace(-1.0, 1.0, count) if count > 1 else np.zeros(1), at)
+
+
+def lagrange(nodes: Array, at: Array) -> Array:
+    """Weights of values at nodes, of the polynomial through all of them at other places, (*at.shape, n_nodes)."""
     return np.stack([np.prod([np.ones_like(at), *((at - b) / (a - b) for b in nodes if b != a)], axis=0)
                      for a in nodes], axis=-1)  # fmt: skip
 
@@ -169,6 +173,12 @@ def through_band(count: int, at: Array) -> Array:
 def over_band(weight: Array, values: Array) -> Array:
     """Values by altitude, (n_known, ...), at others."""
     return np.asarray(np.einsum("ak,k...->a...", weight, values))
+
+
+def in_light(rows: SceneRows, change: Callable[[Array], Array]) -> SceneRows:
+    """Rows with all of their light and their veils changed."""
+    known = {name: column for name in (*LIT, *VEILED) if (column := getattr(rows, name)) is not None}
+    return replace(rows, **{name: change(column) for name, column in known.items()})
 
 
 def level(rows: SceneRows, name: str, row: int) -> Array:
@@ -219,11 +229,7 @@ def weights(nodes: tuple[float, ...], at: Array) -> Array:
         return np.ones((len(at), 1))
     made = np.zeros((len(at), len(nodes)))
     for first, side in ((0, at < 0.0), (2, at >= 0.0)):
-        x = at[side]
-        own = np.array(nodes[first : first + 3])
-        for k in range(3):
-            others = np.delete(own, k)
-            made[side, first + k] = np.prod([(x - other) / (own[k] - other) for other in others], axis=0)
+        made[side, first : first + 3] = lagrange(np.array(nodes[first : first + 3]), at[side])
     return made
 
 

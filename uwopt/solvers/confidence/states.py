@@ -28,9 +28,8 @@ from uwopt.forward.spectra import TINY
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.panels import CLOSED, SHORTER, Anchor, may_close
 from uwopt.solvers.confidence.response import (
-    LIT,
-    VEILED,
     WaterResponse,
+    in_light,
     of_deciding_pixels,
     through_band,
     waters_of,
@@ -348,14 +347,13 @@ def over_wider_band(rows: SceneRows, beyond: Array) -> SceneRows:
     if count == 1:
         return rows
     weight = through_band(count, (1.0 + beyond)[:, None] * np.linspace(-1.0, 1.0, count))  # (n, altitude, node)
-    changes = {}
-    for name in (*LIT, *VEILED):
-        column = getattr(rows, name)
-        if column is not None and column.shape[1] == count:
-            seen = (column > 0.0).all(axis=1, keepdims=True)
-            beyond_it = np.exp(np.einsum("nak,nk...->na...", weight, np.log(np.where(seen, column, 1.0))))
-            changes[name] = np.where(seen, beyond_it, column)
-    return replace(rows, **changes)
+
+    def wider(column: Array) -> Array:
+        seen = (column > 0.0).all(axis=1, keepdims=True)
+        beyond_it = np.exp(np.einsum("nak,nk...->na...", weight, np.log(np.where(seen, column, 1.0))))
+        return np.where(seen, beyond_it, column) if column.shape[1] == count else column
+
+    return in_light(rows, wider)
 
 
 def whose(imagers: Imagers, views: Array, count: int) -> Array:
@@ -382,12 +380,7 @@ def each_with_its_view(view: Array, view_of: Array) -> tuple[Array, Array]:
 
 def dimmed(rows: SceneRows, share: Array) -> SceneRows:
     """Rows with so much of their light and their veils, (n, n_altitudes)."""
-    changes = {}
-    for name in (*LIT, *VEILED):
-        column = getattr(rows, name)
-        if column is not None:
-            changes[name] = column * share.reshape(*share.shape, *([1] * (column.ndim - 2)))
-    return replace(rows, **changes)
+    return in_light(rows, lambda column: column * share.reshape(*share.shape, *([1] * (column.ndim - 2))))
 
 
 def eased(rows: SceneRows, *, iris: bool) -> SceneRows:
