@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from plain_replay import plain_figures_of
 from thorough import drawn
 
 import uwopt
@@ -45,7 +46,7 @@ def assert_same_figures(result: Result, design: Design) -> None:
         system=result.system,
     )
     for index, scene in enumerate(design.scenes):
-        again = json.loads(json.dumps(made.plain_figures(index)))
+        again = json.loads(json.dumps(plain_figures_of(made, index)))
         for name, value in scene.figures.items():
             assert again[name] == (pytest.approx(value, rel=1e-9) if isinstance(value, float) else value), (
                 name
@@ -157,7 +158,7 @@ def test_settings_of_a_result_come_back_in_si():
     assert [float(column[0]) for column in found] == pytest.approx(
         [5.6, 2e-3, 0.7e-3, 3.0, 0.4, 1.5], rel=1e-12
     )
-    assert made.plain_figures(0)["focus_distance_m"] == pytest.approx(1.25, rel=1e-12)
+    assert plain_figures_of(made)["focus_distance_m"] == pytest.approx(1.25, rel=1e-12)
 
 
 def test_effects_that_were_left_out_stay_out():

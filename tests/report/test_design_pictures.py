@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from plain_replay import plain_figures_of
 
 import uwopt
 from uwopt.evaluation.recompute import replayed, telling_figures
@@ -148,7 +149,7 @@ def test_numbers_are_short_and_finite():
 def test_figures_that_tell_of_changed_inputs_are_those_of_the_report(made: Any) -> None:
     result, _ = made
     again = replayed(result, result.best)
-    whole = again.plain_figures()
+    whole = plain_figures_of(again)
     for name, value in telling_figures(again, 0).items():
         assert value == pytest.approx(whole[name], rel=1e-12)  # the same numbers by a shorter way
 

@@ -18,8 +18,7 @@ from uwopt.catalog.catalogue import plain_name
 from uwopt.catalog.records import OF_A_DESIGN, Housing, Part, Port
 from uwopt.errors import RangeError, UwoptError
 from uwopt.evaluation.design_model import DesignModel
-from uwopt.evaluation.figures_by_name import field_of_view_m, illuminance, plain_figures
-from uwopt.evaluation.resolved import Measured, resolved
+from uwopt.evaluation.figures_by_name import field_of_view_m, illuminance
 from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.figures import Figures, SettingRows
 from uwopt.forward.lamps import Mount, mission_mounts
@@ -54,12 +53,6 @@ class Replay:
         """Figures of one scene, as the evaluation of the design computes them."""
         paper = self.model.problem.paper
         return self.model.figures(scene, self.settings[scene], information=information and not paper)
-
-    def plain_figures(self, scene: int = 0) -> dict[str, Any]:
-        """The same by the names that reports use."""
-        every = [self.figures(index) for index in range(len(self.settings))]
-        (sharp,) = resolved([Measured(self.model, [*self.settings], every)])
-        return plain_figures(self.model, scene, self.settings[scene], every[scene], sharp[scene])
 
 
 def replayed(result: Result | FrontResult, design: Design, scene: int = 0) -> Replay:

@@ -25,7 +25,7 @@ from uwopt.model import multiple, water
 from uwopt.model.beam import Beam, half_power_angle_rad
 from uwopt.model.scattering import PhaseTable, share_beyond
 from uwopt.model.sent_back import widened_phase
-from uwopt.model.spectrum import resample, wavelength_grid_nm
+from uwopt.model.spectrum import SPAN_NM, resample, wavelength_grid_nm
 from uwopt.model.sunlight import turned_per_sr
 from uwopt.model.widened import arriving_share, ways_m, widened
 
@@ -44,7 +44,6 @@ FAINTEST_SUN_LX = 1e-6  # a billionth of what lamps give; starlight on the sea i
 STEEPEST_SUN_PATH = 0.85  # way of light straight down over that of the sun at 60 deg, with room
 FAINT = 1e-12  # 1/m, below which no coefficient counts
 LEAST_SHARE = 1e-3  # of a step: a kink nearer to a point of the grid lies on it
-GRID_SPAN_NM = 400.0  # of `wavelength_grid_nm`
 GRID_STEP_NM = 0.5  # 1 nm would err by up to 2e-4 where turbid water leaves little light, 5 nm by 2e-3
 
 
@@ -281,7 +280,7 @@ def scene_optics(
     `fineness` sets the step of the spectral grid, and goes with the scene to all other integrals.
     """
     scene = view.scene
-    grid = wavelength_grid_nm(GRID_SPAN_NM / round(GRID_SPAN_NM / GRID_STEP_NM * fineness.spectrum))
+    grid = wavelength_grid_nm(SPAN_NM / round(SPAN_NM / GRID_STEP_NM * fineness.spectrum))
     table = water_table or table_of(scene, paper=paper)
     known = clarity_of(scene, table)
     profile = known.profiles[water_end] if known else water_of(scene, table, base_dir)

@@ -67,19 +67,17 @@ def information_bit_per_px(
     snr: Numeric,
     *,
     sharpness: Sharpness,
-    texture_contrast: float = TEXTURE_CONTRAST,
     orders: tuple[int, int] | None = None,
     fineness: float = 1.0,
 ) -> Array:
     """Information that one pixel carries about a texture of the floor.
 
-        I = mean over |nu_x|, |nu_y| <= 1/2 of (1/2) log2(1 + (C_t SNR)^2 MTF(nu)^2)
+        I = mean over |nu_x|, |nu_y| <= 1/2 of (1/2) log2(1 + (C_t SNR)^2 MTF(nu)^2),   C_t: `TEXTURE_CONTRAST`
 
     Parameters
     ----------
     snr : (...,) of a pixel on the plain floor, as a ratio
     sharpness : fields broadcast
-    texture_contrast : scalar, C_t
     orders : Gauss-Legendre nodes in radius and angle of each part of the rule; None: as `ORDERS` says
     fineness : factor on the nodes of `ORDERS`
 
@@ -96,7 +94,7 @@ def information_bit_per_px(
     Shannon's capacity of a Gaussian channel per sample, frequency by frequency. Physics page, section 8.
     """
     shape = common_shape(sharpness, snr)
-    gain = np.broadcast_to(texture_contrast * np.asarray(snr, dtype=float), shape).reshape(-1, 1, 1)
+    gain = np.broadcast_to(TEXTURE_CONTRAST * np.asarray(snr, dtype=float), shape).reshape(-1, 1, 1)
     bit = np.zeros(gain.shape[0])
     table = as_columns(sharpness, shape, (-1, 1, 1))
     for some, rows, nodes in _ruled(table, gain[:, 0, 0], orders, fineness):

@@ -26,16 +26,16 @@ PLANCK_REFERENCE_NM = 560.0  # where the CIE scales its thermal illuminants to o
 # Phosphor-converted white LED: blue die and phosphor as two normal densities (area, mean nm, sigma nm).
 LED_BLUE = (24.49, 450.70, 11.67)
 LED_PHOSPHOR = (119.86, 565.43, 64.63)
+FIRST_NM, LAST_NM = 380.0, 780.0  # of what is visible
+SPAN_NM = LAST_NM - FIRST_NM
 
 
-def wavelength_grid_nm(step_nm: float = 5.0, start_nm: float = 380.0, stop_nm: float = 780.0) -> FloatArray:
-    """Equidistant wavelengths from start to stop, both included; the step must divide the span."""
-    if not (step_nm > 0 and stop_nm > start_nm > 0):
-        raise RangeError(f"wavelength grid {start_nm:g}-{stop_nm:g} nm in steps of {step_nm:g} nm is empty")
-    n_step = round((stop_nm - start_nm) / step_nm)
-    if n_step < 1 or abs(start_nm + n_step * step_nm - stop_nm) > 1e-9 * stop_nm:
-        raise RangeError(f"a step of {step_nm:g} nm does not divide {start_nm:g}-{stop_nm:g} nm")
-    return np.linspace(start_nm, stop_nm, n_step + 1)
+def wavelength_grid_nm(step_nm: float = 5.0) -> FloatArray:
+    """Equidistant wavelengths of what is visible, both ends included; the step must divide the span."""
+    n_step = round(SPAN_NM / step_nm) if step_nm > 0 else 0
+    if n_step < 1 or abs(FIRST_NM + n_step * step_nm - LAST_NM) > 1e-9 * LAST_NM:
+        raise RangeError(f"a step of {step_nm:g} nm does not divide {FIRST_NM:g}-{LAST_NM:g} nm")
+    return np.linspace(FIRST_NM, LAST_NM, n_step + 1)
 
 
 def trapezoid_weights_nm(wavelength_nm: ArrayLike) -> FloatArray:

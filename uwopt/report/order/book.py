@@ -84,11 +84,11 @@ class Page:
         cell.number_format = form
         return cell
 
-    def entry(self, column: int, value: object = None, form: str = "General", row: int | None = None) -> Any:
+    def entry(self, column: int, value: object = None, form: str = "General") -> Any:
         """A cell for a person to fill in, in its colour."""
         from openpyxl.styles import Border, PatternFill, Side
 
-        cell = self.text(column, value, wrap=True, row=row)
+        cell = self.text(column, value, wrap=True)
         side = Side(style="thin", color="FFB9A65C")
         cell.fill, cell.border = PatternFill("solid", fgColor=ENTRY_FILL), Border(side, side, side, side)
         cell.number_format = form

@@ -177,8 +177,10 @@ def over_band(weight: Array, values: Array) -> Array:
 
 def in_light(rows: SceneRows, change: Callable[[Array], Array]) -> SceneRows:
     """Rows with all of their light and their veils changed."""
-    known = {name: column for name in (*LIT, *VEILED) if (column := getattr(rows, name)) is not None}
-    return replace(rows, **{name: change(column) for name, column in known.items()})
+    made: dict[str, Any] = {
+        name: change(column) for name in (*LIT, *VEILED) if (column := getattr(rows, name)) is not None
+    }
+    return replace(rows, **made)
 
 
 def level(rows: SceneRows, name: str, row: int) -> Array:
