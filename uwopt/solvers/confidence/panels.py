@@ -157,7 +157,7 @@ def best_scenes(states: Sequence[Sequence[SceneOptics]]) -> list[SceneOptics]:
 
 @dataclass(frozen=True)
 class EasiestScene(SceneOptics):
-    """Water that is no harder than in any of some states, light that is scattered more than once included.
+    """Water that is no harder than in any of some states, light that is scattered more than once included; without sun.
 
     K of the lamps' way is the least of all. Veils count by what they are beside the signal, which by the way to the
     camera grows as exp((c - K_near) d): K_near leaves the least c - K_near of all, and nothing comes from elsewhere on
@@ -216,27 +216,9 @@ class EasiestScene(SceneOptics):
         """No veil from elsewhere."""
         return self.near_leg_per_m()
 
-    def sun_leg_per_m(self) -> Array:
-        """What leaves the least veil of daylight beside the image."""
-        return self.attenuation_per_m - least([one.attenuation_per_m - one.sun_leg_per_m() for one in self.states])
-
-    def absorption_per_m(self) -> Array:
-        """What leaves the least path radiance beside the image: exp(c R - a r) is the less, the more a is."""
-        return np.asarray(np.max([one.absorption_per_m() for one in self.states], axis=0))
-
     def particles_per_m(self) -> Array:
         """What shows most detail in the veil that there is: the most of all states and colours."""
         return np.full_like(self.wavelength_nm, max(float(one.particles_per_m().max()) for one in self.states))
-
-    def sun_turned_per_m_sr(self, cos_field: Array, *, elevation_rad: float, n_azimuth: int) -> Array:
-        """The least of all states."""
-        return least([
-            one.sun_turned_per_m_sr(cos_field, elevation_rad=elevation_rad, n_azimuth=n_azimuth) for one in self.states
-        ])  # fmt: skip
-
-    def backward_per_m(self) -> Array:
-        """The least of all states."""
-        return least([one.backward_per_m() for one in self.states])
 
     def back_leg_per_m(self, half_power_angle_rad: float) -> Array:
         """What leaves the least backscatter beside the image, by either leg."""
@@ -264,9 +246,6 @@ def best_scene(scenes: Sequence[SceneOptics]) -> SceneOptics:
     first = min(scenes, key=lambda one: float(np.ptp(one.range_m)))  # what holds beyond a band holds within
     lamp = least([one.lamp_attenuation_per_m for one in scenes])
     beyond = least([one.attenuation_per_m - one.lamp_attenuation_per_m for one in scenes])
-    daylight = first.diffuse_attenuation_per_m
-    if daylight is not None:
-        daylight = least([np.asarray(one.diffuse_attenuation_per_m) for one in scenes])
     scattering = tuple(
         replace(kind, scattering_per_m=least([one.scattering[k].scattering_per_m for one in scenes]))
         for k, kind in enumerate(first.scattering)
@@ -274,8 +253,8 @@ def best_scene(scenes: Sequence[SceneOptics]) -> SceneOptics:
     needs = first.view.requirements.model_copy(update={"max_white_balance": None})
     of_first: dict[str, Any] = {one.name: getattr(first, one.name) for one in fields(SceneOptics)}
     easiest: dict[str, Any] = dict(
-        attenuation_per_m=lamp + beyond, lamp_attenuation_per_m=lamp, diffuse_attenuation_per_m=daylight,
-        scattering=scattering, reflectance=np.max([one.reflectance for one in scenes], axis=0),
+        attenuation_per_m=lamp + beyond, lamp_attenuation_per_m=lamp, scattering=scattering,
+        reflectance=np.max([one.reflectance for one in scenes], axis=0),
         view=replace(first.view, requirements=needs), cache={}, states=tuple(scenes),
     )  # fmt: skip
     return EasiestScene(**of_first | easiest)
