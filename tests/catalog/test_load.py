@@ -5,12 +5,12 @@ from dataclasses import fields
 
 import pytest
 
-from uwopt.catalog.catalogue import plain_name
 from uwopt.catalog.load import build_rows, load_catalog
 from uwopt.catalog.parts.quantity import Quantity
 from uwopt.catalog.records import KINDS, Camera, exact
 from uwopt.catalog.tables import DATA_DIR, built_in_rows, parse_table
 from uwopt.catalog.userparts import typed_rows
+from uwopt.documents.faults import plain_name
 from uwopt.errors import CatalogError
 
 CATALOG = load_catalog()

@@ -12,11 +12,11 @@ from pathlib import Path
 from uwopt.api.common import Source, prepared
 from uwopt.api.solving import solve
 from uwopt.catalog.answers import read_answers
-from uwopt.catalog.catalogue import plain_name
 from uwopt.catalog.changes import log_text
 from uwopt.catalog.offers import Offer, number_of, offers_of
 from uwopt.catalog.update import planned
 from uwopt.deadline import Progress
+from uwopt.documents.faults import plain_name
 from uwopt.errors import CatalogError
 from uwopt.forward.assembly import load_catalog, selected
 from uwopt.mission.mission import Mission

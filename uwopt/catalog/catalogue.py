@@ -5,9 +5,10 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 from uwopt.catalog.records import KINDS, Camera, Complete, Housing, Kind, Lens, Light, Part, Port
+from uwopt.documents.faults import plain_name
 from uwopt.errors import CatalogError
 
 
@@ -83,12 +84,6 @@ class Catalog:
 
 
 MOST_NEAR = 3  # names that are told
-
-
-@lru_cache(maxsize=8192)
-def plain_name(name: str) -> str:
-    """A name as patterns see it: lower case, `-` and blanks as `_`."""
-    return name.strip().casefold().replace("-", "_").replace(" ", "_")
 
 
 def near_names(name: str, known: Iterable[str]) -> list[str]:

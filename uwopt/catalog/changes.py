@@ -12,12 +12,12 @@ from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
-from uwopt.catalog.catalogue import plain_name
 from uwopt.catalog.columns import COLUMNS, REQUIRED
 from uwopt.catalog.parts.kinds import PARTS
 from uwopt.catalog.parts.part import KINDS, Kind
 from uwopt.catalog.tables import DATA_DIR, Row, Table, read_table
 from uwopt.catalog.userparts import PartRow, typed_rows
+from uwopt.documents.faults import plain_name
 from uwopt.documents.files import csv_text
 from uwopt.errors import CatalogError
 

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, Literal, TypeAlias, TypeVar
 
-from uwopt.catalog.catalogue import Catalog, Exclusion, near_names, plain_name, unknown_part
+from uwopt.catalog.catalogue import Catalog, Exclusion, near_names, unknown_part
 from uwopt.catalog.interfaces import does_reach
 from uwopt.catalog.records import (
     KINDS,
@@ -26,6 +26,7 @@ from uwopt.catalog.records import (
     Quantity,
     exact,
 )
+from uwopt.documents.faults import plain_name
 from uwopt.errors import CatalogError
 
 RULES = (

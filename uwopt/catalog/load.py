@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import TypeVar
 
-from uwopt.catalog.catalogue import Catalog, Exclusion, plain_name, unknown_part
+from uwopt.catalog.catalogue import Catalog, Exclusion, unknown_part
 from uwopt.catalog.changes import CellChange, checked_rows, read_changes, replayed
 from uwopt.catalog.parts.kinds import PARTS
 from uwopt.catalog.readers.readers import READERS
@@ -16,6 +16,8 @@ from uwopt.catalog.readers.reading import Built, Origin
 from uwopt.catalog.records import KINDS, Camera, Complete, Housing, Kind, Lens, Light, Part, Port, Quantity
 from uwopt.catalog.tables import DATA_DIR, read_table
 from uwopt.catalog.userparts import PartRow, PriceQuote, read_parts, read_prices, typed_rows
+from uwopt.documents.faults import plain_name
+from uwopt.documents.whole_file import resolve_path
 from uwopt.errors import CatalogError
 
 PathLike = str | Path
@@ -37,7 +39,7 @@ def load_catalog(
     rows: list[PartRow] = []
     changes: list[CellChange] = []
     for file in user_files:
-        path = _resolved(file, base)
+        path = resolve_path(file, base)
         try:
             log = read_changes(path)
             if log is None:
@@ -55,7 +57,7 @@ def load_catalog(
             faults += fault.faults
     if prices is not None:
         try:
-            catalog = with_prices(catalog, read_prices(_resolved(prices, base)))
+            catalog = with_prices(catalog, read_prices(resolve_path(prices, base)))
         except CatalogError as fault:
             faults += fault.faults
     if faults:
@@ -192,8 +194,3 @@ def _with_user_parts(catalog: Catalog, rows: Iterable[PartRow], files: tuple[str
         catalog.housings + own.housings,
         catalog.completes + own.completes,
     )
-
-
-def _resolved(file: PathLike, base: Path) -> Path:
-    path = Path(file).expanduser()
-    return path if path.is_absolute() else base / path

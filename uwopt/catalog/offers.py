@@ -12,12 +12,12 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from uwopt.catalog.catalogue import plain_name
 from uwopt.catalog.changes import built_in_cells, kind_named
 from uwopt.catalog.columns import COLUMNS, REQUIRED, CellError, Column, parse_cell
 from uwopt.catalog.parts.cell import beyond, fields_of
 from uwopt.catalog.parts.kinds import PARTS
 from uwopt.catalog.parts.part import Kind
+from uwopt.documents.faults import plain_name
 from uwopt.documents.files import FORMULA_SIGNS
 from uwopt.units import SYMBOLS, convert, split_unit
 

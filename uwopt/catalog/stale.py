@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from uwopt.catalog.catalogue import Catalog, plain_name
+from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.edition import AS_OF
 from uwopt.catalog.records import KINDS, Kind, Part
 from uwopt.catalog.tables import built_in_rows
+from uwopt.documents.faults import plain_name
 
 MONTHS = 12  # from here on a price is old
 

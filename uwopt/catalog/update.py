@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from uwopt.catalog.catalogue import plain_name, unknown_part
+from uwopt.catalog.catalogue import unknown_part
 from uwopt.catalog.changes import (
     CellChange,
     built_in_cells,
@@ -23,7 +23,7 @@ from uwopt.catalog.parts.part import Kind
 from uwopt.catalog.readers.readers import READERS
 from uwopt.catalog.tables import Row, parse_table, read_text
 from uwopt.catalog.userparts import is_price_table, kind_of_table, yaml_table
-from uwopt.documents.faults import nearest
+from uwopt.documents.faults import nearest, plain_name
 from uwopt.documents.files import FORMULA_SIGNS
 from uwopt.errors import CatalogError
 

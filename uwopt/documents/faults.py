@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import re
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 
 KeyPath = tuple[str | int, ...]
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+")
@@ -37,13 +38,19 @@ def show(value: object, limit: int = 60) -> str:
     return text if len(text) <= limit else text[: limit - 3] + "..."
 
 
+@lru_cache(maxsize=8192)
+def plain_name(name: str) -> str:
+    """A name as it is compared with others: case ignored, `-` and blanks as `_`."""
+    return name.strip().casefold().replace("-", "_").replace(" ", "_")
+
+
 MISSPELT = 0.8  # as like as this is a word with a letter or two amiss
 
 
 def nearest(word: str, known: Iterable[str], cutoff: float = 0.6) -> str | None:
     """The known word most like this one; None when none is near."""
-    by_plain = {name.casefold().replace("-", "_").replace(" ", "_"): name for name in known}
-    plain = word.casefold().replace("-", "_").replace(" ", "_")[:80]
+    by_plain = {plain_name(name): name for name in known}
+    plain = plain_name(word)[:80]
     longer = [name for key, name in by_plain.items() if len(plain) > 2 and key.startswith(plain + "_")]
     if len(longer) == 1:
         return longer[0]

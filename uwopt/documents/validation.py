@@ -8,7 +8,7 @@ from typing import Any, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from uwopt.documents.faults import KeyPath, nearest, path_text, show
+from uwopt.documents.faults import KeyPath, nearest, path_text, plain_name, show
 from uwopt.documents.key_types import FAULT, OUT_OF_REACH, keys_of, spelled_keys
 from uwopt.documents.reading import Document
 from uwopt.errors import MissionError
@@ -168,7 +168,7 @@ def unknown_key(key: str, value: Any, here: str, places: Mapping[str, tuple[str,
         return "is no key; numbers are written without commas, such as 10000 or 0.5"
     if key in places:
         return "is a section of its own here; move it to the left margin" if here else "is unknown here"
-    plain = key.casefold().replace("-", "_").replace(" ", "_")
+    plain = plain_name(key)
     if own := _other_unit(plain, value, places[here]):
         return f"is unknown; the key is {own[0]}{own[1]}"
     if (counted := f"{plain.removesuffix('s')}_count") in places[here] and _is_count(value):

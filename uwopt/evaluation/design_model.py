@@ -11,8 +11,8 @@ from typing import Any, Literal
 import numpy as np
 
 from uwopt.arrays import Array
-from uwopt.catalog.catalogue import plain_name
 from uwopt.catalog.records import Housing, Light, Port
+from uwopt.documents.faults import plain_name
 from uwopt.evaluation.design_light import DesignLight
 from uwopt.forward.breathing import at_focus
 from uwopt.forward.designs import Hardware, SceneSettings

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from uwopt.catalog.catalogue import plain_name
 from uwopt.catalog.records import OF_A_DESIGN, Housing, Part, Port
+from uwopt.documents.faults import plain_name
 from uwopt.errors import RangeError, UwoptError
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.evaluation.figures_by_name import field_of_view_m, illuminance

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BaseModel, Field, ValidationError
 
-from uwopt.documents.faults import nearest
+from uwopt.documents.faults import nearest, plain_name
 from uwopt.documents.key_types import CHOICE, NUMBER, Section, keys_of, refusal
 from uwopt.mission.keys import BEST_IMAGE, to_objective
 
@@ -57,20 +57,16 @@ def to_goal(value: Any) -> Any:
     """The best image with its gains, the name of a figure, or weights by name."""
     if isinstance(value, BestImageGoal):
         return value
-    named = {_plain(key): given for key, given in value.items()} if isinstance(value, Mapping) else {}
+    named = {plain_name(str(key)): given for key, given in value.items()} if isinstance(value, Mapping) else {}
     if NAME in named:
         if len(named) > 1:
             other = next(name for name in named if name != NAME)
             mend = f"it has prices of power and cost: {{{NAME}: {{per_w: 0.01}}}}"
             raise refusal(f"weighs {NAME} with {other}", mend)
         return BestImageGoal(best_image=_gains(named[NAME]))
-    if isinstance(value, str) and _plain(value) == NAME:
+    if isinstance(value, str) and plain_name(value) == NAME:
         return BestImageGoal()
     return to_objective(value)
-
-
-def _plain(key: Any) -> str:
-    return str(key).strip().casefold().replace("-", "_").replace(" ", "_")
 
 
 def _gains(given: Any) -> BestImage:

@@ -20,6 +20,8 @@ import numpy as np
 from uwopt.arrays import FloatArray
 from uwopt.catalog.curves.usercurves import read_columns
 from uwopt.catalog.tables import built_in_rows
+from uwopt.documents.faults import plain_name
+from uwopt.documents.whole_file import resolve_path
 from uwopt.errors import CatalogError
 
 WaterTable = Literal["solonenko-mobley", "measured", "custom"]
@@ -119,7 +121,7 @@ def light_spectrum_names() -> tuple[str, ...]:
 @cache
 def light_spectrum(spectrum_id: str) -> Spectrum:
     """Relative power per nm of a light: `generic-led`, `xenon-flash`, `planck-2856`, or a table's name."""
-    key = _plain(spectrum_id)
+    key = plain_name(spectrum_id)
     if key == "generic_led":
         return _generic_led()
     if key == "xenon_flash":
@@ -128,8 +130,8 @@ def light_spectrum(spectrum_id: str) -> Spectrum:
     if key.startswith("planck_"):
         return _named_planck(spectrum_id)
     groups = _groups("light_spectra.csv", "name")
-    by_key = {_plain(name): name for name in groups} | {
-        _plain(name.removeprefix("CIE ")): name for name in groups if name.startswith("CIE ")
+    by_key = {plain_name(name): name for name in groups} | {
+        plain_name(name.removeprefix("CIE ")): name for name in groups if name.startswith("CIE ")
     }
     if key not in by_key:
         raise CatalogError(_unknown("light spectrum", spectrum_id, (*light_spectrum_names(), "planck-2856")))
@@ -193,14 +195,14 @@ def seafloor_reflectance(floor: str | float, base_dir: Path | None = None) -> Sp
             raise CatalogError(f"seafloor reflectance {floor:g} must be at least 0 and at most 1.")
         return _flat(f"{float(floor):g}", float(floor), "mission")
     if floor.casefold().endswith(".csv"):
-        columns = read_columns(_resolved(floor, base_dir), ("reflectance",))
+        columns = read_columns(resolve_path(floor, base_dir), ("reflectance",))
         return Spectrum(floor, columns["wavelength_nm"], columns["reflectance"], floor)
-    key = _plain(floor)
-    flat = {_plain(name): (name, value) for name, value in _flat_seafloors().items()}
+    key = plain_name(floor)
+    flat = {plain_name(name): (name, value) for name, value in _flat_seafloors().items()}
     if key in flat:
         return _flat(*flat[key], "seafloor_flat.csv")
     groups = _groups("bottom_reflectance.csv", "type")
-    names = {_plain(name): name for name in groups}
+    names = {plain_name(name): name for name in groups}
     if key not in names:
         raise CatalogError(
             _unknown("seafloor", floor, seafloor_names()) + " A number 0..1 or a CSV also does."
@@ -252,9 +254,9 @@ def water_profile(
 ) -> WaterProfile:
     """Optical properties of a Jerlov type (`measured` where that table has it), or of a user's CSV."""
     if water.casefold().endswith(".csv"):
-        return _custom_water(_resolved(water, base_dir))
-    names = {_plain(name): name for name in water_types("solonenko-mobley")}
-    key = _plain(water.removeprefix("jerlov").removeprefix("Jerlov").lstrip(" -_"))
+        return _custom_water(resolve_path(water, base_dir))
+    names = {plain_name(name): name for name in water_types("solonenko-mobley")}
+    key = plain_name(water.removeprefix("jerlov").removeprefix("Jerlov").lstrip(" -_"))
     if key not in names:
         raise CatalogError(_unknown("water", water, tuple(names.values())) + " A CSV profile also does.")
     return _jerlov(names[key], table)
@@ -370,10 +372,10 @@ def glass_names() -> tuple[str, ...]:
 def glass_coefficients(material: str) -> GlassFormula:
     """The dispersion formula of a port's material, by id such as `n_bk7`."""
     groups = _groups("refractive_index_coefficients.csv", "material")
-    names = {_plain(name): name for name in groups}
-    if _plain(material) not in names:
+    names = {plain_name(name): name for name in groups}
+    if plain_name(material) not in names:
         raise CatalogError(_unknown("glass", material, glass_names()))
-    name = names[_plain(material)]
+    name = names[plain_name(material)]
     group = groups[name]
     order = np.argsort(group.numbers("index"))
     return GlassFormula(
@@ -387,15 +389,6 @@ def glass_coefficients(material: str) -> GlassFormula:
 def quan_fry_coefficients() -> FloatArray:
     """n0 ... n9 of Quan and Fry (1995) for sea water."""
     return glass_coefficients("seawater_quan_fry").coefficients
-
-
-def _plain(name: str) -> str:
-    return name.strip().casefold().replace("-", "_").replace(" ", "_")
-
-
-def _resolved(file: str, base_dir: Path | None) -> Path:
-    path = Path(file).expanduser()
-    return path if path.is_absolute() or base_dir is None else base_dir / path
 
 
 def _unknown(what: str, name: str, known: Iterable[str]) -> str:

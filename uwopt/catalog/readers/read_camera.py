@@ -17,18 +17,17 @@ from uwopt.catalog.readers.reading import (
     Built,
     Origin,
     Reader,
-    file_beside,
     identity,
     inline_fields,
     is_csv,
-    plain_id,
     row_fields,
     user_number,
 )
 from uwopt.catalog.readers.tabled import efficiencies
 from uwopt.catalog.tables import built_in_rows
 from uwopt.catalog.userparts import PartRow
-from uwopt.documents.faults import nearest
+from uwopt.documents.faults import nearest, plain_name
+from uwopt.documents.whole_file import resolve_path
 from uwopt.errors import CatalogError
 
 CHANNELS = {"mono": ("mono",), "colour": ("red", "green", "blue")}
@@ -214,7 +213,7 @@ def _efficiency(value: float | str, colour: str, base_dir: Path | None) -> tuple
     if isinstance(value, float):
         return "", dict.fromkeys(channels, Curve(FLAT_NM, (value, value)))
     if is_csv(value):
-        found = read_channels(file_beside(value, base_dir), "qe")
+        found = read_channels(resolve_path(value, base_dir), "qe")
     else:
         value, found = _built_in_efficiency(value)
     if set(channels) <= set(found):
@@ -228,8 +227,8 @@ def _efficiency(value: float | str, colour: str, base_dir: Path | None) -> tuple
 
 
 def _built_in_efficiency(name: str) -> tuple[str, dict[str, Curve]]:
-    by_name = {plain_id(curve_id): curve_id for curve_id in efficiencies()}
-    curve_id = by_name.get(plain_id(name)) or by_name.get(plain_id("seed-" + name))
+    by_name = {plain_name(curve_id): curve_id for curve_id in efficiencies()}
+    curve_id = by_name.get(plain_name(name)) or by_name.get(plain_name("seed-" + name))
     if curve_id is None:
         near = nearest(name, sorted(efficiencies()))
         hint = f"did you mean {near!r}?" if near else f"known are {', '.join(sorted(efficiencies()))}."

@@ -16,18 +16,18 @@ from uwopt.catalog.readers.reading import (
     Built,
     Origin,
     Reader,
-    file_beside,
     identity,
     inline_fields,
     is_csv,
     known,
-    plain_id,
     row_fields,
     user_number,
 )
 from uwopt.catalog.readers.tabled import beam_profiles
 from uwopt.catalog.tables import read_text
 from uwopt.catalog.userparts import PartRow, parse_dim_levels
+from uwopt.documents.faults import plain_name
+from uwopt.documents.whole_file import resolve_path
 from uwopt.errors import CatalogError
 
 CANDELA_SECONDS_PER_GUIDE_NUMBER_SQUARED = 2.15  # on axis; guide number on land in m at ISO 100
@@ -242,20 +242,20 @@ def from_inline(values: Mapping[str, Any], base_dir: Path | None) -> Light:
         made |= {"beam_angle_deg": user_number(2.0 * half_deg), "beam_medium": "water"}
     name, spectrum_name = values["beam_profile"], values["spectrum"] or _own_spectrum(kind)
     profile, is_candela = (None, False) if name is None else _profile(name, base_dir)
-    own = _spectrum_file(file_beside(spectrum_name, base_dir)) if is_csv(spectrum_name) else None
+    own = _spectrum_file(resolve_path(spectrum_name, base_dir)) if is_csv(spectrum_name) else None
     made |= _profile_fields(profile, is_candela, name or "", values["beam"] or "")
     return Light(**made | {"spectrum_id": spectrum_name, "spectrum": own})
 
 
 def _profile(name: str, base_dir: Path | None) -> tuple[Curve, bool]:
     if is_csv(name):
-        columns = read_columns(file_beside(name, base_dir), ("intensity",))
+        columns = read_columns(resolve_path(name, base_dir), ("intensity",))
         return Curve(tuple(columns["angle_deg"].tolist()), tuple(columns["intensity"].tolist())), False
-    by_name = {plain_id(known_id): found for known_id, found in beam_profiles().items()}
-    if plain_id(name) not in by_name:
+    by_name = {plain_name(known_id): found for known_id, found in beam_profiles().items()}
+    if plain_name(name) not in by_name:
         known_ids = ", ".join(sorted(beam_profiles()))
         raise CatalogError(f"beam_profile {name!r} is unknown; known are {known_ids}, or name a CSV.")
-    return by_name[plain_id(name)]
+    return by_name[plain_name(name)]
 
 
 READER = Reader(from_row, from_inline)

@@ -163,17 +163,6 @@ def user_number(value: float | None) -> Quantity | None:
     return None if value is None else exact(value, "user", "system file")
 
 
-def plain_id(name: str) -> str:
-    """The id of a curve as system files may spell it: case ignored, `-` and blanks as `_`."""
-    return name.strip().casefold().replace("-", "_").replace(" ", "_")
-
-
-def file_beside(name: str, base_dir: Path | None) -> Path:
-    """The path of a file that an inline record names."""
-    path = Path(name).expanduser() if name.startswith("~") else Path(name)
-    return path if path.is_absolute() or base_dir is None else base_dir / path
-
-
 def is_csv(name: str) -> bool:
     """Whether a name is that of a CSV file."""
     return name.casefold().endswith(".csv")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from uwopt.catalog.catalogue import plain_name
+from uwopt.documents.faults import plain_name
 from uwopt.report.order.book import MONEY, PERCENT, WHOLE, Page, book_bytes, new_book
 from uwopt.report.order.other_parts import AS_GOOD, OtherSystem, instead_of, other_systems, why_this
 from uwopt.report.text import formats, words

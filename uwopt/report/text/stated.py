@@ -7,8 +7,8 @@ from uwopt.catalog.interfaces import fed_v
 
 def cells_of(part_id: str) -> dict[str, str]:
     """The cells of a part of the catalogue as they stand in its table; none of a part of one's own."""
-    from uwopt.catalog.catalogue import plain_name
     from uwopt.catalog.changes import built_in_cells
+    from uwopt.documents.faults import plain_name
 
     for origin in ("published", "generic"):
         found = built_in_cells(origin).get(plain_name(part_id))

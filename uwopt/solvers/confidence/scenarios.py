@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -44,6 +44,7 @@ class Scenarios:
     waters: Waters
     port: Array
     focus: Array  # of the distance meant at which lenses stand
+    best_end: ClassVar[tuple[str, int]] = ("good", 1)  # that any has of what parts may be, and of the output of lamps
     known: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)  # parts drawn
     responses: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)  # of light, by image
 
@@ -116,11 +117,11 @@ class Scenarios:
 
     def favoured(self, part: Any) -> Any:
         """A part that is in no scenario more favourable."""
-        return at_end(part, "good") if self.doubt.parts else part
+        return at_end(part, self.best_end[0]) if self.doubt.parts else part
 
     def favoured_light(self, part: Light) -> Light:
         """A light that is in no scenario brighter, nor draws less."""
-        return brighter(self.favoured(part), self.doubt.lamp_output[1])
+        return brighter(self.favoured(part), self.doubt.lamp_output[self.best_end[1]])
 
     def ports(self, part: Part) -> list[Any]:
         """A port in each of its states."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -36,6 +36,8 @@ class EndScenarios(Scenarios):
     The vehicle leaves its band as far as it may.
     """
 
+    best_end: ClassVar[tuple[str, int]] = ("bad", 0)
+
     @staticmethod
     def of(mission: Mission, scenes: Sequence[SceneOptics], doubt: Doubt) -> EndScenarios:
         """All of them, each once."""
@@ -60,24 +62,16 @@ class EndScenarios(Scenarios):
 
     def each(self, part: Part) -> list[Any]:
         """A camera or a lens at its bad end."""
-        return [at_end(part, "bad") if self.doubt.parts else part] * self.count
+        return [self.favoured(part)] * self.count
 
     def lights(self, part: Light) -> list[Light]:
         """A light at its bad end, and as faint as lamps are."""
-        return [brighter(one, self.doubt.lamp_output[0]) for one in self.each(part)]
+        return [self.favoured_light(part)] * self.count
 
     @property
     def is_drawn(self) -> bool:
         """As of scenarios; here all have the same ends."""
         return False
-
-    def favoured(self, part: Any) -> Any:
-        """A part at its bad end: it is there in all of them."""
-        return at_end(part, "bad") if self.doubt.parts else part
-
-    def favoured_light(self, part: Light) -> Light:
-        """A light likewise."""
-        return brighter(self.favoured(part), self.doubt.lamp_output[0])
 
 
 # ---------------------------------------------------------------- worse than in most

@@ -110,7 +110,7 @@ class Bounds:
         """Whether `of_pixels` may know more than `of_nodes`: pixels or colours count that lamps alone light."""
         return any(
             (scene.pixels is not None or scene.view.requirements.max_white_balance is not None)
-            and not self.is_sunlit(index)
+            and not self.needs.is_sunlit(index)
             for index, scene in enumerate(self.problem.scenes)
         )
 
@@ -152,7 +152,7 @@ class Bounds:
         lighting, (low, high) = self.tables.lightings[k], self.problem.count_range
         pixel_e = {}
         for index, scene in enumerate(self.problem.scenes):
-            if scene.pixels is not None and not self.is_sunlit(index):
+            if scene.pixels is not None and not self.needs.is_sunlit(index):
                 by_count = [
                     self.tables.likely_pixel(index, lighting, rows, count=count, pixels=scene.pixels)
                     for count in range(max(low, 1), max(high, 1) + 1)
@@ -322,10 +322,6 @@ class Bounds:
         if scene.nominal == len(scene.range_m) - 1:
             return np.stack([far, far], axis=1)
         return np.stack([far, self.tables.bound(scene_index, lighting, scene.nominal, rows)], axis=1)
-
-    def is_sunlit(self, scene_index: int) -> bool:
-        """Whether light counts that no lamp gives."""
-        return self.needs.is_sunlit(scene_index)
 
     def without_light(self, rows: Array) -> Terms:
         """What these imagers are at best, whatever lights them."""

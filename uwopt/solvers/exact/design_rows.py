@@ -56,7 +56,7 @@ class NodeRows:
         """The settings' view of these designs, by scene; `light_alone`: without rules and sharpness."""
         result = []
         for index, seen in enumerate(lights):
-            pixels, sunlit = self.problem.scenes[index].pixels, self.bounds.is_sunlit(index)
+            pixels, sunlit = self.problem.scenes[index].pixels, self.bounds.needs.is_sunlit(index)
             likely = optimistic and (sunlit or stage == "likely")  # pixels with their veils, few of them
             if pixels is not None and optimistic and not likely:
                 seen = self._with_likely_pixel(index, imager, count, under, seen)
@@ -197,7 +197,7 @@ class NodeRows:
         self, scene_index: int, imager: Array, count: Array, under: Under, seen: ImageLight, *, veils: Veils
     ) -> ImageLight:  # fmt: skip
         """With the light at the pixels that the SNR is asked of: their share of each lamp depends on the number."""
-        narrowed = None if self.bounds.is_sunlit(scene_index) else self.narrowed  # sun and lamps decide together
+        narrowed = None if self.bounds.needs.is_sunlit(scene_index) else self.narrowed  # sun and lamps decide together
         first, back = rows_alike(imager if narrowed is None else self.tables.images[1][imager], count, under.index)
         parts = []
         for lighting, number, mine in under.take(first).with_number(count[first]):

@@ -174,7 +174,7 @@ class Evaluation:
         if not veiled and not any(self.design_rows.asks_of_image(index) for index in range(len(lights))):
             self._rank(pairs, [light.take(pairs.node) for light in lights])
             return
-        sunlit = any(self.bounds.is_sunlit(index) for index in range(len(lights)))
+        sunlit = any(self.bounds.needs.is_sunlit(index) for index in range(len(lights)))
         if sunlit or self.refusals.are_most:  # bounds of settings cost more than rules
             pairs = self._keeping_rules(pairs, whole=False)
             if len(pairs) == 0:
@@ -231,7 +231,7 @@ class Evaluation:
         if not self.problem.effects.veils:
             return ("none",)
         scenes = enumerate(self.problem.scenes)
-        veiled = any(s.pixels is not None and s.scatters and not self.bounds.is_sunlit(i) for i, s in scenes)
+        veiled = any(s.pixels is not None and s.scatters and not self.bounds.needs.is_sunlit(i) for i, s in scenes)
         return ("none", "forward", "coarse", "likely") if veiled else ("none", "forward", "coarse")
 
     def _bound(

@@ -80,7 +80,7 @@ def _most_quality(bounds: Bounds, k: int, rows: Array, index: int, ends: Array) 
 
 def _least_light(bounds: Bounds, k: int, rows: Array, index: int) -> Array:
     """Least X = light * time / N_w^2 that the lower end of each interval of the SNR needs, (n, n_levels)."""
-    if bounds.is_sunlit(index):  # the sun may bring all of it
+    if bounds.needs.is_sunlit(index):  # the sun may bring all of it
         return np.zeros((len(rows), len(LEVELS_DB)))
     cameras = bounds.problem.cameras.take(bounds.imagers.camera[rows])
     electrons = electrons_in_levels(cameras.read_noise_e, cameras.prnu_frac)

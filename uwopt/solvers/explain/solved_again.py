@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from uwopt.catalog.catalogue import plain_name
 from uwopt.catalog.offers import Offer
+from uwopt.documents.faults import plain_name
 from uwopt.results.design import Design
 from uwopt.results.result import Result
 
