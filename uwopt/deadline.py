@@ -17,6 +17,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Literal, TypeVar
 
+from uwopt.errors import RangeError
+
 Made = TypeVar("Made")
 Progress = Callable[[float, str], None]  # takes how much is done, and of what
 Work = Literal["loss tables", "pixels", "views", "bounds", "designs", "cells", "floors"]
@@ -118,6 +120,8 @@ class Deadline:
     @classmethod
     def after(cls, seconds: float | None, clock: Callable[[], float] = time.perf_counter) -> Deadline:
         """So many seconds from now; without a number never."""
+        if seconds is not None and not isinstance(seconds, (int, float)):
+            raise RangeError(f"seconds = {seconds!r} is no number; give one without a unit, or None for no limit")
         return cls(math.inf if seconds is None else clock() + seconds, clock)
 
     @property

@@ -188,6 +188,8 @@ def test_spider_moves_one_quantity_at_a_time(monkeypatch):
         ({"speed_m_s": "1:2:3", "water": "I,II", "cost": "1,2"}, ["3 keys", "leave some out"]),
         ({}, ["no key is varied"]),
         ({"speed_m_s": [1.0, None]}, ["null is no value"]),
+        ({"speed_m_s": 0.2}, ["vary speed_m_s: has one value"]),
+        ("speed_m_s=0.2:2:7", ["is no mapping"]),
     ],
 )  # fmt: skip
 def test_bad_ranges_are_told_in_one_message(vary, words):

@@ -29,6 +29,7 @@ from uwopt.cli.options import PRINT_S
 from uwopt.errors import SolverError
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.short import short_text_blocks
+from uwopt.report.write import page_in
 from uwopt.results.basis import WhyNothing
 from uwopt.results.result import Certificate, Result
 from uwopt.solvers.exact.search import Search
@@ -450,11 +451,14 @@ def test_report_refuses_what_is_no_result(tmp_path: Path, result_file: Path) -> 
     assert_refused(run("report", tmp_path / "none.json"), "no such file")
     assert_refused(run("report", tmp_path), "is a folder", "result.json")
     (mission := tmp_path / "mission.yaml").write_text("name: mine\n", "utf-8")
-    assert_refused(run("report", result_file, "--out", mission), "no page")
+    assert_refused(run("report", result_file, "--out", mission), "must end in .html")
     assert mission.read_text("utf-8") == "name: mine\n"
     assert_refused(run("report", tmp_path / "cut.json"), "cut off")
     assert_refused(run("report", MISSION), "is not JSON")
-    assert_refused(run("report", result_file, "--out", result_file), "is the result itself")
+    assert_refused(run("report", result_file, "--out", result_file), "must end in .html")
+    assert_refused(run("report", result_file, "--out", tmp_path / "new.pdf"), "must end in .html", "as PDF")
+    assert_refused(run("card", result_file, "--out", tmp_path / "card.pdf"), "must end in .html", "as PDF")
+    assert page_in(str(tmp_path), "card.html") == str(tmp_path / "card.html")  # of both, as of `--out DIR` elsewhere
     assert_refused(run("report", result_file, "--out", tmp_path / "file" / "x.html"))
     assert_refused(run("report", result_file, "--out", ""), "empty")
     assert not (tmp_path / "report.html").exists()

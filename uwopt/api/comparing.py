@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from uwopt.api.common import Source, prepared
@@ -19,7 +19,7 @@ RECOMMENDED = "recommended"
 
 
 def compare(
-    mission: Source | Mission, systems: Sequence[Source | System], *, recommended: bool = False,
+    mission: Source | Mission, systems: Source | System | Sequence[Source | System], *, recommended: bool = False,
     physics: str | None = None, seconds: float | None = None, progress: Progress | None = None,
 ) -> Comparison:  # fmt: skip
     """Systems side by side in a mission, requirement by requirement.
@@ -29,11 +29,13 @@ def compare(
     Parameters
     ----------
     mission : file name, mapping or Mission
-    systems : file names or mappings, each as `evaluate` takes them
+    systems : file names or mappings, each as `evaluate` takes them, or one
     recommended : also what `solve` recommends
     physics : another than the mission's
     seconds : for the search of what `solve` recommends; what it has found by then stands beside the systems
     """
+    if isinstance(systems, (str, Path, Mapping, System)):
+        systems = [systems]
     if not systems:
         raise MissionError("compare: no system is named; give one system file or more behind the mission.")
     if len(systems) > MOST_SYSTEMS:

@@ -39,12 +39,11 @@ from uwopt.objectives.goal import goal_of
 from uwopt.objectives.objective import Objective
 from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL
 from uwopt.results.certainty import Confidence
-from uwopt.results.design import PRACTICE_MISSED, Design, Margin, Note
+from uwopt.results.design import MISFIT, PRACTICE_MISSED, Design, Margin, Note
 from uwopt.results.result import Result
 from uwopt.tolerances import SATISFIED_REL
 
 GAIN_STEP_DB = 0.1  # in which most cameras are set
-MISFIT = "fits: "  # how margins begin of what does not fit together
 STEP_DIGITS = 1e-4  # of a step: as nearly as a gain typed as a ratio tells
 
 

@@ -70,6 +70,8 @@ def whatif(
     ------
     MissionError : a key does not exist, a range is empty, or values contradict the rest of the mission
     """
+    if vary is not None and not isinstance(vary, Mapping):
+        raise MissionError(f'whatif: vary = {str(vary)[:60]!r} is no mapping; as {{"speed_m_s": "0.2:2:40"}}')
     base = VariedMission(mission, given(objective=objective, physics=physics, confidence=confidence))
     check_physical(base.base)
     keys = tuple(base.varied(key, values) for key, values in (vary or {}).items())

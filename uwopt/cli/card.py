@@ -21,13 +21,12 @@ def card_command(
 ) -> int:
     """Print what to set at sea: per scene every setting, how far it may be off, and what to do in worse water."""
     from uwopt.report.card.page import card_html, card_of
-    from uwopt.report.write import check_file, write_text
+    from uwopt.report.write import check_page, page_in, write_text
     from uwopt.results.reading import read_solved
 
-    if out is not None:
-        check_file(out)
+    target = None if out is None else check_page(page_in(out, "card.html"))
     held = read_solved(result)
     card = card_of(held, result)
-    written = [] if out is None else [write_text(card_html(held, card), out)]
+    written = [] if target is None else [write_text(card_html(held, card), target)]
     print_made(card.blocks, written, mission=held.mission, quiet=quiet)
     return DONE

@@ -10,7 +10,6 @@ import typer
 from uwopt.cli.options import limit_of, seconds_as
 from uwopt.cli.output import tell_written
 from uwopt.cli.status import DONE, command
-from uwopt.errors import OutputError
 
 
 @command
@@ -31,27 +30,14 @@ def report_command(
 ) -> int:
     """Make the page of a result again: verdict, figures and margins from the file, pictures by the model."""
     from uwopt.report.text.console import ProgressBar
-    from uwopt.report.write import check_file, write_page
+    from uwopt.report.write import PAGE_FILE, check_page, page_in, write_page
     from uwopt.results.reading import read_result
 
     deadline = limit_of(seconds)
-    target = check_file(page_file(result, out))
-    if target.exists() and Path(result).exists() and target.samefile(result):
-        raise OutputError(f"{target}: is the result itself; choose another --out.")
-    if target.is_file() and target.suffix.lower() not in (".html", ".htm"):
-        raise OutputError(f"{target}: is there already and is no page; choose another --out.")
+    target = check_page(page_in(str(Path(result).parent) if out is None else out, PAGE_FILE))
     with ProgressBar(quiet=quiet) as bar:
         if bar.report is not None:
             bar.report(0.0, "making the report")
         written = write_page(read_result(result), target, deadline=deadline)
     tell_written([written], quiet=quiet)
     return DONE
-
-
-def page_file(result: str, out: str | None) -> str:
-    """Where the page goes: the file that is named, report.html in a folder, or beside the result."""
-    if out is None:
-        return str(Path(result).parent / "report.html")
-    named = Path(out)
-    is_folder = out.endswith(("/", "\\")) or named.is_dir() or not named.suffix
-    return str(named / "report.html") if out.strip() and is_folder else out

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,7 +26,7 @@ from uwopt.forward.problem import Problem
 from uwopt.forward.spacers import ring_behind_m
 from uwopt.forward.views import focus_map, views
 from uwopt.mission.fixed import Fixed
-from uwopt.mission.mission import Mission
+from uwopt.mission.mission import Mission, load_mission
 from uwopt.mission.sections.requirements import Requirements
 from uwopt.model.port import lens_dioptre_per_m
 
@@ -145,10 +146,11 @@ def owned_ids(selection: Selection) -> dict[str, int]:
     return {selection.catalog.part(name).id: count for name, count in selection.owned.items()}
 
 
-def load_catalog(mission: Mission | None = None) -> Catalog:
+def load_catalog(mission: str | Path | Mapping[str, Any] | Mission | None = None) -> Catalog:
     """The built-in catalogue, with the own parts and quotes that a mission names."""
     if mission is None:
         return _load_catalog()
+    mission = load_mission(mission)
     files = [str(mission.resolve_path(name)) for name in mission.catalog.files]
     prices = None if mission.catalog.prices is None else str(mission.resolve_path(mission.catalog.prices))
     catalog = _load_catalog(files, prices, mission.base_dir)

@@ -7,7 +7,7 @@ scene's name for one scene alone (`lagoon.altitude_m`). It is set in every scene
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -189,17 +189,18 @@ def same_as(name: str) -> tuple[str, ...]:
     return next((names for names in ONE_OF if name in names), (name,))
 
 
-def checked_values(told: str, given: Sequence[Any] | str) -> tuple[Value, ...]:
+def checked_values(told: str, given: Iterable[Any] | str) -> tuple[Value, ...]:
     """The values of a range `from:to:count`, of a list by commas, or of a sequence; each once, two at least."""
     if isinstance(given, str):
         told = f"{told}={given.strip()}"
         values = range_values(told, given) if ":" in given else [plain_value(text) for text in given.split(",")]
     else:
-        values = [plain_value(value) for value in given]
+        values = [plain_value(value) for value in (given if isinstance(given, Iterable) else [given])]
     if any(value == "" for value in values):
         raise MissionError(f"{told}: a value is empty; write {EXAMPLES}")
     if len(values) < 2:
-        raise MissionError(f"{told}: is an empty range, two values at least are wanted; write {EXAMPLES}")
+        holds = "has one value" if values else "is an empty range"
+        raise MissionError(f"{told}: {holds}, two at least are wanted; write {EXAMPLES}")
     if len(values) > MOST_VALUES:
         raise MissionError(f"{told}: asks for {len(values)} values, {MOST_VALUES} at most are solved; take fewer")
     twice = next((value for value in values if values.count(value) > 1), None)

@@ -105,7 +105,22 @@ def write_page(result: AnyResult, file: str | Path, *, deadline: Deadline = NEVE
 
     The page does without pictures for which the deadline leaves no time.
     """
-    return write_text(page_text(result, deadline), file)
+    return write_text(page_text(result, deadline), check_page(file))
+
+
+def page_in(out: str, name: str) -> str:
+    """Where a page goes: the file that is named, or a file of a name in a folder."""
+    named = Path(out)
+    is_folder = out.endswith(("/", "\\")) or named.is_dir() or not named.suffix
+    return str(named / name) if out.strip() and is_folder else out
+
+
+def check_page(file: str | Path) -> Path:
+    """The file if a page can be written there, and its name does not promise something else; raises OutputError."""
+    path = check_file(file)
+    if path.suffix.casefold() not in ("", ".html", ".htm"):
+        raise OutputError(f"{file}: its name must end in .html, for a page is written; a browser prints it as PDF.")
+    return path
 
 
 def write_text(text: str, file: str | Path) -> Path:

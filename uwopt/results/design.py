@@ -205,6 +205,9 @@ class SettableCheck(Record):
     totals: Totals | None = Field(default=None, description="cost, power and mass with these settings")
 
 
+MISFIT = "fits: "  # how margins begin of what does not fit together
+
+
 @dataclass(frozen=True, config=RECORD)
 class Margin(Record):
     """One requirement held against its limit, worst over the altitudes."""
@@ -229,6 +232,11 @@ class Margin(Record):
         if self.limit is None:
             return None
         return self.limit + self.reserve if self.sense == "<=" else self.limit - self.reserve
+
+    @property
+    def is_of_fit(self) -> bool:
+        """Whether it only says that something does not fit, which no number tells."""
+        return self.requirement.startswith(MISFIT)
 
     @property
     def key(self) -> str:

@@ -21,6 +21,7 @@ from uwopt.mission.system import load_system
 from uwopt.report.compare.page import comparison_blocks, comparison_csv, comparison_html
 from uwopt.report.compare.rows import cell_of, facts, margins_of, requirement_rows, sentences
 from uwopt.report.text.layout import Grid
+from uwopt.report.text.tables import margin_texts
 from uwopt.results.comparison import Comparison, SideBySide
 from uwopt.results.design import Margin, Note, UsedPart
 
@@ -52,9 +53,24 @@ def test_what_is_infinite_or_unknown_is_told_by_its_name(pair: Comparison) -> No
     alone = replace(pair, systems=[first])
     (mass,) = (row for row in facts(alone) if row.key == "mass_kg")
     assert mass.cells[0].text == "unknown"
-    assert cell_of(None).text == "unknown"
-    assert cell_of(Margin("max_far_m", None, 2.0, ">=", None, "m", None, True, False)).text == "infinite"
-    assert cell_of(Margin("min_dof_m", None, 2.0, ">=", None, "m", None, False, False)).text == "–"
+    far = Margin("max_far_m", None, 2.0, ">=", None, "m", None, True, False)
+    near = Margin("min_dof_m", None, 2.0, ">=", None, "m", None, False, False)
+    assert [cell_of(one, far).text for one in (None, far, near)] == ["unknown", "infinite", "–"]
+
+
+def test_what_does_not_fit_is_told_without_numbers(pair: Comparison) -> None:
+    more = compare(MISSION | {"vehicle": MISSION["vehicle"] | {"light_count": 3}}, [SHELF])
+    (row,) = (row for row in requirement_rows(more) if row.key == "fits: light count")
+    assert (row.asked, row.cells[0].text, row.cells[0].met) == ("yes", "no", False)
+    (margin,) = (m for m in more.systems[0].design.missed if m.key == row.key)
+    assert cell_of(None, margin).text == "yes"  # of a system that has no such margin
+    assert margin_texts(margin, {}, None) == ("fits: light count", "no", "yes", "–", "")
+
+
+def test_one_system_is_taken_for_a_list_of_it(pair: Comparison, tmp_path: Path) -> None:
+    file = tmp_path / "shelf.yaml"
+    file.write_text(yaml.safe_dump(SHELF), encoding="utf-8")
+    assert len(compare(MISSION, str(file)).systems) == len(compare(MISSION, SHELF).systems) == 1
 
 
 def test_limits_of_parts_that_all_keep_are_not_told(pair: Comparison) -> None:
@@ -95,7 +111,8 @@ def test_housings_are_told_where_any_system_has_one(make_result: Make) -> None:
 
 def test_rig_that_is_worse_by_the_goal_may_show_more(make_result: Make) -> None:
     told = " ".join(sentences(side_by_side(make_result, 50.0)))
-    assert "the recommended one is better or as good: 40.0 W against 50.0 W" in told
+    assert "the recommended one is better: 40.0 W against 50.0 W" in told
+    assert "the recommended one is as good: 40.0 W" in " ".join(sentences(side_by_side(make_result, 40.0)))
     assert "more to show in signal to noise (33.0 dB, not 30.0 dB)" in told
 
 

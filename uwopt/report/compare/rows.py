@@ -23,6 +23,7 @@ FIGURES = (
     "mean_level", "f_number", "exposure_ms", "flux_lm", "frame_rate_hz", "data_rate_mb_s", "power_w", "light_power_w",
     "information_bit_per_m2",
 )  # fmt: skip
+SAME_GOAL = 1e-6  # of it, by which values of the goal may differ that are the same
 MOST_TOLD = 1000  # letters of what gave way
 KNOWN = {one.name: one for one in QUANTITIES}
 
@@ -100,7 +101,7 @@ def requirement_rows(comparison: Comparison) -> Iterator[ComparedRow]:
             sample = known[0]
             limits = {limit_text(margin) for margin in known}
             asked = limits.pop() if len(limits) == 1 else "by part"
-            cells = tuple(cell_of(margin) for margin in own)
+            cells = tuple(cell_of(margin, sample) for margin in own)
             yield ComparedRow(first.name, name, words.requirement_name(name), asked, sample.unit, cells)
 
 
@@ -123,14 +124,16 @@ def in_hand(margin: Margin) -> tuple[bool, float]:
 
 def limit_text(margin: Margin) -> str:
     """What is asked, with its sense."""
+    if margin.is_of_fit:
+        return "yes"
     sense = {"<=": "at most ", ">=": "at least ", "=": ""}[margin.sense]
     return sense + formats.quantity(margin.limit, margin.unit, 4)
 
 
-def cell_of(margin: Margin | None) -> Reached:
-    """What a system reaches of a requirement."""
+def cell_of(margin: Margin | None, sample: Margin) -> Reached:
+    """What a system reaches of a requirement; `sample`: of one that has it."""
     if margin is None:
-        return Reached(None, "unknown")
+        return Reached(None, "yes" if sample.is_of_fit else "unknown")
     endless = margin.value is None and not margin.word and has_no_limit(margin)
     return Reached(margin.value, "infinite" if endless else formats.margin_ends(margin)[0], margin.satisfied)
 
@@ -145,7 +148,11 @@ def figure_rows(comparison: Comparison) -> Iterator[ComparedRow]:
             if not any(isinstance(value, (int, float)) for value in values):
                 continue
             known, one = [None if value is None else float(value) for value in values], KNOWN[key]
-            cells = tuple(Reached(value, formats.quantity(value, one.unit)) for value in known)
+            endless = [key == "dof_m" and scene.figures.get("dof_far_is_infinite") is True for scene in scenes]
+            cells = tuple(
+                Reached(value, "infinite" if is_endless else formats.quantity(value, one.unit))
+                for value, is_endless in zip(known, endless, strict=True)
+            )
             yield ComparedRow(first.name, key, one.words, "", one.unit, cells)
 
 
@@ -179,14 +186,16 @@ def against(one: SideBySide, best: SideBySide, missed: bool) -> Iterator[str]:
     """A system set against the recommended one: better by the goal and why it may be, and better beside it."""
     goal, ours, theirs = best.result.objective, one.design.objective_value, best.design.objective_value
     sign = 1.0 if goal.direction == "minimise" else -1.0
-    if ours is not None and theirs is not None and sign * (ours - theirs) < -1e-6 * abs(theirs):
+    if ours is not None and theirs is not None and sign * (ours - theirs) < -SAME_GOAL * abs(theirs):
         values = formats.quantities_apart(ours, theirs, unit=goal.unit)
         reasons = [*(["it does not do what is asked"] if missed else []), *outside_reasons(one)]
         why = "; ".join(reasons) or "the search of the catalogue does not hold it"
         yield f"By the goal it is better, {values[0]} against {values[1]}: {why}."
     elif ours is not None and theirs is not None:
         values = formats.quantities_apart(ours, theirs, unit=goal.unit)
-        yield f"By the goal the recommended one is better or as good: {values[1]} against {values[0]}."
+        is_as_good = abs(ours - theirs) <= SAME_GOAL * abs(theirs)
+        word, values_told = "as good" if is_as_good else "better", f"{values[1]} against {values[0]}"
+        yield f"By the goal the recommended one is {word}: {values_told}."
     gains = [*better_figures(one.design, best.design, goal.name)]
     if gains:
         yield f"It has more to show in {words.listed(gains)}, which the goal does not reward beyond what is asked."

@@ -119,6 +119,8 @@ def change(value: float, unit: str, scale: float) -> str:
 
 def margin_ends(margin: Margin, cost: Cost | None = None) -> tuple[str, str]:
     """What is reached of a requirement, a number with its unit or the word in its place; and its limit."""
+    if margin.is_of_fit:
+        return "yes" if margin.satisfied else "no", "yes"
     if (told := told_cost(margin, cost)) is not None:
         return money(told, margin.unit), money(margin.limit, margin.unit)
     if symbol(margin.unit) == "Hz":  # in Hz both, however slow: no interval stands against a rate
@@ -153,7 +155,7 @@ def told_cost(margin: Margin, cost: Cost | None) -> float | None:
 
 def margin_text(margin: Margin, cost: Cost | None = None) -> str:
     """What is left of a requirement, in its unit; of a cost what is left of the numbers that are told."""
-    if margin.margin is None:
+    if margin.margin is None or margin.is_of_fit:
         return quantity(None)
     told = told_cost(margin, cost)
     if told is not None and margin.limit is not None:

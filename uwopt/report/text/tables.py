@@ -292,7 +292,7 @@ def margin_state(margin: Margin, exact: Margin | None = None) -> str:
 
 def margin_texts(margin: Margin, kinds: Mapping[str, str], cost: Cost | None) -> tuple[str, str, str, str, str]:
     """Requirement, value, limit, what is left, and the altitude where it is worst."""
-    sign = {"<=": "at most ", ">=": "at least "}.get(margin.sense, "exactly ")
+    sign = "" if margin.is_of_fit else {"<=": "at most ", ">=": "at least "}.get(margin.sense, "exactly ")
     value, limit = formats.margin_ends(margin, cost)
     return (
         words.requirement_name(margin.requirement, kinds),
