@@ -18,6 +18,14 @@ BESIDE = "tests/solvers/test_beside.py"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="hours do not give where mass lacks before energy",
+        file="uwopt/solvers/infeasible/joint_changes.py",
+        old="for_want_of_energy=may_lack_energy)",
+        new="for_want_of_energy=False)",
+        test="tests/solvers/test_least_change.py"
+        "::test_energy_that_lacks_behind_a_mass_that_is_too_great_gives_together_with_it",
+    ),
+    Defect(
         name="curves are begun under the sun of designs that do not fit",
         file="uwopt/solvers/front/trade_curves.py",
         old="        return np.isfinite(bound_if_any(",

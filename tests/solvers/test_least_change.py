@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import math
 from functools import partial
@@ -623,3 +624,34 @@ def test_what_may_help_is_asked_of_a_few_imagers_where_all_would_take_too_long(p
     assert [helps.name for helps in one.helpful] == ["min_swath_m"]
     one.drop_rest()
     assert "min_swath_m" not in one.left and "overlap" in one.left
+
+
+GLIDER: dict[str, Any] = {
+    "practice": "bare", "name": "glider", "objective": "power", "confidence": "central",
+    "scene": {"water": "II", "seafloor": "sand", "depth_m": 60},
+    "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.3, "light_baseline_m": 0.4, "light_count": 1,
+                "duration_h": 200, "battery_wh": 900, "supply": "battery"},
+    "requirements": {"frame_interval_s": 10, "max_blur_px": 1.5, "min_snr_db": 20},
+    "limits": {"power_w": 4, "mass_kg": 8},
+    "catalog": {"cameras": ["basler-aca1920-40um", "allied*g-23*"], "lenses": ["kowa-lm12jc5m2", "kowa-lm8*"],
+                "ports": ["blue-robotics-4-in-dome-plastic-ring-2026"], "lights": ["arctic-rays-dragonfish*"],
+                "generic": "never", "host": "estimate", "rest": "estimate"},
+}  # fmt: skip
+
+
+def test_energy_that_lacks_behind_a_mass_that_is_too_great_gives_together_with_it() -> None:
+    """A glider of 8 kg whose battery alone weighs 12.6 kg was told that "at least two have to give", and not which.
+
+    A larger battery is heavier by as much as mass may give, so that hours have to.
+    """
+    told = solve(GLIDER, top=1).infeasible
+    assert told is not None and not told.relaxations and not told.moves
+    possible = {one.name: one.needed for one in told.together}
+    assert {"duration_h", "power_w", "mass_kg"} <= {*possible} and "battery_wh" not in possible
+    assert None not in possible.values()
+    assert possible["power_w"] * possible["duration_h"] <= 900.0  # what the battery holds
+    changed = copy.deepcopy(GLIDER)
+    for name, value in possible.items():
+        places = [changed[section] for section in ("limits", "vehicle", "requirements")]
+        next(own for own in places if name in own)[name] = value
+    assert solve(changed, top=1, quick=True).best is not None

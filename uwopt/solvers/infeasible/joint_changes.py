@@ -24,7 +24,7 @@ from uwopt.mission.varying import Varied, VariedMission
 from uwopt.mission.weakened import is_from_above
 from uwopt.results.basis import Relaxed
 from uwopt.results.design import Design
-from uwopt.solvers.infeasible.freed_rules import BATTERY, BUDGETS, ENERGY, MAY_PASS
+from uwopt.solvers.infeasible.freed_rules import BATTERY, BUDGETS, MAY_PASS, OF_LARGER
 from uwopt.solvers.infeasible.least_change import Change, fitting, rounded_away, with_its_hardware
 from uwopt.solvers.infeasible.move_keys import shared_keys
 from uwopt.solvers.infeasible.reached import UNKNOWN, judged_by, miss, missed_by
@@ -72,7 +72,8 @@ class CommonShare:
             for name, limit in sorted(self.trials.limits.items(), key=lambda one: not self.trials.is_own(one[0]))
             if name in MAY_PASS and limit and name not in KEPT
         }
-        self.vehicle = shared_keys(self.trials.mission, for_want_of_energy=ENERGY in self.trials.short_of)
+        may_lack_energy = not self.trials.short_of.isdisjoint(BUDGETS)  # it counts last, of what no other takes out
+        self.vehicle = shared_keys(self.trials.mission, for_want_of_energy=may_lack_energy)
         self.base = VariedMission(self.trials.mission, {})
 
     @property
@@ -99,6 +100,8 @@ class CommonShare:
         """
         low, self.by_factor = 0.0, True
         ways = [self.vehicle] if self.few and "light" in self.trials.short_of else [{}, self.vehicle]
+        if BATTERY in self.vehicle and OF_LARGER & self.limits.keys():  # a larger one takes up what they give
+            ways.append({key: value for key, value in self.vehicle.items() if key != BATTERY})
         far = FARTHEST[-1:] if self.trials.relaxer.are_too_many else FARTHEST  # of all parts any share is as soon known
         for share in FARTHEST_SOON if self.few else far:
             for moved in ways:
