@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from uwopt.forward.sharpness import SharpRows
 
 
-
 @dataclass(frozen=True)
 class SceneRows(Columns):
     """What the settings of n designs depend on in one scene. Arrays (n,) or (n, n_altitudes), SI.

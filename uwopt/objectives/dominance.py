@@ -152,13 +152,6 @@ class BestPoints:
         self.values = every[nondominated(every)]
         self._table = None
 
-    @staticmethod
-    def of(values: Array) -> BestPoints:
-        """An archive of these points, none of which dominates another."""
-        made = BestPoints(values.shape[1])
-        made.values = values
-        return made
-
     def dominates(self, values: Array) -> Array:
         """Whether some point is better than each of these, by more than a tie, (n,)."""
         if len(self.values) == 0 or len(values) == 0:

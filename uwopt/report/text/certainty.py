@@ -239,8 +239,6 @@ def uncertain(what: str) -> str:
     return UNCERTAIN.get(what, formats.one_line(what))
 
 
-
-
 #: What a change is told of is one piece of hardware; that of a mission so changed may be another.
 CHOSEN_ANEW = "That is told of the hardware named: solve of a mission so changed chooses anew, and may take other."
 

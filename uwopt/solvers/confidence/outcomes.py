@@ -278,7 +278,6 @@ class Judge:
         first = np.select(list(misses.values()), list(misses), "")
         return np.where(feasible & np.isfinite(value), value, np.inf), first
 
-
     def told(self, value: Array, first: Array) -> tuple[Array, Array]:
         """The verdict, in which fine detail that blurs is no lack of light: that has settings where none is asked for.
 

@@ -70,7 +70,6 @@ class TableResponse:
             made[mine] += size.reshape(-1, *([1] * (made.ndim - 1))) * beyond
         return made
 
-
     def in_band(self, weight: Array) -> TableResponse:
         """At other altitudes of the band, by the weight of each that is known, (n_altitudes, n_known)."""
         clarity, leg = (np.einsum("ak,nk...->na...", weight, nodes) for nodes in (self.clarity, self.leg))
@@ -138,7 +137,6 @@ class WaterResponse:
                 factor = factor * (1.0 + (bright - 1.0) * self.from_floor[index][name])
             changes[name] = getattr(rows, name) * factor
         return balanced(replace(rows, **changes))
-
 
     def in_narrower_band(self, share: float) -> WaterResponse:
         """Where the altitudes are kept within so much of their tolerance; itself where there is but one altitude."""

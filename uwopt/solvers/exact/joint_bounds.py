@@ -29,19 +29,12 @@ if TYPE_CHECKING:
     from uwopt.solvers.exact.bounds import Bounds
 
 
-
 def joint_bound(bounds: Bounds, k: int, rows: Array) -> Array:
     """Lower bound of the objective of imagers under one lighting, the worst scene's, (n,); inf: none is reached."""
-    step = max(1, MOST_NUMBERS // (F_NUMBERS * len(LEVELS_DB)))
-    parts = [_bound_of(bounds, k, rows[start : start + step]) for start in range(0, len(rows), step)]
-    return np.concatenate(parts) if parts else np.empty(0)
-
-
-def _bound_of(bounds: Bounds, k: int, rows: Array) -> Array:
-    value = np.full(len(rows), -np.inf)
-    for index in range(len(bounds.problem.scenes)):
-        value = np.maximum(value, _in_scene(bounds, k, rows, index))
-    return value
+    step, every = max(1, MOST_NUMBERS // (F_NUMBERS * len(LEVELS_DB))), range(len(bounds.problem.scenes))
+    parts = [rows[start : start + step] for start in range(0, len(rows), step)]
+    each = [np.max([_in_scene(bounds, k, some, index) for index in every], axis=0) for some in parts]
+    return np.concatenate(each) if each else np.empty(0)
 
 
 def _in_scene(bounds: Bounds, k: int, rows: Array, index: int) -> Array:

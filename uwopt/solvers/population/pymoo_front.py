@@ -293,8 +293,6 @@ def reference_directions(n_axes: int, pop_size: int) -> Array:
     return np.asarray(get_reference_directions("das-dennis", n_axes, n_partitions=steps))
 
 
-
-
 # ---------------------------------------------------------------- what was met
 
 

@@ -53,7 +53,6 @@ class Sun:
         worst, over = (c * share[:, None] for c in (rows.worst_sun_signal_e_s, rows.worst_sun_veil_e_s))
         return replace(made, worst_signal_e=worst, worst_total_e=worst + over)
 
-
     def at_altitude(self, altitude: int, of: Light) -> tuple[Array, Array]:
         """Signal and all light at one altitude, (n, n_pixels): see `light_of_each`."""
         picked = self.signal_e, self.total_e
