@@ -478,6 +478,20 @@ def test_settings_of_both_scenes_of_a_time_lapse_are_seen_at_once(show: Callable
     assert cut == []
 
 
+def test_a_long_name_and_the_bars_of_maps_stay_on_a_telephone(show: Callable[..., Any], tank: Any) -> None:
+    named = replace(tank, mission={**tank.mission, "name": f"Urchins, <b>{'Strongylocentrotus' * 2}</b>"})
+    page = show(named, viewport={"width": 390, "height": 800})
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    page.locator("#fig-d0-illuminance, #fig-d0-snr").first.scroll_into_view_if_needed()
+    page.locator(".plot[data-drawn=true] .colorbar").first.wait_for(state="attached")
+    boxes = """() => { const plot = document.querySelector('.colorbar').closest('.plot');
+        const box = (name) => plot.querySelector(name).getBoundingClientRect();
+        return ['.xtitle', '.cbbg', '.heatmaplayer image'].map(box); }"""
+    title, bar, field = page.evaluate(boxes)
+    assert bar["bottom"] <= field["top"] + 1 and bar["width"] > bar["height"]  # beside it, it hid the title's end
+    assert title["left"] > 0 and title["right"] <= 390
+
+
 def test_what_to_buy_is_whole_on_a_telephone(show: Callable[..., Any], tank: Any) -> None:
     page = show(tank, viewport={"width": 390, "height": 800})
     over = page.evaluate(

@@ -99,6 +99,12 @@ def test_key_numbers_are_those_of_the_result(made):
         assert f"SNR {figures['snr_db_centre']:.1f} dB" in by_id["picture-detail"].alt
 
 
+def test_what_holds_for_all_simulated_pictures_is_said_once(made):
+    told = [one.caption for one in made[1] if one.id.startswith("picture-")]
+    assert [caption.count("not a photograph") for caption in told] == [1, *([0] * (len(told) - 1))]
+    assert all("Applied: " in caption for caption in told)
+
+
 def test_pairs_are_the_details(made):
     result, pictures = made
     chart, seen = design_pictures(result, result.best, whole=False)

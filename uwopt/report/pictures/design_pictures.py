@@ -326,7 +326,7 @@ def simulated(made: Replay, width_mm: float | None) -> list[Picture]:
     """Chart and picture of the whole image and of a detail, and a detail of the corner."""
     whole = view_pictures(whole_view(made), "whole", "Whole image, shrunk")
     detail = view_pictures(
-        detail_view(made, width_mm=width_mm), "detail", "Detail of the middle, pixel by pixel"
+        detail_view(made, width_mm=width_mm), "detail", "Detail of the middle, pixel by pixel", is_first=False
     )
     if made.model.problem.paper:
         return [*whole, *detail]
@@ -334,20 +334,23 @@ def simulated(made: Replay, width_mm: float | None) -> list[Picture]:
         detail_view(made, place="corner", width_mm=width_mm),
         "corner",
         "Detail of a corner, pixel by pixel",
+        is_first=False,
     )
     return [*whole, *detail, corner[1]]
 
 
-def view_pictures(view: View, name: str, title: str) -> tuple[Picture, Picture]:
-    """The chart and the picture of one view."""
+def view_pictures(view: View, name: str, title: str, *, is_first: bool = True) -> tuple[Picture, Picture]:
+    """The chart and the picture of one view; the first on a page says what holds for all."""
     size = f"{view.width_mm / 1e3:.3g} m" if view.width_mm >= 1000 else f"{view.width_mm:.3g} mm"
     scale = f"A field of the ruler is {10 * view.unit_mm:g} mm; the bars are " + ", ".join(
         f"{share * view.unit_mm:g}" for share in (0.75, 1, 1.5, 2, 3, 5)
     )
     scale += f" mm wide. {size} of floor lie on {view.pixels_across:.0f} px of the camera."
-    grey = "Shown linearly as sRGB" + (
-        f", brightened {view.brightened:.3g} times." if view.brightened > 1 else ", white is full scale."
-    )
+    made = f"Applied: {view.applied}."
+    if is_first:
+        made = f"{ILLUSTRATION} {made} Shown linearly as sRGB, white is full scale unless told otherwise."
+    if view.brightened > 1:
+        made += f" Brightened {view.brightened:.3g} times."
     return (
         image_picture(
             f"chart-{name}", f"{title}: the chart", f"{scale} Its plain floor is shown at 30 % of white.",
@@ -355,7 +358,7 @@ def view_pictures(view: View, name: str, title: str) -> tuple[Picture, Picture]:
         ),
         image_picture(
             f"picture-{name}", f"{title}: as the camera would see it",
-            f"{ILLUSTRATION} Applied: {view.applied}. {grey}",
+            made,
             f"The chart as simulated: {view.applied}.", view.picture,
         ),
     )  # fmt: skip

@@ -245,11 +245,15 @@ def exposure_plot(curves: Operation) -> Plot:
 # ---------------------------------------------------------------- maps
 
 
+#: Above the map: beside it, it leaves a telephone no room for the axis below.
+BAR = {"orientation": "h", "x": 0.5, "xanchor": "center", "y": 1.0, "yanchor": "bottom", "ypad": 6, "thickness": 14}
+
+
 def heat(x: Any, y: Any, z: Any, unit: str, *, scale: str) -> dict[str, Any]:
     """A map with its bar."""
     return {
         "type": "heatmap", **{name: numbers(column, MAP_DIGITS) for name, column in (("x", x), ("y", y), ("z", z))},
-        "colorscale": scale, "colorbar": {"title": {"text": unit}, "thickness": 14}, "zsmooth": "best",
+        "colorscale": scale, "colorbar": {**BAR, "title": {"text": unit, "side": "top"}}, "zsmooth": "best",
         "hovertemplate": f"%{{x}}, %{{y}}: %{{z}} {unit}<extra></extra>",
     }  # fmt: skip
 
