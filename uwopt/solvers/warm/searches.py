@@ -334,6 +334,7 @@ class Warm:
         problem = build_problem(stage.mission, few, scenes=self._scenes(stage.mission))
         goal = goal_of(stage.mission)
         sought = self._run(few, self._search(problem, goal))
+        self._remember_scenes(problem)
         if sought.outcome.best:
             self._family(stage).show(goal, stage.asks, reached_by(sought))
         return sought
@@ -386,8 +387,12 @@ class Warm:
         """The winner's parts, and its scenes."""
         ids = ids_of(sought.problem, sought.outcome.best[0])
         self.winners = [ids, *(one for one in self.winners if one != ids)][:2]
-        if self._scenes(sought.problem.mission) is None:
-            self.known = [*self.known[1 - MOST_SCENES :], sought.problem]
+        self._remember_scenes(sought.problem)
+
+    def _remember_scenes(self, problem: Problem) -> None:
+        """The light of a problem's scenes, for others in these."""
+        if self._scenes(problem.mission) is None:
+            self.known = [*self.known[1 - MOST_SCENES :], problem]
 
 
 def reached_by(sought: Sought) -> float:
