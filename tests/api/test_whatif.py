@@ -147,7 +147,21 @@ def test_a_map_has_switches_along_both_keys():
     table = uwopt.whatif(reef(), {"speed_m_s": [0.4, 1.3], "altitude_m": [1.6, 2.0]})
     assert {switch.key for switch in table.switches} >= {"speed_m_s"}
     assert [point.values for point in table.points] == [[0.4, 1.6], [0.4, 2.0], [1.3, 1.6], [1.3, 2.0]]
+    assert len({repr(switch) for switch in table.switches}) == len(table.switches)
     assert "Which system wins where" in whatif_html(table)
+
+
+def test_where_systems_take_over_between_two_halves_of_a_table_is_found_as_in_one(monkeypatch):
+    """Altitudes are solved in two halves, side by side; between them another system wins."""
+    tables = []
+    for fewest in (1, 2):
+        monkeypatch.setattr(api_varied, "FEWEST", fewest)
+        tables.append(uwopt.whatif(reef(catalog=FEW | ONE_VIEW), {"altitude_m": [1.4, 2.4]}))
+    halves, whole = (
+        [(one.low, one.high, one.proven, one.first and table.systems[one.first]) for one in table.switches]
+        for table in tables
+    )
+    assert halves == whole and all(proven for *_, proven, _ in whole) and len(whole) > 0
 
 
 def test_spider_moves_one_quantity_at_a_time(monkeypatch):

@@ -12,6 +12,20 @@ YIELDING = "tests/api/test_yielding.py"
 
 DEFECTS = (
     Defect(
+        name="nothing takes over between two lines of a table",
+        file="uwopt/api/whatif.py",
+        old="        seams = self.grid.seam_keys(self.keys)\n",
+        new="        seams = []\n",
+        test=f"{TESTS}::test_where_systems_take_over_between_two_halves_of_a_table_is_found_as_in_one",
+    ),
+    Defect(
+        name="between two lines of a map what takes over within them is told again",
+        file="uwopt/api/whatif.py",
+        old="        own.along = self.grid.apart\n",
+        new="",
+        test=f"{TESTS}::test_a_map_has_switches_along_both_keys",
+    ),
+    Defect(
         name="a table keeps the numbers that systems have in its lines",
         file="uwopt/api/whatif.py",
         old="replace(self.grid.points[at], system=place)",

@@ -16,6 +16,7 @@ from uwopt.mission.varying import Value, Varied, VariedMission
 from uwopt.mission.yielding import Yield, with_given_way
 from uwopt.objectives.objective import Objective
 from uwopt.results.whatif import Switch, WhatIfPoint, WinningSystem
+from uwopt.solvers.beside import shares
 from uwopt.solvers.exact.ranking import ids_in
 from uwopt.solvers.recommend import check_claim, evaluated
 from uwopt.solvers.warm.parts import PartIds, ids_of, joined_ids
@@ -23,7 +24,9 @@ from uwopt.solvers.warm.searches import Warm, WarmAnswer, weakest_first
 from uwopt.units import ratio_to_db
 
 At = tuple[Value, ...]
+NO_IDS: PartIds = {}  # where nothing is searched among parts
 SHARP = 1e-2  # of the way between two neighbouring points: how sharp a switch is told
+FEWEST = 4  # points of half a line
 DEEPEST = 3  # other systems found between two, one within another
 
 
@@ -44,13 +47,13 @@ class Systems:
         system = WinningSystem(*ids_in(problem.parts, one), problem.lamps_carried(one), generic)
         if system not in self.found:
             check_claim(evaluated(problem, one, self.objective), one, self.objective)
-            self.parts.append(ids_of(problem, one))
-        return self.place_of(system)
+        return self.place_of(system, ids_of(problem, one))
 
-    def place_of(self, system: WinningSystem) -> int:
-        """The index of a system, which is remembered."""
+    def place_of(self, system: WinningSystem, parts: PartIds = NO_IDS) -> int:
+        """The index of a system, which is remembered with the ids of its parts."""
         if system not in self.found:
             self.found.append(system)
+            self.parts.append(parts)
         return self.found.index(system)
 
     def point(self, values: Sequence[Value], answer: WarmAnswer) -> WhatIfPoint:
@@ -85,6 +88,7 @@ class VariedGrid:
     missions: dict[At, Mission] = field(default_factory=dict)
     points: dict[At, WhatIfPoint] = field(default_factory=dict)
     refused: dict[At, str] = field(default_factory=dict)  # points that are no mission, and why
+    along: int | None = None  # the only key along which neighbours are looked at
 
     @cached_property
     def signs(self) -> tuple[int, ...]:
@@ -110,17 +114,38 @@ class VariedGrid:
         every = [at for at in self.every if at not in self.refused]
         return [every[place] for place in weakest_first([self.mission(at) for at in every])]
 
-    def lines_apart(self) -> list[tuple[Varied, ...]]:
-        """The keys of each part of the table in which what is no number has one value, in the order of these.
+    @cached_property
+    def apart(self) -> int | None:
+        """Which key parts the table into lines that are solved side by side; None: it is one line.
 
-        Nothing is between two of these, so that each can be solved by itself. Where no key has numbers there is one.
+        One of words, between which nothing is, beside one of numbers; else one of numbers of which neither more nor
+        less is sure to ask for more, so that searches at one value help little at the next.
         """
-        if not any(key.is_numeric for key in self.keys):
+        numeric = [key.is_numeric for key in self.keys]
+        words = [k for k, is_number in enumerate(numeric) if not is_number] if any(numeric) else []
+        unsure = [k for k, sign in enumerate(self.signs) if numeric[k] and not sign]
+        return next(iter(words + unsure), None)
+
+    def line_keys(self) -> list[tuple[Varied, ...]]:
+        """The keys of each line: a value of the key that parts them, or, of one alone, half of its values."""
+        k = self.apart
+        if k is None:
             return [self.keys]
-        apart = [
-            [key] if key.is_numeric else [replace(key, values=(value,)) for value in key.values] for key in self.keys
+        values = self.lines[k]
+        parts = [values[n : n + 1] for n in range(len(values))]
+        if len(self.keys) == 1:
+            parts = [values[part] for part in shares(len(values), FEWEST)]
+        return [(*self.keys[:k], replace(self.keys[k], values=part), *self.keys[k + 1 :]) for part in parts]
+
+    def seam_keys(self, lines: Sequence[tuple[Varied, ...]]) -> list[tuple[Varied, ...]]:
+        """The keys of what lies between neighbouring lines: the last value of one and the first of the next."""
+        k = self.apart
+        if k is None or not self.keys[k].is_numeric:
+            return []
+        return [
+            (*one[:k], replace(one[k], values=(one[k].values[-1], other[k].values[0])), *one[k + 1 :])
+            for one, other in itertools.pairwise(lines)
         ]
-        return [*itertools.product(*apart)]
 
     def mission(self, at: At) -> Mission:
         """The mission at a point; raises MissionError where its keys contradict each other."""
@@ -178,7 +203,7 @@ class VariedGrid:
     def neighbours(self) -> Iterator[tuple[int, At, At]]:
         """Points beside each other along each numeric key: the key's index, the one with less, the one with more."""
         for k, key in enumerate(self.keys):
-            if not key.is_numeric:
+            if not key.is_numeric or self.along not in (None, k):
                 continue
             others = [values if n != k else values[:1] for n, values in enumerate(self.lines)]
             for fixed in itertools.product(*others):

@@ -29,7 +29,8 @@ from uwopt.results.basis import ObjectiveValue
 from uwopt.results.design import Note
 from uwopt.results.version import __version__
 from uwopt.results.whatif import SpiderLine, Switch, VariedKey, WhatIf, WhatIfPoint, WinningSystem
-from uwopt.solvers.beside import side_by_side, tell
+from uwopt.solvers.beside import SHARES, side_by_side, tell
+from uwopt.solvers.warm.parts import PartIds
 from uwopt.solvers.warm.searches import Warm
 from uwopt.units import unit_suffix
 
@@ -90,8 +91,8 @@ def whatif(
             work.notes += check_points(grid)
             if spider and work.given_way is None:
                 work.ask_practice(grid)
-            if len(apart := grid.lines_apart()) > 1:
-                switches = Lines(work, grid, watch, apart).solve()
+            if len(lines_keys := grid.line_keys()) > 1:
+                switches = Lines(work, grid, watch, lines_keys).solve()
             else:
                 with watch.timed("points"):
                     work.solve_all(grid)
@@ -152,6 +153,7 @@ class Work:
     to_hold: bool = False  # whether any of it gives way so that something holds as often as is asked
     told: Callable[[VariedGrid, At], object] = lambda grid, at: None  # of each point that is solved
     is_line: bool = False  # of a table that begins again as a whole
+    patience_share: float = 1.0  # of the time for where systems take over
     began_s: float = field(default_factory=time.perf_counter)
 
     def grid_of(self, keys: Sequence[Varied]) -> VariedGrid:
@@ -236,7 +238,7 @@ class Work:
             between = Switches(grid, self.deadline, self.say)
             return [*(between.coarse(k, a, b) for k, a, b in grid.changes()), *between.at_rims(searched=False)]
         by_itself = math.isfinite(self.deadline.end_s)
-        patience = self.deadline if by_itself else Deadline.after(SWITCHES_S, processor_s)
+        patience = self.deadline if by_itself else Deadline.after(self.patience_share * SWITCHES_S, processor_s)
         before = grid.warm.n_searches
         made = Switches(grid, patience, self.say).all()
         self.n_searches += grid.warm.n_searches - before
@@ -288,14 +290,14 @@ class LinePoint(NamedTuple):
 
     at: At
     point: WhatIfPoint
-    system: WinningSystem | None
+    system: tuple[WinningSystem, PartIds] | None
 
 
 @dataclass(frozen=True)
 class SolvedLine:
-    """What is known of a line of a table beside its points."""
+    """What is known of a line of a table, or of what lies between two, beside the points."""
 
-    systems: list[WinningSystem]  # in the order in which they were met
+    systems: list[tuple[WinningSystem, PartIds]]  # in the order in which they were met
     switches: list[Switch]  # between these
     notes: list[Note]
     n_searches: int
@@ -304,10 +306,10 @@ class SolvedLine:
 
 @dataclass
 class Lines:
-    """The parts of a table that have one value of each key of words, such as a water: solved side by side.
+    """The parts of a table that have one value of a key, such as a water: solved side by side, each by itself.
 
-    Each is solved by itself, so that nobody can tell from a table on how many cores it was made. What is solved is
-    heard of at once, and kept where a person wants no more.
+    So nobody can tell from a table on how many cores it was made. What is solved is heard of at once, and kept where a
+    person wants no more. Where other systems take over from a line to the next is looked for afterwards.
     """
 
     work: Work
@@ -315,36 +317,75 @@ class Lines:
     watch: Watch
     keys: list[tuple[Varied, ...]]  # of each line
     shares: list[float] = field(default_factory=list)  # how far each is
-    met: dict[At, WinningSystem] = field(default_factory=dict)  # what is best at the points that are solved
+    met: dict[At, tuple[WinningSystem, PartIds]] = field(default_factory=dict)  # at the points that are solved
     began_s: float = field(default_factory=time.perf_counter)
 
     def solve(self) -> list[Switch]:
         """All points of the grid, and where other systems take over. Raises KeyboardInterrupt, with what is solved in
         the grid."""
-        self.shares = [0.0] * len(self.keys)
-        murkiest_first = sorted(range(len(self.keys)), key=lambda line: murkiness(self.keys[line]), reverse=True)
-        works = [partial(self._line, number) for number in murkiest_first]
+        work, murky = self.work, [murkiness(keys) for keys in self.keys]
         try:
-            done = side_by_side(works, lists=[self.work.deadline.left_out], hears=self._hear)
+            lines = self._side_by_side(self._line, sorted(range(len(murky)), key=lambda line: -murky[line]))
         finally:
             self._place_systems()
             self._time("switches", since_s=self.watch.timing_s.get("points", 0.0))
-        return self._joined([done[murkiest_first.index(number)] for number in range(len(self.keys))])
+        is_known = bool(work.given_way)
+        asked = max(lines, key=lambda line: (bool(line.practice["given_way"]), line.practice["given_way"] is not None))
+        for name, value in asked.practice.items():
+            setattr(work, name, value)
+        if work.given_way and not is_known:
+            self.grid.begin_again(work.given_way)
+            self.met.clear()
+            return self.solve()
+        work.tell_left_out(self.grid)
+        seams = self.grid.seam_keys(self.keys)
+        lines += self._side_by_side(partial(self._seam, seams), range(len(seams)))
+        self._time("switches", since_s=self.watch.timing_s.get("points", 0.0))
+        work.notes += {note.code: note for line in lines for note in line.notes}.values()
+        every = [(switch, line) for line in lines for switch in line.switches]
+        return [self._renumbered(*one) for one in sorted(every, key=lambda one: self._place(one[0]))]
+
+    def _side_by_side(self, solve: Callable[[int], SolvedLine], order: Sequence[int]) -> list[SolvedLine]:
+        """What each number's work makes, in rising order; they are begun in another."""
+        self.shares = [0.0] * len(order)
+        works = [partial(solve, number) for number in order]
+        made = side_by_side(works, lists=[self.work.deadline.left_out], hears=self._hear)
+        self.work.n_searches += sum(line.n_searches for line in made)
+        return [made[[*order].index(number)] for number in range(len(made))]
 
     def _line(self, number: int) -> SolvedLine:
         """One line by itself, which ends early where good practice gives way: then all begin again."""
-        systems = Systems(self.work.goal)
-        work = replace(self.work, systems=systems, notes=[], n_searches=0, is_line=True, told=self._told)
-        own = work.grid_of(self.keys[number])
-        own.given_way, own.missions, own.refused = self.grid.given_way, {**self.grid.missions}, self.grid.refused
+        work, own = self._own(self.keys[number], Systems(self.work.goal))
         work.say = partial(self._say, number, 0.0, POINTS_SHARE)
         work.solve_all(own)
-        switches = list[Switch]()
-        if not own.given_way or self.work.given_way:
-            work.say = partial(self._say, number, POINTS_SHARE, 1.0 - POINTS_SHARE)
-            switches = work.switches(own)
-        practice = {name: getattr(work, name) for name in PRACTICE}
-        return SolvedLine(systems.found, switches, work.notes, work.n_searches, practice)
+        if own.given_way and not self.work.given_way:
+            return self._made(work, [])
+        work.say = partial(self._say, number, POINTS_SHARE, 1.0 - POINTS_SHARE)
+        return self._made(work, work.switches(own))
+
+    def _seam(self, seams: list[tuple[Varied, ...]], number: int) -> SolvedLine:
+        """Where systems take over between the points of two lines."""
+        known = self.work.systems
+        work, own = self._own(seams[number], Systems(known.objective, [*known.found], [*known.parts]))
+        own.points = {at: self.grid.points[at] for at in own.every if at in self.grid.points}
+        own.along = self.grid.apart
+        work.say = partial(self._say, number, 0.0, 1.0)
+        return self._made(work, work.switches(own))
+
+    def _own(self, keys: tuple[Varied, ...], systems: Systems) -> tuple[Work, VariedGrid]:
+        """What solves a part of the grid by itself, and that part."""
+        work = replace(
+            self.work, systems=systems, notes=[], n_searches=0, is_line=True, told=self._told,
+            patience_share=SHARES / len(self.keys),
+        )  # fmt: skip
+        own, grid = work.grid_of(keys), self.grid
+        own.given_way, own.missions, own.refused = grid.given_way, {**grid.missions}, grid.refused
+        return work, own
+
+    @staticmethod
+    def _made(work: Work, switches: list[Switch]) -> SolvedLine:
+        met = [*zip(work.systems.found, work.systems.parts, strict=True)]
+        return SolvedLine(met, switches, work.notes, work.n_searches, {name: getattr(work, name) for name in PRACTICE})
 
     @staticmethod
     def _say(number: int, begins: float, part: float, share: float, what: str) -> None:
@@ -352,8 +393,9 @@ class Lines:
 
     @staticmethod
     def _told(grid: VariedGrid, at: At) -> None:
-        point = grid.points[at]
-        tell(LinePoint(at, point, None if point.system is None else grid.systems.found[point.system]))
+        point, known = grid.points[at], grid.systems
+        system = None if point.system is None else (known.found[point.system], known.parts[point.system])
+        tell(LinePoint(at, point, system))
 
     def _hear(self, told: LineShare | LinePoint) -> None:
         """Here, whoever solves a line."""
@@ -374,28 +416,24 @@ class Lines:
         """The table's numbers of systems in place of the lines' own."""
         for at in self.grid.order():
             if at in self.met:
-                place = self.work.systems.place_of(self.met[at])
+                place = self.work.systems.place_of(*self.met[at])
                 self.grid.points[at] = replace(self.grid.points[at], system=place)
 
-    def _joined(self, lines: list[SolvedLine]) -> list[Switch]:
-        """Where other systems take over, of all lines; where good practice has given way, from the beginning."""
-        work, is_known = self.work, bool(self.work.given_way)
-        work.n_searches += sum(line.n_searches for line in lines)
-        asked = max(lines, key=lambda line: (bool(line.practice["given_way"]), line.practice["given_way"] is not None))
-        for name, value in asked.practice.items():
-            setattr(work, name, value)
-        if work.given_way and not is_known:
-            self.grid.begin_again(work.given_way)
-            self.met.clear()
-            return self.solve()
-        work.notes += {note.code: note for line in lines for note in line.notes}.values()
-        work.tell_left_out(self.grid)
-        made = list[Switch]()
-        for line in lines:
-            places: dict[int | None, int | None] = {None: None}
-            places |= {number: work.systems.place_of(system) for number, system in enumerate(line.systems)}
-            made += [replace(one, first=places[one.first], second=places[one.second]) for one in line.switches]
-        return made
+    def _renumbered(self, switch: Switch, line: SolvedLine) -> Switch:
+        """A switch of a line between the table's systems."""
+        first, second = (
+            None if one is None else self.work.systems.place_of(*line.systems[one])
+            for one in (switch.first, switch.second)
+        )
+        return replace(switch, first=first, second=second)
+
+    def _place(self, switch: Switch) -> tuple[Any, ...]:
+        """Of a switch among all: along each key from line to line, rising."""
+        names = [key.key for key in self.grid.keys]
+        others = [
+            line.index(other) for other, line in zip(switch.others, self.grid.lines, strict=True) if other is not None
+        ]
+        return names.index(switch.key), others, switch.low
 
 
 def for_certainty(work: Work) -> bool:
