@@ -444,13 +444,19 @@ def test_cameras_with_the_same_sensor_are_told_in_one_line(make_result: Make) ->
         for n, interface in enumerate(("GigE", "", "USB3", "USB3"))
     ]
     text = text_of(make_result(robustness={"siblings": found}))
-    said = ("The camera's sensor is also in Maker 0 (GigE, 40.00 W), Maker 1 (41.00 W) and Maker 2 (USB3, 42.00 W) and "
-            "in 1 more: each meets the mission in its place.")  # fmt: skip
+    said = ("The camera's sensor is also in Maker 0 (GigE, the system then 40.00 W), Maker 1 (the system then 41.00 W) "
+            "and Maker 2 (USB3, the system then 42.00 W) and in 1 more: each meets the mission "
+            "in its place.")  # fmt: skip
     assert said in text
-    assert "The camera's sensor is also in Maker 0 (GigE, 40.00 W): meets" in text_of(
+    assert "The camera's sensor is also in Maker 0 (GigE, the system then 40.00 W): meets" in text_of(
         make_result(robustness={"siblings": found[:1]})
     )
     assert "sensor is also" not in text_of(make_result(robustness={"siblings": []}))
+    # of systems for 4 210 USD and their like nobody knows five digits, nor is 10 USD a reason
+    priced = [one | {"value": value} for one, value in zip(found, (4220.0, 4523.4, 3870.0), strict=False)]
+    plain = make_result(robustness={"siblings": priced})
+    cheapest = text_of(replace(plain, objective=replace(plain.objective, name="cost", unit="USD")))
+    assert "Maker 0 (GigE), Maker 1 (310 USD more) and Maker 2 (USB3, 340 USD less): each meets" in cheapest
 
 
 def test_of_equal_systems_the_cheapest_are_told_with_what_they_save(make_result: Make, make_design: Make) -> None:

@@ -165,10 +165,15 @@ def sibling_sentence(result: Result, most: int = 3) -> str:
     found, best = (result.robustness or {}).get("siblings") or [], result.best
     if best is None or not found:
         return ""
+    cost = best.totals.cost
 
     def told(item: Mapping[str, Any]) -> str:
-        value = objective_text(result, item.get("value"))
-        return f"{one_line(item['name'], 60)} ({', '.join(filter(None, [item.get('interface'), value]))})"
+        value, beside = item.get("value"), ""
+        if value is not None and result.objective.name == "cost":
+            beside = dearer(value, cost.value, cost.currency).removeprefix(", ")
+        elif value is not None:
+            beside = f"the system then {objective_text(result, value)}"
+        return f"{one_line(item['name'], 60)} ({', '.join(filter(None, [item.get('interface'), beside]))})"
 
     more = f" and in {len(found) - most} more" if len(found) > most else ""
     counted_by = "" if result.confidence is None else f" {AT_LIKELIEST}"
@@ -183,10 +188,15 @@ def dearer_by(design: Design, best: Design) -> str:
     With two digits: of prices that are ranges no more is known.
     """
     cost, ours = design.totals.cost, best.totals.cost
-    more = cost.value - ours.value
-    if cost.currency != ours.currency or abs(more) < WORTH_TELLING * ours.value:
+    return dearer(cost.value, ours.value, cost.currency) if cost.currency == ours.currency else ""
+
+
+def dearer(price: float, ours: float, currency: str) -> str:
+    """By how much one likeliest price is above or below another; empty where that is next to nothing."""
+    more = price - ours
+    if abs(more) < WORTH_TELLING * ours:
         return ""
-    return f", {money(float(f'{abs(more):.2g}'), cost.currency)} {'more' if more > 0 else 'less'}"
+    return f", {money(float(f'{abs(more):.2g}'), currency)} {'more' if more > 0 else 'less'}"
 
 
 def camera_stand(hardware: UsedHardware) -> str:
