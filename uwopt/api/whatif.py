@@ -302,6 +302,8 @@ class SolvedLine:
     notes: list[Note]
     n_searches: int
     practice: dict[str, Any]  # what `Work` knows of it
+    points_s: float  # how long its points took
+    switches_s: float
 
 
 @dataclass
@@ -328,7 +330,7 @@ class Lines:
             lines = self._side_by_side(self._line, sorted(range(len(murky)), key=lambda line: -murky[line]))
         finally:
             self._place_systems()
-            self._time("switches", since_s=self.watch.timing_s.get("points", 0.0))
+            self._time([])
         is_known = bool(work.given_way)
         asked = max(lines, key=lambda line: (bool(line.practice["given_way"]), line.practice["given_way"] is not None))
         for name, value in asked.practice.items():
@@ -340,7 +342,7 @@ class Lines:
         work.tell_left_out(self.grid)
         seams = self.grid.seam_keys(self.keys)
         lines += self._side_by_side(partial(self._seam, seams), range(len(seams)))
-        self._time("switches", since_s=self.watch.timing_s.get("points", 0.0))
+        self._time(lines)
         work.notes += {note.code: note for line in lines for note in line.notes}.values()
         every = [(switch, line) for line in lines for switch in line.switches]
         return [self._renumbered(*one) for one in sorted(every, key=lambda one: self._place(one[0]))]
@@ -356,12 +358,13 @@ class Lines:
     def _line(self, number: int) -> SolvedLine:
         """One line by itself, which ends early where good practice gives way: then all begin again."""
         work, own = self._own(self.keys[number], Systems(self.work.goal))
-        work.say = partial(self._say, number, 0.0, POINTS_SHARE)
+        work.say, began_s = partial(self._say, number, 0.0, POINTS_SHARE), time.perf_counter()
         work.solve_all(own)
+        points_s = time.perf_counter() - began_s
         if own.given_way and not self.work.given_way:
-            return self._made(work, [])
+            return self._made(work, None, points_s)
         work.say = partial(self._say, number, POINTS_SHARE, 1.0 - POINTS_SHARE)
-        return self._made(work, work.switches(own))
+        return self._made(work, own, points_s)
 
     def _seam(self, seams: list[tuple[Varied, ...]], number: int) -> SolvedLine:
         """Where systems take over between the points of two lines."""
@@ -370,7 +373,7 @@ class Lines:
         own.points = {at: self.grid.points[at] for at in own.every if at in self.grid.points}
         own.along = self.grid.apart
         work.say = partial(self._say, number, 0.0, 1.0)
-        return self._made(work, work.switches(own))
+        return self._made(work, own, 0.0)
 
     def _own(self, keys: tuple[Varied, ...], systems: Systems) -> tuple[Work, VariedGrid]:
         """What solves a part of the grid by itself, and that part."""
@@ -383,9 +386,14 @@ class Lines:
         return work, own
 
     @staticmethod
-    def _made(work: Work, switches: list[Switch]) -> SolvedLine:
-        met = [*zip(work.systems.found, work.systems.parts, strict=True)]
-        return SolvedLine(met, switches, work.notes, work.n_searches, {name: getattr(work, name) for name in PRACTICE})
+    def _made(work: Work, own: VariedGrid | None, points_s: float) -> SolvedLine:
+        """What is known of a part of the grid, where its switches are found; None: they are not wanted."""
+        began_s = time.perf_counter()
+        switches = [] if own is None else work.switches(own)
+        return SolvedLine(
+            [*zip(work.systems.found, work.systems.parts, strict=True)], switches, work.notes, work.n_searches,
+            {name: getattr(work, name) for name in PRACTICE}, points_s, time.perf_counter() - began_s,
+        )  # fmt: skip
 
     @staticmethod
     def _say(number: int, begins: float, part: float, share: float, what: str) -> None:
@@ -403,14 +411,16 @@ class Lines:
             self.shares[told.line] = told.share
             self.work.say(sum(self.shares) / len(self.shares), told.what)
             return
-        self._time("points")
         self.grid.points[told.at] = told.point
         if told.system is not None:
             self.met[told.at] = told.system
 
-    def _time(self, name: str, since_s: float = 0.0) -> None:
-        """How long it has taken until now; since_s: but for what was before."""
-        self.watch.timing_s[name] = time.perf_counter() - self.began_s - since_s
+    def _time(self, lines: Sequence[SolvedLine]) -> None:
+        """How long points and switches have taken on all cores, by their shares of what each line took."""
+        points_s, switches_s = (sum(getattr(line, name) for line in lines) for name in ("points_s", "switches_s"))
+        share = points_s / (points_s + switches_s) if lines else 1.0
+        lasted_s = time.perf_counter() - self.began_s
+        self.watch.timing_s.update(points=share * lasted_s, switches=(1.0 - share) * lasted_s)
 
     def _place_systems(self) -> None:
         """The table's numbers of systems in place of the lines' own."""
