@@ -16,7 +16,7 @@ import yaml
 from typer.testing import CliRunner
 
 import uwopt
-from uwopt.api import certain_points
+from uwopt.api import certain_points, varied_work
 from uwopt.api import varied as api_varied
 from uwopt.api import whatif as api_whatif
 from uwopt.api.searching import Searches
@@ -165,7 +165,7 @@ def test_where_systems_take_over_between_two_halves_of_a_table_is_found_as_in_on
 
 
 def test_spider_moves_one_quantity_at_a_time(monkeypatch):
-    monkeypatch.setattr(api_whatif, "SPIDER_FACTORS", (0.8, 1.0, 1.2))
+    monkeypatch.setattr(varied_work, "SPIDER_FACTORS", (0.8, 1.0, 1.2))
     mission = load_mission({
         "practice": "bare", "scene": {"water": "II", "seafloor": "coral", "depth_m": 30},
         "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.5, "light_baseline_m": 0.8, "light_count": 2},

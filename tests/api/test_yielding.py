@@ -15,14 +15,14 @@ import yaml
 from thorough import drawn
 
 import uwopt
-from uwopt.api import certain_points, explaining, trading, yielding
-from uwopt.api import whatif as api_whatif
+from uwopt.api import certain_points, explaining, trading, varied_work, yielding
 from uwopt.api.certain_points import CertainPoints, gives_way_with_certainty
 from uwopt.api.choosing import surer
 from uwopt.api.practice_known import PracticeKnown
 from uwopt.api.risks import risks_of
 from uwopt.api.searching import Searches
-from uwopt.api.whatif import Work, full_practice_notes
+from uwopt.api.varied_work import Work
+from uwopt.api.whatif import full_practice_notes
 from uwopt.api.yielding import YieldTrials, gives_way_alone, patience_of, with_room, yield_notes
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.assembly import build_problem, load_catalog, selected
@@ -661,7 +661,7 @@ def test_a_table_with_certainty_says_that_practice_gives_way_as_for_the_mission_
 
 
 def test_a_spider_is_of_the_mission_that_solve_answers(monkeypatch):
-    monkeypatch.setattr(api_whatif, "SPIDER_FACTORS", (1.0,))  # what is moved has a test beside the tables
+    monkeypatch.setattr(varied_work, "SPIDER_FACTORS", (1.0,))  # what is moved has a test beside the tables
     asked_db = round(brightest_db() - 1.0, 2)
     table = uwopt.whatif(survey(asked_db), spider=True)
     assert table.gave_way == ["reserve.snr_db"]

@@ -290,7 +290,7 @@ DEFECTS: tuple[Defect, ...] = (
         "test_a_table_with_certainty_lets_give_way_what_holds_as_often_not_only_what_fits",
     ),
     Defect(
-        name="a table with certainty asks central numbers what gives way", file="uwopt/api/whatif.py",
+        name="a table with certainty asks central numbers what gives way", file="uwopt/api/varied_work.py",
         old="        if self.certain:\n            from uwopt.api.certain_points import gives_way_with",
         new="        if False:\n            from uwopt.api.certain_points import gives_way_with",
         test="tests/api/test_yielding.py::test_a_table_with_certainty_begins_again_with_what_gives_way_in_solve",

@@ -13,21 +13,21 @@ YIELDING = "tests/api/test_yielding.py"
 DEFECTS = (
     Defect(
         name="nothing takes over between two lines of a table",
-        file="uwopt/api/whatif.py",
+        file="uwopt/api/varied_lines.py",
         old="        seams = self.grid.seam_keys(self.keys)\n",
         new="        seams = []\n",
         test=f"{TESTS}::test_where_systems_take_over_between_two_halves_of_a_table_is_found_as_in_one",
     ),
     Defect(
         name="between two lines of a map what takes over within them is told again",
-        file="uwopt/api/whatif.py",
+        file="uwopt/api/varied_lines.py",
         old="        own.along = self.grid.apart\n",
         new="",
         test=f"{TESTS}::test_a_map_has_switches_along_both_keys",
     ),
     Defect(
         name="a table keeps the numbers that systems have in its lines",
-        file="uwopt/api/whatif.py",
+        file="uwopt/api/varied_lines.py",
         old="replace(self.grid.points[at], system=place)",
         new="self.grid.points[at]",
         test=f"{TESTS}::test_systems_of_waters_that_are_solved_side_by_side_are_numbered_together",
@@ -41,7 +41,7 @@ DEFECTS = (
     ),
     Defect(
         name="one water of a table goes on where all begin again",
-        file="uwopt/api/whatif.py",
+        file="uwopt/api/varied_work.py",
         old="if grid.given_way and not self.is_line:",
         new="if grid.given_way:",
         test=f"{YIELDING}::test_all_waters_of_a_table_begin_again_where_practice_gives_way_in_one",
@@ -69,7 +69,7 @@ DEFECTS = (
     ),
     Defect(
         name="a table holds all of good practice where the mission as it stands has no system",
-        file="uwopt/api/whatif.py",
+        file="uwopt/api/varied_work.py",
         old="if self.fits_nothing and self.asked_at < MOST_ASKED:",
         new="if False:",
         test=f"{YIELDING}::"
@@ -141,14 +141,14 @@ DEFECTS = (
     ),
     Defect(
         name="every table asks what of good practice gives way",
-        file="uwopt/api/whatif.py",
+        file="uwopt/api/varied_work.py",
         old='== "infeasible" and not self.given_way:',
         new='in ("infeasible", "optimal") and not self.given_way:',
         test=f"{YIELDING}::test_a_table_asks_nothing_of_practice_where_something_fits_everywhere",
     ),
     Defect(
         name="a spider is of the mission with all of good practice",
-        file="uwopt/api/whatif.py",
+        file="uwopt/api/varied_work.py",
         old="with_given_way(mission, self.given_way or ())\n",
         new="with_given_way(mission, ())\n",
         test=f"{YIELDING}::test_a_spider_is_of_the_mission_that_solve_answers",
