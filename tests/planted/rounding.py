@@ -133,7 +133,7 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="what physics auto leaves out is not heeded when rounding", file="uwopt/solvers/settable/rounding.py",
         old='or problem.mission.physics != "auto":', new="or True:",
-        test=f"{TESTS}test_what_is_printed_to_set_meets_every_requirement_when_evaluated[46]",
+        test=f"{TESTS}test_what_is_printed_to_set_meets_every_requirement_when_evaluated[1466]",
     ),
     Defect(
         name="the sun does not count when settings are rounded", file=SCENE,

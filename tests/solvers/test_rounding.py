@@ -35,7 +35,7 @@ from uwopt.solvers.settable.scene import Near, few_pixels
 from uwopt.solvers.settable.steps import rates_hz, stops, time_steps
 
 # Lamps that burn, pulse, flash; by steps or freely; one scene or two; full, auto, paper; every kind of requirement.
-HOLDING = (4, 5, 12, 23, 40, 46, 54, 62)
+HOLDING = (4, 5, 12, 23, 40, 46, 54, 62, 1466)
 FAILING = (41,)
 FLASH = rc.lamp(
     "flash", kind="flash", flash_energy_j=20.0, flash_efficacy_lm_s_per_j=35.0, flash_duration_us=1_000.0,
