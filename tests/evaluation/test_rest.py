@@ -201,13 +201,13 @@ def test_disks_hold_the_images_of_the_rate_that_is_set() -> None:
 
 @pytest.mark.parametrize(
     ("interface", "computers", "bought_gb", "words"),
-    [  # two cameras fill 3240 GB together, 2990 GB beyond one disk or twice 1370 GB beyond two
-        ("GigE", 1, 3000.0, "disks of 3 000 GB beyond the 250 GB of the computer"),
-        ("CSI-2", 2, 3000.0, "disks of 1 500 GB beyond the 250 GB of each computer"),
+    [  # two cameras fill 3780 GB together, 3530 GB beyond one disk or twice 1640 GB beyond two; disks are bought whole
+        ("GigE", 1, 3750.0, "disks of 3 750 GB beyond the 250 GB of the computer"),
+        ("CSI-2", 2, 3500.0, "disks of 1 750 GB beyond the 250 GB of each computer"),
     ],
 )
 def test_each_computer_brings_its_own_disk(interface: str, computers: int, bought_gb: float, words: str) -> None:
-    vehicle = {"duration_h": 15_000.0, "camera_count": 2}
+    vehicle = {"duration_h": 17_500.0, "camera_count": 2}
     mission = {**LONG, "vehicle": LONG["vehicle"] | vehicle}
     system = {**PRICED, "camera": PRICED["camera"] | {"interface": interface}, "camera_count": 2}
     made = uwopt.evaluate(mission, system).design
