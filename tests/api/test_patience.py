@@ -58,8 +58,11 @@ def test_time_that_would_do_is_more_than_all_took(monkeypatch: pytest.MonkeyPatc
     assert note.message.count("other waters") == 1 and note.message.count(": ") == 1  # pages take it apart there
 
 
-def test_what_stands_beside_an_answer_takes_no_patience_from_its_doubts(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Ranges are worked out first, and here take all the time there is."""
+@pytest.mark.parametrize("work", ["ranged", "others_in_time"])
+def test_what_stands_beside_an_answer_takes_no_patience_from_its_doubts(
+    monkeypatch: pytest.MonkeyPatch, work: str
+) -> None:
+    """It is worked out first, and here takes all the time there is."""
     now = [0.0]
 
     def long(*given: object) -> list[object]:
@@ -67,8 +70,8 @@ def test_what_stands_beside_an_answer_takes_no_patience_from_its_doubts(monkeypa
         return []
 
     monkeypatch.setattr(deadline, "processor_s", lambda: now[0])
-    monkeypatch.setattr(doubting, "ranged", long)
-    result = uwopt.solve(MISSION, top=1, ranges=True)
+    monkeypatch.setattr(doubting, work, long)
+    result = uwopt.solve(MISSION, top=2, ranges=True)
     assert now[0] == 1e6 and result.robustness is not None
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,8 @@ from uwopt.api.common import prepared
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.assembly import system_problem
 from uwopt.forward.lamp_light import LampField, image_light, kind_of_field
-from uwopt.forward.remembered import LoneField
+from uwopt.forward.remembered import LoneField, RememberedField
+from uwopt.forward.views import Views
 from uwopt.mission.system import load_system
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
@@ -111,3 +113,20 @@ def test_pixels_of_an_image_are_the_same_whatever_image_is_worked_out_beside_it(
     _, beside = field.at_pixels(view.take(np.array([0, 0])), *2 * [np.stack([narrow, wide])], veils=True)
     assert alone is not None and beside is not None
     assert beside[0] == pytest.approx(alone[0], rel=1e-11)
+
+
+def test_light_of_a_design_is_that_of_its_image_alone_whatever_was_searched_before() -> None:
+    """A mean's nodes are those of all images in one integral: a wider one beside it moves it by some 1e-6."""
+
+    def mean(kind: type[RememberedField], model: DesignModel, view: Views) -> Any:
+        lit, efficiency = model.lit, int(model.cameras.qe_index[0])
+        field = kind(model.problem, 0, port_index=model.hardware.port, lit=lit, efficiency=efficiency)
+        return field.mean_backscatter(view)[0]
+
+    fresh, searched = (DesignModel(*system_problem(prepared(MURKY, "full", None), load_system(WIDE))) for _ in "ab")
+    view = searched.views[0]
+    two = view.take(np.array([0, 0]))
+    wider = replace(two, **{name: getattr(two, name) * np.array([1.0, 1.5]) for name in ("tan_along", "tan_across")})
+    beside, alone = mean(RememberedField, searched, wider), mean(LoneField, fresh, fresh.views[0])
+    assert np.array_equal(mean(LoneField, searched, view), alone)
+    assert 1e-9 < abs(beside[0] / alone[0] - 1.0) < 1e-4

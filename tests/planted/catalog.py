@@ -17,7 +17,7 @@ DEFECTS = (
         file="uwopt/catalog/userparts.py",
         old="return sorted(numbers) if all(map(math.isfinite, numbers)) else []",
         new="return sorted(numbers)",
-        test="tests/catalog/test_userparts.py::test_lists_of_numbers_hold_numbers_within_their_range",
+        test="tests/catalog/test_userparts.py::test_a_list_with_what_is_no_number_holds_none",
     ),
     Defect(
         name="a part may go twice as deep as it is rated",

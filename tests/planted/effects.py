@@ -48,7 +48,8 @@ DEFECTS: tuple[Defect, ...] = (
         file="uwopt/forward/remembered.py",
         old='    memory = "light of one image"',
         new='    memory = "light"',
-        test="tests/evaluation/test_replay.py::test_every_scene_gives_the_same_figures",
+        test="tests/evaluation/test_light_in_parts.py"
+        "::test_light_of_a_design_is_that_of_its_image_alone_whatever_was_searched_before",
     ),
     Defect(
         name="polynomials of daylight end before the image does",

@@ -8,6 +8,7 @@ SCENE, RING = "uwopt/solvers/settable/scene.py", "uwopt/solvers/settable/steps.p
 TESTS = "tests/solvers/test_rounding.py::"
 
 SHOWN = "tests/results/test_as_set.py::"
+BESIDE = "tests/api/test_patience.py::test_what_stands_beside_an_answer_takes_no_patience_from_its_doubts"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
@@ -155,7 +156,13 @@ DEFECTS: tuple[Defect, ...] = (
         name="what stands beside an answer takes its doubts' patience", file="uwopt/api/doubting.py",
         old="partial(clock.stand_still, work)",
         new="work",
-        test="tests/api/test_patience.py::test_what_stands_beside_an_answer_takes_no_patience_from_its_doubts",
+        test=f"{BESIDE}[others_in_time]",
+    ),
+    Defect(
+        name="ranges of prices take the patience of doubts", file="uwopt/api/doubting.py",
+        old="costs = clock.stand_still(partial(ranged, replace(made, prices=costs), sought, deadline))",
+        new="costs = ranged(replace(made, prices=costs), sought, deadline)",
+        test=f"{BESIDE}[ranged]",
     ),
     Defect(
         name="doubts take as long as they like", file="uwopt/api/doubting.py",
