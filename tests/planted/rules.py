@@ -50,7 +50,7 @@ DEFECTS: tuple[Defect, ...] = (
         file="uwopt/forward/problem.py",
         old="return self.optics[optics].beams[scene_index]",
         new="return self.optics[optics].beams[0]",
-        test=f"{SCENE_ORDER}::test_the_order_of_scenes_changes_no_optimum[33]",
+        test=f"{SCENE_ORDER}::test_a_beam_stated_in_air_is_refracted_into_each_scenes_own_water",
     ),
     Defect(
         name="an image out of focus will do where no depth of field is asked",

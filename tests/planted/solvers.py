@@ -314,7 +314,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="a limit is said to be possible that the cheapest design happens to reach",
         file="uwopt/solvers/infeasible/least_change.py",
-        old="self.change = with_its_hardware(self.too_near, self.change, self.relaxed, turn)",
+        old="self.change = with_its_hardware(self.too_near, self.change, self.relaxed, turn)\n"
+        "            self.is_least = self.beyond is not None and self.gap <= CLOSER",
         new="self.is_least = True",
         test="tests/solvers/test_least_change.py::test_least_blur_is_that_of_the_lamp_at_full_level",
     ),

@@ -12,6 +12,7 @@ from uwopt.deadline import Deadline
 from uwopt.objectives.axes import Axes
 from uwopt.solvers.exact import search as exact_search
 from uwopt.solvers.exact.account import Outcome
+from uwopt.solvers.front import search as front_search
 from uwopt.solvers.front.search import FrontSearch
 
 SEEDS = range(40) if THOROUGH else (1, 3)  # the fast ones
@@ -84,3 +85,13 @@ def test_wherever_time_ends_a_front_is_valid(readings: int) -> None:
     assert front.complete == (front.account.get("not_reached", 0) == 0)
     assert front.hypervolume <= front.hypervolume_bound
     assert not front.interrupted
+
+
+def test_a_front_cut_in_a_later_step_keeps_what_the_steps_before_it_settled(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Node by node: time ends among the veils of the third of three, whose two designs are not reached."""
+    monkeypatch.setattr(front_search, "FIRST_NODES", 1)
+    monkeypatch.setattr(front_search, "GROWTH", 1)
+    axes, clock = Axes.of(["power", "cost"]), count(1).__next__
+    front = FrontSearch(case(10).problem(), axes, deadline=Deadline(22.5, clock)).run()
+    assert front.account["not_reached"] == 2 and front.account["evaluated"] > 0
+    assert 0.0 < front.hypervolume <= front.hypervolume_bound < 1.0
