@@ -272,6 +272,15 @@ def test_a_tolerance_beyond_reach_is_told(monkeypatch: pytest.MonkeyPatch):
     assert [warning["code"] for warning in found.warnings].count("tolerance") == 1
 
 
+@pytest.mark.parametrize(("wrong", "told"), [
+    ({"top": "many"}, "top = 'many' is no whole number from 1"), ({"top": 0}, "top = 0 is no whole number from 1"),
+    ({"top": 2.5}, "top = 2.5"), ({"audit": -1}, "audit = -1 is no whole number from 0"), ({"audit": True}, "audit ="),
+])  # fmt: skip
+def test_counts_of_a_search_are_whole_numbers(wrong: dict[str, Any], told: str):
+    with pytest.raises(MissionError, match=told):
+        uwopt.solve(REEF, **wrong)
+
+
 @pytest.mark.parametrize("wrong", [0.0, -1.0, 0.6, math.nan, math.inf])
 def test_a_tolerance_is_a_share(wrong: float):
     with pytest.raises(MissionError, match="tolerance"):

@@ -6,6 +6,7 @@ import csv
 import io
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -522,6 +523,15 @@ def test_unknown_part_is_refused_with_near_ones(tmp_path: Path) -> None:
     (tmp_path / "system.yaml").write_text(text, "utf-8")
     assert_refused(run("evaluate", MISSION, tmp_path / "system.yaml"), "seed-imx250n", "seed-imx250m")
     assert_refused(run("catalog", "show", "seed-imx250n"), "seed-imx250m")
+
+
+def test_unknown_parts_and_keys_of_a_system_are_told_at_once(tmp_path: Path) -> None:
+    text = SYSTEM.read_text("utf-8").replace("seed-imx250m", "seed-imx250n").replace("exposure_ms", "exposure")
+    (tmp_path / "system.yaml").write_text(text, "utf-8")
+    for command in ("evaluate", "compare"):
+        done = run(command, MISSION, tmp_path / "system.yaml")
+        assert_refused(done, "camera = 'seed-imx250n' is not in the catalogue; did you mean seed-imx250m", "_ms")
+        assert re.findall(r"system.yaml line \d+: (\w+)", done.stderr)[0] == "camera"
 
 
 def test_unusable_out_is_refused_before_the_work(

@@ -148,6 +148,7 @@ BAD = [
     (changed("vehicle.altitud_m", 2), "did you mean altitude_m?"),
     (changed("vehicle.max_blur_px", 1), "max_blur_px belongs under requirements"),
     (changed("altitude_m", 1), "altitude_m belongs under vehicle"),
+    (changed("practice", "expert"), "give the practice that stands in for keys left out"),
     (changed("vehicle.lights", 2), "vehicle.lights is unknown; the key is light_count: write light_count: 2"),
     (changed("vehicle.cameras", ["basler"]), "vehicle.cameras belongs under catalog; move it there"),
     (changed("limits.physics", "full"), "physics belongs at the top level"),

@@ -95,6 +95,8 @@ BAD = [
     ({**SMALL, "settings": {"exposure_us": 300}}, "the key is exposure_ms: write exposure_ms: 0.3"),
     ({**SMALL, "settings": {"exposure_ms": "3 ms"}}, "the unit belongs in the key"),
     ({**SMALL, "settings": {"gain": 0.5}}, "settings.gain = 0.5 is below 1"),
+    # 20 lg 1.995 = 6.0
+    ({**SMALL, "settings": {"gain_db": 6}}, "settings.gain_db is unknown; the key is gain, a ratio: write gain: 1.995"),
     ({**SMALL, "settings": {"f_number": math.nan}}, "is not a number (NaN)"),
     ({**SMALL, "settings": {"flux_lm": 1, "dim_frac": 0.5}}, "dim_frac and flux_lm both set the light level"),
     ({**SMALL, "scenes": {"reef": {"gain": 0}}}, "scenes.reef.gain = 0 is below 1"),

@@ -20,7 +20,7 @@ from uwopt.catalog.update import planned
 from uwopt.deadline import Progress
 from uwopt.documents.files import csv_text
 from uwopt.errors import MissionError, SolverError, UwoptError
-from uwopt.forward.assembly import system_problem
+from uwopt.forward.assembly import load_catalog, system_problem
 from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.part_columns import FLASH
 from uwopt.forward.problem import Problem
@@ -59,7 +59,7 @@ def calibrate(
     seconds : for each of both
     """
     wanted = prepared(mission, physics, None)
-    built = load_system(system)
+    built = load_system(system, load_catalog(wanted))
     if card is not None and not 0.0 < card <= 1.0:
         raise MissionError(f"card = {card:g} is not a reflectance above 0 and up to 1; 0.18 is the usual grey card")
     place = scene_place(wanted, scene)

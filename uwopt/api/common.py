@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from importlib import metadata
+from numbers import Integral
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,8 @@ from uwopt.catalog.choose import Selection
 from uwopt.catalog.curves.clarity import Clarity
 from uwopt.catalog.edition import EDITION
 from uwopt.deadline import Deadline
+from uwopt.documents.faults import show
+from uwopt.errors import MissionError
 from uwopt.forward.effects import Influence
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene_checks import check_physical
@@ -37,6 +40,12 @@ NOT_MODELLED = (
 def given(**asked: Any) -> dict[str, Any]:
     """What a call changes of a mission: what is not None."""
     return {key: value for key, value in asked.items() if value is not None}
+
+
+def check_count(name: str, value: object, least: int) -> None:
+    """Raise MissionError for what is no whole number, or too small a one."""
+    if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
+        raise MissionError(f"{name} = {show(value)} is no whole number from {least}")
 
 
 def prepared(mission: Source | Mission, physics: str | None, objective: Any, confidence: Any = None) -> Mission:

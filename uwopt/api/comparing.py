@@ -9,6 +9,7 @@ from uwopt.api.common import Source, prepared
 from uwopt.api.evaluating import evaluate
 from uwopt.deadline import Progress
 from uwopt.errors import MissionError
+from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import Mission
 from uwopt.mission.system import System, load_system
 from uwopt.results.comparison import Comparison, SideBySide
@@ -41,7 +42,8 @@ def compare(
     if len(systems) > MOST_SYSTEMS:
         raise MissionError(f"compare: {len(systems)} systems are too many for a page; give {MOST_SYSTEMS} at most.")
     wanted = prepared(mission, physics, None)
-    loaded = [load_system(system) for system in systems]
+    catalog = load_catalog(wanted)
+    loaded = [load_system(system, catalog) for system in systems]
     names = apart(with_folders([shown_name(system) for system in loaded], loaded))
     best, gave_way = None, ""
     if recommended:

@@ -125,8 +125,8 @@ def evaluate(
     if checked_tolerance(tolerance) is not None:
         allowed = of_integrals(tolerance or 0.0, may_leave_out=auto)
         asked = asked.with_changes(tolerance=(tolerance or 0.0) - allowed) if auto else asked
-    built = load_system(system)
     with watch.timed("catalogue"):
+        built = load_system(system, load_catalog(asked))
         given = GivenSystem.of(asked, built)
     with watch.timed("effects"):
         influences = influences_of(given.problem, given.hardware, given.settings)

@@ -12,6 +12,7 @@ from uwopt.api.evaluating import evaluate
 from uwopt.deadline import Progress
 from uwopt.documents.faults import nearest
 from uwopt.errors import MissionError, RangeError, UwoptError
+from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import Mission
 from uwopt.mission.system import System, load_system
 from uwopt.mission.varying import Value, Varied, VariedMission, checked_values
@@ -85,7 +86,7 @@ def figure_map(
             "altitude_m=1:4:12"
         )
     base = VariedMission(mission, {} if physics is None else {"physics": physics})
-    built = load_system(system).to_dict(absolute_paths=True)
+    built = load_system(system, load_catalog(base.base)).to_dict(absolute_paths=True)
     x, y = (map_input(base, key.strip(), values) for key, values in inputs.items())
     if x.key == y.key:
         raise MissionError(f"map: {x.key} is given twice; name two inputs")

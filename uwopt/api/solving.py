@@ -15,7 +15,7 @@ from uwopt.api.accuracy import (
     search_within,
 )
 from uwopt.api.choosing import chosen_of, held_by_yielding
-from uwopt.api.common import Source, prepared, time_warnings
+from uwopt.api.common import Source, check_count, prepared, time_warnings
 from uwopt.api.doubting import ToTell, doubted, others_in_time
 from uwopt.api.explaining import infeasible_result, priced
 from uwopt.api.floats import own_float_rules
@@ -97,6 +97,8 @@ def solve(
     until = watch.deadline.but_for(SETTINGS_SHARE)
     if solver not in SOLVERS:
         raise MissionError(f"solver {solver!r} is not one of {', '.join(SOLVERS)}")
+    check_count("top", top, 1)
+    check_count("audit", audit, 0)
     asked = prepared(mission, physics, objective, confidence)
     checked_tolerance(tolerance)
     goal = goal_of(asked)

@@ -6,26 +6,36 @@ import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from uwopt.catalog.offers import FORM, KEYS, MakerAnswers
-from uwopt.catalog.tables import parse_table, read_text
+from uwopt.catalog.changes import is_change_table
+from uwopt.catalog.offers import BILL_SHEET, FORM, KEYS, MakerAnswers
+from uwopt.catalog.tables import Table, parse_table, read_text
 from uwopt.documents.workbooks import Sheet, read_workbook
 from uwopt.errors import CatalogError
 
 MAKER = re.compile(r"maker \d+")
+COLUMNS = ("part", "candidate", "key")  # beside those of makers
+A_BILL = "is the bill, not the tender"
 
 
 def read_answers(path: Path) -> list[MakerAnswers]:
     """Every maker's column of every sheet; raises where there is none."""
-    if path.suffix.casefold() == ".xlsx":
-        found = [one for name, sheet in read_workbook(path).items() for one in of_sheet(path.name, name, sheet)]
-    else:
-        found = [*of_table(path)]
+    if path.is_dir():
+        raise CatalogError(f"{path}: is a folder; name the tender.xlsx in it.")
+    if path.suffix.casefold() != ".xlsx":
+        return [*of_table(path)]
+    sheets = read_workbook(path, FORM)
+    found = [one for name, sheet in sheets.items() for one in of_sheet(path.name, name, sheet)]
     if not found:
-        raise CatalogError(
-            f"{path}: holds no sheet of the form {FORM!r}; send back tender.xlsx filled in, or a CSV with "
-            "part, candidate, key and a column maker 1."
-        )
+        raise no_tender(path, A_BILL if BILL_SHEET in sheets else f"holds no sheet of the form {FORM!r}")
     return found
+
+
+def no_tender(path: Path, why: str) -> CatalogError:
+    """That a file holds no answers, and which one does."""
+    return CatalogError(
+        f"{path}: {why}; name tender.xlsx as makers filled it in (`uwopt tender result.json --out DIR` writes it), or "
+        f"a CSV with the columns {', '.join(COLUMNS)} and maker 1."
+    )
 
 
 def of_sheet(file: str, name: str, sheet: Sheet) -> Iterator[MakerAnswers]:
@@ -52,13 +62,25 @@ def columns_of(
 def of_table(path: Path) -> Iterator[MakerAnswers]:
     """The same of a CSV: a row a key, its part and candidate beside it."""
     table = parse_table(read_text(path), path.name)
+    makers = [name for name in table.header if MAKER.fullmatch(name)]
+    if not makers or not set(COLUMNS) <= set(table.header):
+        raise no_tender(path, told_instead(table))
     if table.faults:
         raise CatalogError(list(table.faults))
-    makers = [name for name in table.header if MAKER.fullmatch(name)]
-    if not makers or not {"part", "candidate", "key"} <= set(table.header):
-        raise CatalogError(f"{path}: has no columns part, candidate, key and maker 1; those of tender.xlsx are meant.")
     sheets = dict.fromkeys((row.cells.get("part", ""), row.cells.get("candidate", "")) for row in table.rows)
     for part, candidate in sheets:
         own = [row for row in table.rows if (row.cells.get("part"), row.cells.get("candidate")) == (part, candidate)]
         rows = [[row.cells.get("key", ""), *(row.cells.get(maker, "") for maker in makers)] for row in own]
         yield from columns_of(f"{path.name}, {part}", part, candidate, ["key", *makers], rows)
+
+
+def told_instead(table: Table) -> str:
+    """What a table is that holds no answers, by its columns."""
+    columns = set(table.header)
+    if {"id", "to_pay"} <= columns:
+        return A_BILL
+    if is_change_table(table) or {"id", "manufacturer", "model"} <= columns:
+        return "is a table of parts, which a mission names in catalog.files"
+    if {"id", "price"} <= columns:
+        return "is a price list, which a mission names in catalog.prices"
+    return "holds no answers to a tender"

@@ -22,6 +22,7 @@ from uwopt.documents.files import FORMULA_SIGNS
 from uwopt.units import SYMBOLS, convert, split_unit
 
 FORM = "uwopt tender, form 1"
+BILL_SHEET = "Order"  # the first sheet of a bill, which somebody may take for a tender
 KEYS = ("part", "candidate", "pieces")  # above the table of a sheet, in this order
 MAKERS = 3  # columns of answers
 BUSINESS = ("named_part", "valid_until", "lead_time_weeks")  # answers that are no cells of a part

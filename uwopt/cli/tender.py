@@ -77,14 +77,17 @@ def quotes_command(
     with ProgressBar(quiet=quiet) as bar:
         from uwopt.api.quoting import LOG_FILE, with_quotes
 
+        kept: list[Path] = []
+
         def keep(log: str) -> Path:
             assert folder is not None
-            return write_text(log, made_folder(folder) / LOG_FILE).absolute()
+            kept.append(write_text(log, made_folder(folder) / LOG_FILE))
+            return kept[0].absolute()
 
         made = with_quotes(
             mission, answers, today=date or calendar.today().isoformat(), keep=None if folder is None else keep,
             physics=physics and physics.value, progress=bar.report,
         )  # fmt: skip
-    written = [] if folder is None else write_results(made.after, folder)
+    written = kept if folder is None else [*kept, *write_results(made.after, folder)]
     print_made(answer_blocks(made), written, mission=made.after.mission, quiet=quiet)
     return result_status(made.after)

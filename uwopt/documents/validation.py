@@ -12,7 +12,7 @@ from uwopt.documents.faults import KeyPath, nearest, path_text, plain_name, show
 from uwopt.documents.key_types import FAULT, OUT_OF_REACH, keys_of, spelled_keys
 from uwopt.documents.reading import Document
 from uwopt.errors import MissionError
-from uwopt.units import convert, is_number, split_unit
+from uwopt.units import convert, db_to_ratio, is_number, split_unit
 
 Origin = Callable[[KeyPath], Iterator[KeyPath]]
 Sections = Mapping[str, type[BaseModel]]
@@ -201,6 +201,8 @@ def _is_count(value: Any) -> bool:
 def _other_unit(key: str, value: Any, known: tuple[str, ...]) -> tuple[str, str] | None:
     """The known key with the same stem, and the value in its unit."""
     stem, unit = split_unit(key)
+    if unit == "db" and stem in known:
+        return stem, ", a ratio" + (f": write {stem}: {db_to_ratio(value):.4g}" if is_number(value) else "")
     for name in known:
         right_stem, right_unit = split_unit(name)
         if not right_unit or right_stem != stem or name == key:

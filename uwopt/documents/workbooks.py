@@ -20,8 +20,11 @@ REFUSED = ("vbaproject", "externallink", "activex", "embeddings")  # pieces of a
 Sheet = list[list[str]]
 
 
-def read_workbook(path: Path) -> dict[str, Sheet]:
-    """Rows of texts of every sheet, by its name; raises CatalogError with where and what is wrong."""
+def read_workbook(path: Path, form: str | None = None) -> dict[str, Sheet]:
+    """Rows of texts of every sheet, by its name; raises CatalogError with where and what is wrong.
+
+    form : what stands in the first cell of the sheets that are read; a formula in another is no fault
+    """
     try:
         raw = content(path, MOST_BYTES)
     except FileNotFoundError:
@@ -31,7 +34,7 @@ def read_workbook(path: Path) -> dict[str, Sheet]:
     except OSError as fault:
         raise CatalogError(f"{path}: cannot be read ({fault.strerror or fault}).") from None
     refuse_packed(raw, path)
-    return sheets_of(raw, path)
+    return sheets_of(raw, path, form)
 
 
 def refuse_packed(raw: bytes, path: Path) -> None:
@@ -48,8 +51,8 @@ def refuse_packed(raw: bytes, path: Path) -> None:
         raise CatalogError(f"{path}: holds macros, links or embedded files ({', '.join(active)}); save it without.")
 
 
-def sheets_of(raw: bytes, path: Path) -> dict[str, Sheet]:
-    """Texts of all cells."""
+def sheets_of(raw: bytes, path: Path, form: str | None) -> dict[str, Sheet]:
+    """Texts of all cells; of sheets of another form than is asked for those of the first row alone."""
     from openpyxl import load_workbook
 
     try:
@@ -62,8 +65,9 @@ def sheets_of(raw: bytes, path: Path) -> dict[str, Sheet]:
         if len(book.worksheets) > MOST_SHEETS:
             raise CatalogError(f"{path}: holds more than {MOST_SHEETS} sheets; send the filled form alone.")
         for sheet in book.worksheets:
-            rows = sheet.iter_rows(max_row=MOST_ROWS, max_col=MOST_COLUMNS)
-            made[sheet.title] = [trimmed([cell_text(cell, sheet.title, faults) for cell in row]) for row in rows]
+            told = faults if form is None or sheet["A1"].value == form else []
+            rows = sheet.iter_rows(max_row=MOST_ROWS if told is faults else 1, max_col=MOST_COLUMNS)
+            made[sheet.title] = [trimmed([cell_text(cell, sheet.title, told) for cell in row]) for row in rows]
     except CatalogError:
         raise
     except Exception as fault:

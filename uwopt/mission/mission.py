@@ -71,8 +71,8 @@ class Mission(WholeFile):
     )
     practice: Annotated[Practice, CHOICE] = Field(
         default=DEFAULT_PRACTICE,
-        description="what a mission that leaves a key out asks for: recommended (good practice: light and sharpness "
-        "over the whole image, reserves, a lens one stop down, what an expert would refuse) or bare (nothing)",
+        description="practice that stands in for keys left out: recommended (good practice: light and sharpness over "
+        "the whole image, reserves, a lens one stop down, nothing that an expert would refuse) or bare (nothing)",
     )
     confidence: Confidence = Field(
         default="central",

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Discriminator, Field, PrivateAttr, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
+from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.inline import (
     INLINE_MODELS,
     SYNONYMS,
@@ -21,7 +22,8 @@ from uwopt.catalog.inline import (
     InlinePort,
     inline_faults,
 )
-from uwopt.catalog.records import OF_A_DESIGN
+from uwopt.catalog.parts.light import NO_LAMP
+from uwopt.catalog.records import KINDS, OF_A_DESIGN
 from uwopt.documents.faults import KeyPath, nearest
 from uwopt.documents.key_types import (
     CHOICE,
@@ -39,7 +41,7 @@ from uwopt.documents.key_types import (
 from uwopt.documents.reading import read_document
 from uwopt.documents.validation import validated
 from uwopt.documents.whole_file import WholeFile, placed
-from uwopt.errors import MissionError
+from uwopt.errors import CatalogError, MissionError
 from uwopt.mission.checks import Fault, valid_values
 from uwopt.mission.mission import Mission
 from uwopt.mission.sections.vehicle import MAX_LIGHTS, LightMount
@@ -231,8 +233,11 @@ class System(WholeFile):
         return data
 
 
-def load_system(source: str | Path | Mapping[str, Any] | System) -> System:
-    """A system from a YAML file or a mapping; raises one MissionError that lists every fault."""
+def load_system(source: str | Path | Mapping[str, Any] | System, catalog: Catalog | None = None) -> System:
+    """A system from a YAML file or a mapping; raises one MissionError that lists every fault.
+
+    catalog : in which the parts have to be that it names
+    """
     if isinstance(source, System):
         return source
     document = read_document(source, "system")
@@ -243,6 +248,7 @@ def load_system(source: str | Path | Mapping[str, Any] | System) -> System:
         sections=sections(),
         origin=_origins,
         cross_faults=lambda raw: _cross_faults(_valid_parts(raw)),
+        early=[] if catalog is None else _unknown_parts(document.data, catalog),
     )
     return placed(made, document)
 
@@ -293,6 +299,22 @@ def _cross_faults(parts: Mapping[str, Any]) -> list[Fault]:
         for key in ("light_baseline_m", "light_tilt_deg"):
             if parts.get(key) is not None:
                 faults.append(((key,), "and light_mounts are both given; keep one of them"))
+    return faults
+
+
+def _unknown_parts(data: Mapping[str, Any], catalog: Catalog) -> list[Fault]:
+    """Ids that the catalogue does not have, or of another kind of part."""
+    faults: list[Fault] = []
+    for kind in KINDS:
+        named = data.get(kind)
+        if not isinstance(named, str) or not named.strip():
+            continue
+        if kind == "light" and (data.get("light_count") == 0 or named.strip() == NO_LAMP.id):
+            continue
+        try:
+            catalog.part(named.strip(), kind)
+        except CatalogError as fault:
+            faults += [((kind,), f"= {text.removeprefix('part ')}") for text in fault.faults]
     return faults
 
 

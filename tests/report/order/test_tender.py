@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -28,6 +29,7 @@ from uwopt.mission.mission import Mission, load_mission  # noqa: E402
 from uwopt.objectives.goal import goal_of  # noqa: E402
 from uwopt.report.order import tender_lines  # noqa: E402
 from uwopt.report.order.answers import answer_blocks, certainty_sentences, change_sentences  # noqa: E402
+from uwopt.report.order.bom_book import bom_book  # noqa: E402
 from uwopt.report.order.tender_book import FIRST_ANSWER, asked_of, kept_back, letter, tender_book  # noqa: E402
 from uwopt.report.order.tender_lines import end_text, falls_short, lines_of, needed_beside  # noqa: E402
 from uwopt.report.text.layout import Text  # noqa: E402
@@ -308,6 +310,29 @@ def test_a_workbook_of_another_form_is_told(tmp_path: Path) -> None:
         read_answers(tmp_path / "a.xlsx")
 
 
+@pytest.mark.parametrize(("header", "told"), [
+    ("kind,id,manufacturer,model,to_pay", "is the bill, not the tender"),
+    ("id,price,currency,date", "is a price list, which a mission names in catalog.prices"),
+    ("part,id,manufacturer,model", "is a table of parts, which a mission names in catalog.files"),
+    ('{"a": 1', "holds no answers to a tender"),
+])  # fmt: skip
+def test_a_table_that_holds_no_answers_is_told_for_what_it_is_before_its_rows(
+    header: str, told: str, tmp_path: Path
+) -> None:
+    (tmp_path / "a.csv").write_text(f"{header}\n1,2,3,4,5,6,7,8\n", "utf-8")
+    with pytest.raises(CatalogError, match=re.escape(told)) as refused:
+        read_answers(tmp_path / "a.csv")
+    assert len(refused.value.faults) == 1
+
+
+def test_a_bill_in_place_of_a_tender_is_told_before_its_formulas(result: Result, tmp_path: Path) -> None:
+    (tmp_path / "bom.xlsx").write_bytes(bom_book(result))
+    with pytest.raises(CatalogError, match=re.escape("is the bill, not the tender; name tender.xlsx")):
+        read_answers(tmp_path / "bom.xlsx")
+    with pytest.raises(CatalogError, match=re.escape("is a folder; name the tender.xlsx in it")):
+        read_answers(tmp_path)
+
+
 def test_nothing_answered_changes_nothing(book: bytes, tmp_path: Path) -> None:
     made = with_quotes(small(FEW), filled(book, tmp_path), today=TODAY)
     assert made.before is made.after
@@ -330,6 +355,7 @@ def test_command_keeps_answers_and_order(
     assert (tmp_path / "out" / LOG_FILE).read_text("utf-8").count(LAMP) >= 4
     assert seen[1].catalog.files == (str(tmp_path / "out" / LOG_FILE),)
     assert (tmp_path / "out" / "bom.xlsx").exists()
+    assert f"written: {tmp_path / 'out' / LOG_FILE}, " in done.output
 
 
 def test_a_result_without_a_system_asks_for_nothing(make_result: Make) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from uwopt.catalog.offers import BILL_SHEET
 from uwopt.documents.faults import plain_name
 from uwopt.report.order.book import MONEY, PERCENT, WHOLE, Page, book_bytes, new_book
 from uwopt.report.order.other_parts import AS_GOOD, OtherSystem, instead_of, other_systems, why_this
@@ -14,7 +15,7 @@ from uwopt.report.text.tables import LIKELIEST_LEGEND
 from uwopt.results.design import BillRow, Design
 from uwopt.results.result import Result
 
-ORDER, SECOND, ABOUT = "Order", "Second sources", "About"
+SECOND, ABOUT = "Second sources", "About"
 HEADS = (
     "line", "part", "maker", "model", "id", "in one system", "owned", "to order", "price each", "low", "high",
     "your quote each", "currency", "price is", "price of", "to pay", "to pay, low", "to pay, high", "lead time",
@@ -40,7 +41,7 @@ def bom_book(result: Result) -> bytes:
 
 def order_page(book: Any, result: Result, best: Design | None) -> None:
     """Lines to order with live totals, and below what is not in the sum."""
-    page = Page(book, ORDER, WIDTHS)
+    page = Page(book, BILL_SHEET, WIDTHS)
     page.line(formats.one_line(result.mission.get("name") or "Mission", 120), bold=True)
     page.line(words.as_sentence(how_far(result)))
     page.text(1, "number of systems", bold=True)
