@@ -3,6 +3,7 @@
 import pytest
 
 from uwopt.catalog.money import default_rates, to_currency
+from uwopt.catalog.tables import built_in_rows
 from uwopt.errors import CatalogError
 
 
@@ -23,4 +24,5 @@ def test_unknown_currency_names_the_known_and_the_way_out():
 
 
 def test_default_rates_are_dated():
-    assert all(rate.date and rate.usd_per_unit > 0 for rate in default_rates().values())
+    assert all(row["date"] and row["source"] for row in built_in_rows("exchange_rates.csv"))
+    assert all(usd_per_unit > 0 for usd_per_unit in default_rates().values())

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from uwopt.model.scattering import PhaseTable
+from uwopt.model.scattering import PhaseTable, share_beyond
 from uwopt.model.sensor import electron_rate_per_m2_s_nm
 
 
@@ -28,6 +28,11 @@ def photo_electrons(
 def solid_angle_integral(table: PhaseTable) -> float:
     """Integral of a phase function over the sphere, 2 pi integral of p sin psi d psi: 1."""
     return _moment(table, 0)
+
+
+def backscatter_ratio(table: PhaseTable) -> float:
+    """Share of a table scattered beyond 90 degrees: b_b/b [1]."""
+    return share_beyond(np.pi / 2, table)
 
 
 def mean_cosine(table: PhaseTable) -> float:

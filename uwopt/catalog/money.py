@@ -6,7 +6,6 @@ Default exchange rates are dated data; a mission may bring its own. A result nam
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
 
@@ -38,29 +37,16 @@ def currency_fault(text: str) -> str:
     return f"currency = {text!r} is none; {mend}"
 
 
-@dataclass(frozen=True, slots=True)
-class Rate:
-    """What one unit of a currency was worth in US dollars, and when."""
-
-    currency: str
-    usd_per_unit: float
-    date: str
-    source: str
-
-
 @cache
-def default_rates() -> dict[str, Rate]:
-    """The dated rates that ship with uwopt, by currency."""
-    return {
-        row["currency"]: Rate(row["currency"], float(row["usd_per_unit"]), row["date"], row["source"])
-        for row in built_in_rows("exchange_rates.csv")
-    }
+def default_rates() -> dict[str, float]:
+    """The dated rates that ship with uwopt, USD per unit by currency."""
+    return {row["currency"]: float(row["usd_per_unit"]) for row in built_in_rows("exchange_rates.csv")}
 
 
 def known_rates(rates: Mapping[str, float] | None = None) -> dict[str, float]:
     """USD per unit by currency: the defaults, overridden by the user's own."""
     own = {currency.upper(): value for currency, value in (rates or {}).items()}
-    return {"USD": 1.0} | {name: rate.usd_per_unit for name, rate in default_rates().items()} | own
+    return {"USD": 1.0} | default_rates() | own
 
 
 def to_currency(

@@ -12,7 +12,6 @@ from uwopt.catalog.tables import built_in_rows
 class PortMount:
     """One row of port_mounts.csv: what a port of that mount is fastened to, and whether a camera of one's own fits."""
 
-    name: str
     on: str  # photo housing, chamber, tube series
     free: bool
 
@@ -21,7 +20,7 @@ class PortMount:
 def mount_table() -> dict[str, PortMount]:
     """All known mounts by name."""
     return {
-        row["mount"]: PortMount(row["mount"], row["on"], row["free"] == "yes")
+        row["mount"]: PortMount(row["on"], row["free"] == "yes")
         for row in built_in_rows("port_mounts.csv")
     }
 

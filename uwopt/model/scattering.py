@@ -123,11 +123,6 @@ def look_up(cos_angle: ArrayLike, table: PhaseTable) -> Any:
     return result.reshape(cosine.shape)[()]
 
 
-def backscatter_ratio(table: PhaseTable) -> float:
-    """Share of a table scattered beyond 90 degrees: b_b/b [1]."""
-    return share_beyond(np.pi / 2, table)
-
-
 def share_beyond(angle_rad: float, table: PhaseTable | None) -> float:
     """Share scattered by more than an angle [1], 0 to pi; without a table, of the molecules' own function.
 

@@ -21,6 +21,7 @@ from uwopt.catalog.columns import CellError, Column, parse_number
 from uwopt.catalog.curves.spectra import pure_water
 from uwopt.catalog.parts.cell import POSITIVE, Range
 from uwopt.catalog.tables import Row, Table, read_table
+from uwopt.documents.whole_file import resolve_path
 from uwopt.errors import CatalogError, RangeError
 from uwopt.model import phase_formulas, scattering
 
@@ -48,14 +49,10 @@ SALINITY_OF_TABLE_PSU = 35.0
 
 @dataclass(frozen=True, eq=False)
 class PhaseFunction:
-    """A phase function ready for look-up, and where it is from."""
+    """A phase function ready for look-up."""
 
-    name: str
     table: scattering.PhaseTable
     includes_water: bool  # then the molecular term is not added
-    backscatter_ratio: float  # of the table
-    source: str
-    notes: tuple[str, ...] = ()
 
 
 @cache
@@ -76,8 +73,7 @@ def phase_function(
     `petzold-<station>` and a CSV (angle_deg with phase_per_sr or vsf_per_m_sr) have their own.
     """
     if name.casefold().endswith(".csv"):
-        path = Path(name).expanduser()
-        return _custom(path if path.is_absolute() or base_dir is None else base_dir / path)
+        return _custom(resolve_path(name, base_dir))
     key = name.strip().casefold().replace("_", "-").replace(" ", "-").replace("harbour", "harbor")
     if key in FORMULAS:
         return _formula(key, float(backscatter_ratio))
@@ -123,19 +119,14 @@ def _formula(name: str, ratio: float) -> PhaseFunction:
             table = scattering.phase_table_of(
                 lambda angle_rad: phase_formulas.fournier_forand_per_sr(angle_rad, index=index, slope=slope)
             )
-            source = (
-                "Fournier and Jonasz (1999); index and slope linked as by Mobley, Sundman and Boss (2002)"
-            )
-            note = f"particles of refractive index {index:.4f} and size slope {slope:.4f}"
         else:
             asymmetry = phase_formulas.asymmetry_for_backscatter(ratio)
             table = scattering.phase_table_of(
                 lambda angle_rad: phase_formulas.henyey_greenstein_per_sr(np.cos(angle_rad), asymmetry=asymmetry)
             )
-            source, note = "Henyey and Greenstein (1941)", f"mean cosine {asymmetry:.4f}"
     except RangeError as fault:
         raise CatalogError(f"phase function {name}: {fault}.") from None
-    return PhaseFunction(name, table, False, ratio, source, (note,))
+    return PhaseFunction(table, includes_water=False)
 
 
 def _station_id(station: str) -> str:
@@ -154,21 +145,10 @@ def _stations() -> Mapping[str, str]:
 @cache
 def _petzold(station: str) -> PhaseFunction:
     import jerlov
-    from jerlov.petzold import CITATION
 
     measured = jerlov.petzold_scattering(station)
     table = scattering.phase_table(np.deg2rad(measured.angles_deg), measured.phase_function())
-    notes = [
-        f"{station}, {measured.locale}, {measured.date}, {measured.wavelength_nm:g} nm; pure sea water included",
-        f"backscatter ratio as printed: {measured.backscatter_ratio:g}",
-    ]
-    extended_deg = [
-        angle for angle, status in zip(measured.angles_deg, measured.statuses, strict=True) if status != "ok"
-    ]
-    if extended_deg:
-        notes.append(f"extrapolated by the report up to {max(extended_deg):.3g} deg")
-    ratio = scattering.backscatter_ratio(table)
-    return PhaseFunction(f"petzold-{_station_id(station)}", table, True, ratio, CITATION, tuple(notes))
+    return PhaseFunction(table, includes_water=True)
 
 
 # ---------------------------------------------------------------- users' files
@@ -179,16 +159,11 @@ def _custom(path: Path) -> PhaseFunction:
     angle_rad = np.deg2rad(angle_deg)
     try:
         if includes_water:
-            b_per_m = scattering.scattering_coefficient_per_m(angle_rad, value)
-            value = value / b_per_m
-            note = f"divided by its own integral, b = {b_per_m:.4g} 1/m; taken as water included"
-        else:
-            note = "taken as that of the particles: molecular scattering is added"
+            value = value / scattering.scattering_coefficient_per_m(angle_rad, value)
         table = scattering.phase_table(angle_rad, value)
     except RangeError as fault:
         raise CatalogError(f"{path.name}: {fault}.") from None
-    ratio = scattering.backscatter_ratio(table)
-    return PhaseFunction(path.stem, table, includes_water, ratio, path.name, (note,))
+    return PhaseFunction(table, includes_water)
 
 
 def _read_curve(table: Table) -> tuple[FloatArray, FloatArray, bool]:

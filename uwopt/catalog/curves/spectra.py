@@ -78,10 +78,8 @@ class PureWater:
 class GlassFormula:
     """Dispersion formula of a material: its name and coefficients by index."""
 
-    material: str
     formula: str
     coefficients: FloatArray
-    reference: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -375,15 +373,9 @@ def glass_coefficients(material: str) -> GlassFormula:
     names = {plain_name(name): name for name in groups}
     if plain_name(material) not in names:
         raise CatalogError(_unknown("glass", material, glass_names()))
-    name = names[plain_name(material)]
-    group = groups[name]
+    group = groups[names[plain_name(material)]]
     order = np.argsort(group.numbers("index"))
-    return GlassFormula(
-        name,
-        group.columns["formula"][0],
-        group.numbers("coefficient")[order],
-        group.columns["reference"][0],
-    )
+    return GlassFormula(group.columns["formula"][0], group.numbers("coefficient")[order])
 
 
 def quan_fry_coefficients() -> FloatArray:
