@@ -19,7 +19,7 @@ from uwopt.solvers.settable.rounding import Rounded, rounded_design
 
 NARROW = replace(ON, id="narrow", beam_angle_deg=replace(ON.beam_angle_deg, value=14.0, low=14.0, high=14.0))
 FLOOD = replace(ON, id="flood", power_w=replace(ON.power_w, value=250.0, low=250.0, high=250.0))
-OFF_DEG = 10.0
+OFF_DEG = 20.0
 FAR_OFF_DEG = 30.0  # from 2 m a spot moves by more than a metre, out of the image
 
 

@@ -86,16 +86,34 @@ def test_of_several_models_the_one_that_leaves_least_counts() -> None:
         # of a battery of 150 Wh a fifth is to be left
         (MarginRows("energy_wh", np.array([121.0]), np.array([150.0]), "<=", "Wh"), 0.1933),
         (MarginRows("energy_wh", np.array([120.0]), np.array([150.0]), "<=", "Wh"), 1.2),
+        # a tenth of the scale above the highlights; of more than that no setting is chosen
+        (MarginRows("saturation_fraction", np.array([0.94]), np.ones(1), "<=", ""), 0.06),
+        (MarginRows("saturation_fraction", np.array([0.9]), np.ones(1), "<=", ""), FULL),
     ],
     ids=[
         "little light", "light with a reserve", "much blur", "blur with a reserve", "sharp ahead", "battery nearly out",
-        "battery with a fifth left",
+        "battery with a fifth left", "bright highlights", "room for highlights",
     ],
 )
 def test_enough_is_what_good_practice_keeps_in_reserve(margin: MarginRows, noted: float) -> None:
     left = np.full((1, len(ROOMY)), FULL)
     note_room(left, margin)
     assert left[0, ROOMY.index(margin.requirement)] == pytest.approx(noted, abs=1e-4)
+
+
+def test_highlights_have_room_that_costs_next_to_no_signal(solved: Result) -> None:
+    """A drift video stood at 99.85 % of saturation: 17 % more light, as another floor sends back, spoilt it.
+
+    A tenth in hand costs a gain lower by 20 log10(1 / 0.9) = 0.92 dB, and what rounding to 4096 levels adds to noise.
+    """
+    assert solved.best is not None
+    scene = solved.best.as_set.scenes[0]
+    assert 0.88 <= scene.figures["saturation_fraction"] <= 0.9
+    system = yaml.safe_load(system_yaml(solved))
+    settings = system["scenes"]["scene 1"]
+    brighter = uwopt.evaluate(MISSION, system | {"scenes": {"scene 1": settings | {"gain": settings["gain"] / 0.9}}})
+    assert brighter.best is not None
+    assert brighter.best.scenes[0].figures["snr_db"] - scene.figures["snr_db"] < 0.01
 
 
 def test_with_enough_in_hand_the_least_power_decides() -> None:

@@ -40,6 +40,7 @@ Index = NDArray[np.intp]
 TIMES = 12  # looked at a row, before the search goes on between two of them
 LEVELS = 9
 ROUNDS = 12  # 11 ** 12 is more than there are microseconds in any exposure
+HIGHLIGHTS = "saturation_fraction"
 PIXELS_ASKED = "min_snr_db"  # the requirement that pixels decide
 SHARP_LAST = 1e-6  # weight of a sharpness that is missed: first all else must hold
 WORST = 1e290  # stands for an objective that is infinite
@@ -54,8 +55,10 @@ ENOUGH = {
     "min_dof_m": ENOUGH_DOF, "min_snr_db": ENOUGH_SNR, "min_snr_mean_db": ENOUGH_SNR, "min_snr_red_db": ENOUGH_SNR,
     "min_contrast": ENOUGH_ELSE, "min_mtf_half_nyquist": ENOUGH_ELSE, "resolve_mm": ENOUGH_ELSE,
     "max_airy_px": ENOUGH_ELSE, "power_w": ENOUGH_ELSE, "peak_power_w": ENOUGH_ELSE, "energy_wh": BATTERY_IN_HAND,
+    HIGHLIGHTS: ENOUGH_ELSE,
 }  # fmt: skip
 ROOMY = tuple(ENOUGH)
+HIGHLIGHT_STEPS = -float(ratio_to_db(1.0 - ENOUGH[HIGHLIGHTS])) / GAIN_STEP_DB  # of gain that leave so much
 PLENTY = 0.5  # of a limit: what is in hand beyond it decides nothing
 FULL = 1.0 + PLENTY  # of what is in hand as it is noted: that it is enough counts 1
 SNR_DIGITS = 1  # of decibels, where nothing else tells settings apart
@@ -260,7 +263,10 @@ class SettableScene:
         return SettingRows(f_number, exposure, pulse, one, level, rate, dioptre)
 
     def _gains(self, settings: SettingRows) -> list[Array]:
-        """The highest gain that does not saturate; of a wanted mean level the steps on either side, nearest first."""
+        """The highest gain that does not saturate, and that leaves highlights enough in hand.
+
+        Of a wanted mean level the steps on either side, nearest first.
+        """
         cam, scene = self.model.cameras, self.model.problem.scenes[self.index]
         full, black = float(2.0 ** cam.bits[0] - 1.0), float(cam.black_level_dn[0])
         wanted = self.needs.mean_level
@@ -274,7 +280,8 @@ class SettableScene:
         lower = np.clip(np.floor(steps + EDGE), 0, top)
         nearest = np.clip(np.round(steps), 0, top)
         other = np.where(nearest > lower, lower, np.minimum(lower + 1, top))
-        picks = [lower] if wanted is None else [nearest, other]
+        roomy = np.clip(np.floor(steps - HIGHLIGHT_STEPS + EDGE), 0, top)
+        picks = [lower, roomy] if wanted is None else [nearest, other]
         return [self.gains[pick.astype(int)] for pick in picks]
 
     def _judged(self, settings: SettingRows) -> Tried:
@@ -370,7 +377,8 @@ def note_room(left: Array, margin: MarginRows) -> None:
     """Note what is left of one of `ROOMY` as a share of its limit, (n, len(ROOMY)); of decibels as a ratio.
 
     No more than `PLENTY`, and 1 more where it is enough: where what is left, with the reserve that the limit keeps
-    already, is as great a share of what is asked as `ENOUGH`.
+    already, is as great a share of what is asked as `ENOUGH`. Highlights need no more than that: a step of gain that is
+    lost or won decides nothing else.
     """
     name = margin.requirement.partition(" (")[0]
     if name not in ROOMY or margin.sense not in ("<=", ">="):
@@ -378,8 +386,9 @@ def note_room(left: Array, margin: MarginRows) -> None:
     share = share_left(margin, margin.margin, margin.limit)
     asked = margin.limit + margin.reserve if margin.sense == "<=" else margin.limit - margin.reserve
     enough = share_left(margin, margin.margin + margin.reserve, asked) >= ENOUGH[name] - SATISFIED_REL
+    noted = np.minimum(share, PLENTY) + enough
     column = ROOMY.index(name)
-    left[:, column] = np.minimum(left[:, column], np.minimum(share, PLENTY) + enough)
+    left[:, column] = np.minimum(left[:, column], np.where(enough, FULL, noted) if name == HIGHLIGHTS else noted)
 
 
 def share_left(margin: MarginRows, room: Array, limit: Array) -> Array:
