@@ -386,9 +386,10 @@ def note_room(left: Array, margin: MarginRows) -> None:
     share = share_left(margin, margin.margin, margin.limit)
     asked = margin.limit + margin.reserve if margin.sense == "<=" else margin.limit - margin.reserve
     enough = share_left(margin, margin.margin + margin.reserve, asked) >= ENOUGH[name] - SATISFIED_REL
-    noted = np.minimum(share, PLENTY) + enough
+    if name == HIGHLIGHTS:
+        share = np.where(enough, PLENTY, share)
     column = ROOMY.index(name)
-    left[:, column] = np.minimum(left[:, column], np.where(enough, FULL, noted) if name == HIGHLIGHTS else noted)
+    left[:, column] = np.minimum(left[:, column], np.minimum(share, PLENTY) + enough)
 
 
 def share_left(margin: MarginRows, room: Array, limit: Array) -> Array:
