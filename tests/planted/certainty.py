@@ -87,6 +87,11 @@ DEFECTS = (
         test="tests/solvers/test_certain_changes.py::test_a_raised_limit_is_told_with_what_holds_then",
     ),
     Defect(
+        name="colours too far apart are told as a rule without a name", file="uwopt/solvers/confidence/outcomes.py",
+        old='yield "max_white_balance", np', new='yield "rules", np',
+        test="tests/solvers/test_confidence.py::test_a_rule_that_no_setting_mends_is_named[max_white_balance-more0-asked0]",
+    ),
+    Defect(
         name="rules that hardware misses are not known where it was counted beside others",
         file="uwopt/solvers/confidence/eased.py",
         old="all_missed(problem, objective, seen, scenarios)):\n        coarse",

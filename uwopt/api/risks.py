@@ -127,7 +127,7 @@ def uncertain(result: Result, design: Design) -> Weighed:
     yield 95.0, Risk("it may not do what is asked", because, wanted)
 
 
-LOST_TO = {"light": "enough signal without saturation", "rules": "a rule on lamps or shutter"}
+LOST_TO = {"light": "enough signal without saturation", "rules": "rate, pulse or power of the lamp, or the shutter,"}
 
 
 def at_bad_ends(result: Result, design: Design) -> Weighed:

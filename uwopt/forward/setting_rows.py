@@ -63,7 +63,7 @@ class SceneRows(Columns):
     readout_s: Array
     flash_duration_s: Array  # until it is over
     time_min_s: Array
-    time_max_s: Array
+    time_max_s: Array  # below 0: no setting does, as `NO_TIME_S` has it
     rate_hz: Array
     kind: Array
     light_lm: Array  # all lamps at full level
@@ -352,6 +352,7 @@ def of_farthest_pixels(rows: SceneRows, *, unlit: bool) -> SceneRows:
 
 SHORTEST_TIME_S = 1e-9
 BALANCE_ROUND = 1.0 + 1e-9
+NO_TIME_S, MISPLACED_S = -1.0, -2.0  # longest times of what no setting lets pass: for any reason; for its lamps' places
 
 
 def light_times_s(
@@ -490,7 +491,7 @@ def setting_rows(
         flash_duration_s=lamp.flash_duration_s,
         flash_decay_s=lamp.flash_decay_s,
         time_min_s=time_min,
-        time_max_s=np.where(allowed, time_max, -1.0),
+        time_max_s=np.where(allowed, time_max, NO_TIME_S),
         rate_hz=focused.rate_hz,
         kind=lamp.kind,
         light_lm=light_lm,

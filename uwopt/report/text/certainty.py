@@ -19,7 +19,7 @@ from uwopt.units import format_within, percent
 
 LOST_TO = {
     "light": "no exposure, gain and light level give enough signal without saturating",
-    "rules": "a rule on lamps or shutter that no setting mends",
+    "rules": "rate, pulse or power of the lamp, or the shutter, whatever is set",
     "housing": "camera and lens do not fit into the housing",
     "focus": "the lens does not focus behind this port",
 }

@@ -20,9 +20,10 @@ from uwopt.arrays import Array
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.part_columns import Lenses
 from uwopt.forward.problem import Problem
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.setting_rows import MISPLACED_S, NO_TIME_S, SceneRows
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.fixed import Settings, best_fixed
+from uwopt.solvers.confidence.response import unbalanced
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.states import Together
 from uwopt.solvers.exact.imager_rules import limit
@@ -269,7 +270,7 @@ class Judge:
         misses = {
             "min_dof_m": self.misplaced,
             **{name: ~kept for name, kept in designs.kept_limits(limits)},
-            "rules": np.logical_or.reduce([(r.time_max_s < 0.0) & ~self.misplaced for r in self.rows]),
+            **{name: lost & ~self.misplaced for name, lost in self.lost_rules()},
             LIGHT: ~best.feasible,
             "power_w": power > limit(limits.power_w) * ROUND,
             "energy_wh": power > problem.scene_power_limit_w * ROUND,  # what is left of it for one scene
@@ -277,6 +278,14 @@ class Judge:
         feasible = ~np.logical_or.reduce(list(misses.values()))
         first = np.select(list(misses.values()), list(misses), "")
         return np.where(feasible & np.isfinite(value), value, np.inf), first
+
+    def lost_rules(self) -> Iterator[tuple[str, Array]]:
+        """Which designs some rule refuses whatever is set, by the rule's name; the last holds what is left of them."""
+        asks_evenness = any(s.view.requirements.min_uniformity is not None for s in self.group.problem.scenes)
+        misplaced = np.logical_or.reduce([r.time_max_s <= MISPLACED_S for r in self.rows])
+        yield "max_white_balance", np.logical_or.reduce([unbalanced(r) for r in self.rows])
+        yield "min_uniformity" if asks_evenness else "lamp_clear_m", misplaced
+        yield "rules", np.logical_or.reduce([r.time_max_s < 0.0 for r in self.rows])
 
     def told(self, value: Array, first: Array) -> tuple[Array, Array]:
         """The verdict, in which fine detail that blurs is no lack of light: that has settings where none is asked for.
@@ -307,5 +316,5 @@ def at_stop(rows: SceneRows, f_number: Array) -> SceneRows:
         rows,
         n_low=np.where(fixed & may, f_number, rows.n_low),
         n_high=np.where(fixed & may, f_number, rows.n_high),
-        time_max_s=np.where(may, rows.time_max_s, -1.0),
+        time_max_s=np.where(may, rows.time_max_s, NO_TIME_S),
     )

@@ -18,7 +18,7 @@ import numpy as np
 from uwopt.arrays import Array
 from uwopt.forward.lamp_light import ImageLight
 from uwopt.forward.scene import SceneOptics
-from uwopt.forward.setting_rows import BALANCE_ROUND, SceneRows
+from uwopt.forward.setting_rows import BALANCE_ROUND, NO_TIME_S, SceneRows
 from uwopt.model import sensor
 from uwopt.solvers.confidence.waters import Waters, WaterState
 
@@ -253,8 +253,14 @@ def of_deciding_pixels(image: ImageLight) -> ImageLight:
 
 
 def balanced(rows: SceneRows) -> SceneRows:
-    """Rows of which those whose colours are too far apart, with no sun to mix, have no time."""
+    """Rows of which those whose colours are too far apart have no time."""
+    far_apart = unbalanced(rows)
+    return replace(rows, time_max_s=np.where(far_apart, NO_TIME_S, rows.time_max_s)) if far_apart.any() else rows
+
+
+def unbalanced(rows: SceneRows) -> Array:
+    """Which rows have colours that are too far apart, with no sun to mix."""
     if rows.colour_e is None or rows.sunlit or not np.isfinite(rows.max_white_balance):
-        return rows
+        return np.zeros(len(rows.time_max_s), bool)
     ratio = sensor.white_balance(rows.colour_e).max(axis=1)
-    return replace(rows, time_max_s=np.where(ratio <= rows.max_white_balance * BALANCE_ROUND, rows.time_max_s, -1.0))
+    return np.asarray(ratio > rows.max_white_balance * BALANCE_ROUND)

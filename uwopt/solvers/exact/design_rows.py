@@ -22,6 +22,7 @@ from uwopt.forward.lamp_views import keeps_clear, lamps_refused
 from uwopt.forward.problem import Problem
 from uwopt.forward.remembered import RememberedSunField
 from uwopt.forward.setting_rows import (
+    MISPLACED_S,
     PIXEL_COLUMNS,
     SceneRows,
     of_farthest_pixels,
@@ -75,7 +76,7 @@ class NodeRows:
                 )
             if not light_alone and not optimistic and self.has_rules(index):
                 kept = self.keep_rules_in(index, imager, light, count, under)
-                rows = replace(rows, time_max_s=np.where(kept, rows.time_max_s, -1.0))
+                rows = replace(rows, time_max_s=np.where(kept, rows.time_max_s, MISPLACED_S))
             rows = replace(rows, optimistic=optimistic)
             result.append(while_sharp(rows) if optimistic and not light_alone else rows)
         return result
