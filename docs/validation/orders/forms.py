@@ -19,7 +19,7 @@ from uwopt.model.sent_back import mean_way_m, widened_phase
 from uwopt.model.widened import Turned, arriving_share, ways_m, widened
 
 from .cases import TALLIES, Case, Light, read
-from .model import Legs, phase_table, uwopt_light
+from .model import Legs, backscatter_ratio, phase_table, uwopt_light
 
 PLACE_SHARE, LEAST_RATIO = 1.0 / 3.0, 1e-3
 SCALE = 0.05  # error from which a case counts less in the fit: no single one may bend it
@@ -120,7 +120,7 @@ def met(case: Case, share: float) -> scattering.PhaseTable:
 def scattered(case: Case) -> tuple[float, float, float]:
     """a, b and b_b [1/m]."""
     b = case.c_per_m * case.albedo
-    return case.c_per_m - b, b, b * scattering.backscatter_ratio(phase_table(case.phase))
+    return case.c_per_m - b, b, b * backscatter_ratio(phase_table(case.phase))
 
 
 def own_lobe(case: Case) -> beams.Beam:

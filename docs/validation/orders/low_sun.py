@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from uwopt.model import scattering, sunlight
+from uwopt.model import sunlight
 from uwopt.model.multiple import TESTED_THICKNESS
 
 from .camera import STEP_U, STEP_V
 from .daylight import SEED, Case, drawn_cases, first_turned, irradiances, left
-from .model import phase_table
+from .model import backscatter_ratio, phase_table
 from .sunlit import N_WATER, elevation_rad, rays_of, turned_per_m_sr
 from .walk import Water, compiled, phase_of, water_of
 
@@ -90,7 +90,7 @@ def modelled(case: Case, cosine: float, k_per_m: float, *, corner: bool) -> floa
     elevation = elevation_rad(cosine)
     cos, weight = rays_of(case, corner=corner)
     kd = k_per_m / float(sunlight.path_factor(elevation, n_water=N_WATER))
-    backward = case.c_per_m * case.albedo * scattering.backscatter_ratio(phase_table(case.phase))
+    backward = case.c_per_m * case.albedo * backscatter_ratio(phase_table(case.phase))
     radiance = sunlight.diffuse_path_radiance_w_m2_sr_nm(
         np.ones(1) / sunlight.surface_factor(elevation, n_water=N_WATER), kd_per_m=np.array([kd]),
         absorption_per_m=np.array([case.c_per_m * (1.0 - case.albedo)]),

@@ -57,6 +57,11 @@ def kd_per_m(a: float, b: float) -> float:
     return float(np.sqrt(a * a + (0.425 * MU0 - 0.19) * a * b) / MU0)
 
 
+def backscatter_ratio(table: scattering.PhaseTable) -> float:
+    """Share of a table scattered beyond 90 degrees: b_b/b [1]."""
+    return scattering.share_beyond(np.pi / 2, table)
+
+
 class Legs(NamedTuple):
     """Attenuations of a model [1/m]; c is left to light that is not scattered on its way to the camera."""
 
@@ -72,7 +77,7 @@ class Legs(NamedTuple):
 def single(case: Case) -> Legs:
     """Without light scattered more than once: K on lamp legs and of the forward veil, c for backscatter."""
     b = case.c_per_m * case.albedo
-    a, ratio = case.c_per_m - b, scattering.backscatter_ratio(phase_table(case.phase))
+    a, ratio = case.c_per_m - b, backscatter_ratio(phase_table(case.phase))
     k = illumination_attenuation_per_m(a, b_per_m=b, kd_per_m=kd_per_m(a, b), backscatter_ratio=ratio)
     return Legs(float(k), float(k), float(k), float(k), case.c_per_m)
 

@@ -17,7 +17,7 @@ from uwopt.model import multiple, scattering, sunlight
 from uwopt.model.water import illumination_attenuation_per_m
 
 from .daylight import COS_SKY, TALLIES, Case, Light, read
-from .model import phase_table
+from .model import backscatter_ratio, phase_table
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
 ELEVATION_RAD, N_WATER = float(sunlight.REFERENCE_ELEVATION_RAD), 1.34
@@ -88,11 +88,11 @@ def model(row: Light, constants: Constants = USED, *, multiple_scattering: bool 
         path = sunlight.diffuse_path_radiance_w_m2_sr_nm(
             entering, absorption_per_m=np.array([a]),
             turned_per_m_sr=constants.once / multiple.SUN_ONCE * turned_of_sky(case, corner=row.place == "corner"),
-            backward_per_m=np.array([constants.often / multiple.SUN_OFTEN * b * scattering.backscatter_ratio(table)]),
+            backward_per_m=np.array([constants.often / multiple.SUN_OFTEN * b * backscatter_ratio(table)]),
             **seen,
         )  # fmt: skip
     else:
-        ratio = scattering.backscatter_ratio(table)
+        ratio = backscatter_ratio(table)
         every = float(illumination_attenuation_per_m(a, b_per_m=b, kd_per_m=kd, backscatter_ratio=ratio))
         path = sunlight.path_radiance_w_m2_sr_nm(
             entering, attenuation_per_m=np.array([case.c_per_m]), scattering_per_m=np.array([b]), table=table, **seen
