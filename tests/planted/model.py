@@ -29,6 +29,20 @@ DEFECTS = (
         test="tests/model/test_falling_root.py::test_what_stays_above_its_level_ends_where_its_range_does",
     ),
     Defect(
+        name="halves are kept on the side where a condition does not hold",
+        file="uwopt/model/bisection.py",
+        old="np.where(is_in, tried, inside), np.where(is_in, outside, tried)",
+        new="np.where(is_in, inside, tried), np.where(is_in, tried, outside)",
+        test="tests/model/test_bisection.py::test_roots_are_found_between_ends_on_either_side",
+    ),
+    Defect(
+        name="halves are made although every middle is an end",
+        file="uwopt/model/bisection.py",
+        old="            break",
+        new="            pass",
+        test="tests/model/test_bisection.py::test_no_halves_are_made_where_every_middle_is_an_end",
+    ),
+    Defect(
         name="the chirp of wide spreads of colour runs the wrong way round its circle",
         file="uwopt/model/lateral.py",
         old="place[n_k:] -= length",

@@ -272,8 +272,8 @@ DEFECTS = (
     Defect(
         name="all limits at once are taken for enough",
         file="uwopt/solvers/explain/specification.py",
-        old="        return at(low)",
-        new="        return at(1.0)",
+        old="return at(1.0 if all_hold(1.0) else",
+        new="return at(1.0 if all_hold(0.0) else",
         test=f"{SPEC}::test_all_numbers_together_still_do_and_lie_within_their_limits",
     ),
     Defect(

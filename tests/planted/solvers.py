@@ -962,8 +962,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="segments of a front are left larger than what closes its gap",
         file="uwopt/solvers/front/points.py",
-        old="if np.minimum(spans, np.sqrt(spans * middle)).sum() <= share * spans.sum():",
-        new="if np.minimum(spans, middle).sum() <= share * spans.sum():",
+        old="np.minimum(spans, np.sqrt(spans * most)).sum()",
+        new="np.minimum(spans, most).sum()",
         test="tests/solvers/test_front.py::test_segments_that_are_cut_to_a_size_leave_the_share_that_was_asked_for[0.3]",
     ),
     Defect(

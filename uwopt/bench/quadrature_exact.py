@@ -19,6 +19,7 @@ import numpy as np
 
 from uwopt.arrays import Array
 from uwopt.model.beam import Beam
+from uwopt.model.bisection import bisected, half_way
 from uwopt.model.imaging import Lamps, PortShape
 
 Place = tuple[float, float, float]
@@ -311,11 +312,8 @@ def outer_splits(low: float, high: float, half_across: float, levels: list[Level
     for i in range(len(scan) - 1):
         if kinds[i] == kinds[i + 1]:
             continue
-        left, right = scan[i], scan[i + 1]
-        for _ in range(BISECTIONS):
-            middle = 0.5 * (left + right)
-            left, right = (middle, right) if kind(middle) == kinds[i] else (left, middle)
-        splits.append(0.5 * (left + right))
+        ends = bisected(lambda u, of=kinds[i]: kind(u) == of, scan[i], scan[i + 1], steps=BISECTIONS)
+        splits.append(float(half_way(*ends)))
     return splits
 
 

@@ -17,6 +17,7 @@ from uwopt.arrays import Array
 from uwopt.evaluation.design_model import DesignModel
 from uwopt.forward.figures import SettingRows
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
+from uwopt.model.bisection import bisected
 from uwopt.model.port import lens_dioptre_per_m, water_distance_m
 from uwopt.objectives.requirements import LEVEL_TOLERANCE_REL
 
@@ -126,13 +127,13 @@ class NearSettings:
         bad = np.array([steps[first[n]] for n in open_])
         good, names = bad - 1.0 / STEPS, [asked[n][0] for n in open_]
         aside, why = [asked[n][2] for n in open_], [""] * len(open_)
-        for _ in range(HALVINGS if open_ else 0):
-            middle = 0.5 * (good + bad)
-            said = self.failing(self.moved(names, 2.0 ** (signs * middle)), aside=aside)
-            fails = np.array([bool(name) for name in said])
-            good, bad = np.where(fails, good, middle), np.where(fails, middle, bad)
+
+        def fails(powers: Array) -> list[str]:
+            return self.failing(self.moved(names, 2.0 ** (signs * powers)), aside=aside)
+
         if open_:
-            why = self.failing(self.moved(names, 2.0 ** (signs * bad)), aside=aside)
+            good, bad = bisected(lambda powers: [not name for name in fails(powers)], good, bad, steps=HALVINGS)
+            why = fails(bad)
         ends = [SettingEnd(None, "")] * len(asked)
         for n, sign, power, name in zip(open_, signs, good, why, strict=True):
             ends[n] = SettingEnd(float(2.0 ** (sign * power)), name)
@@ -153,8 +154,7 @@ class NearSettings:
         bad = next((place for place in places if broken(place)), None)
         if bad is None:
             return SettingEnd(None, "")
-        good = bad - 1.0 / STEPS
-        for _ in range(HALVINGS // 2):  # to 1e-5: finer than anyone focuses
-            middle = 0.5 * (good + bad)
-            good, bad = (good, middle) if broken(middle) else (middle, bad)
+        good, bad = map(float, bisected(
+            lambda power: not broken(power), bad - 1.0 / STEPS, bad, steps=HALVINGS // 2,  # finer than anyone focuses
+        ))  # fmt: skip
         return SettingEnd(2.0 ** (sign * good), broken(bad))

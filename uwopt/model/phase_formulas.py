@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from uwopt.arrays import FloatArray
 from uwopt.errors import RangeError
+from uwopt.model.bisection import bisected, half_way
 
 SEA_WATER_DEPOLARISATION = 0.039  # Farinato and Rowell (1976), as Zhang, Hu and He (2009) recommend
 # Refractive index against slope of the size distribution, n = 1.01 + 0.1542 (mu - 3): Mobley et al. (2002).
@@ -169,10 +170,8 @@ def fournier_forand_for_backscatter(ratio: float) -> tuple[float, float]:
 def _root(function: Callable[[float], float], low: float, high: float) -> float:
     """The root between two ends of unlike sign, halved to rounding; SciPy's would cost every solve 0.3 s to import."""
     rising = function(high) > 0
-    for _ in range(80):
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if (function(middle) > 0) == rising else (middle, high)
-    return 0.5 * (low + high)
+    ends = bisected(lambda place: (function(place) > 0) != rising, low, high, steps=80)
+    return float(half_way(*ends))
 
 
 def _mobley_index(slope: float) -> float:

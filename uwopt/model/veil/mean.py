@@ -10,6 +10,7 @@ import numpy as np
 from uwopt.arrays import Array
 from uwopt.model import beam as beams
 from uwopt.model import port
+from uwopt.model.bisection import bisected
 from uwopt.model.fineness import scaled
 from uwopt.model.image_mean import along_symmetric, gauss
 from uwopt.model.imaging import Lamps, PortShape
@@ -302,10 +303,8 @@ def _lit_rule(n: int, images: _Images, box: Array, lamp: Lamps, **common: Any) -
     last = BOX_POINTS - 1 - np.argmax(lit[..., ::-1], axis=-1)
     dark_at = np.stack([np.maximum(first - 1, 0), np.minimum(last + 1, BOX_POINTS - 1)], axis=-1)
     inside, outside = (np.take_along_axis(grid, at, -1) for at in (np.stack([first, last], axis=-1), dark_at))
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (inside + outside)
-        is_in = _is_lit(np.repeat(u[:, :, None], 2, -1), middle, images, lamp, **common)
-        inside, outside = np.where(is_in, middle, inside), np.where(is_in, outside, middle)
+    both = np.repeat(u[:, :, None], 2, -1)
+    inside, _ = bisected(lambda v: _is_lit(both, v, images, lamp, **common), inside, outside, steps=BISECTIONS)
     span = np.where(lit.any(axis=-1), inside[..., 1] - inside[..., 0], 0.0)
     v = inside[..., :1] + span[..., None] * (0.5 * (nodes + 1.0))
     weight = 0.25 * (box[1] - box[0])[:, None, None] * (weights[:, None] * span[..., None]) * weights

@@ -18,6 +18,7 @@ from uwopt.deadline import Deadline
 from uwopt.evaluation.leaning import LeaningModel, leaning, lost_when_leaning, settings_of
 from uwopt.forward.lamps import Mount
 from uwopt.forward.problem import Problem
+from uwopt.model.bisection import bisected
 from uwopt.objectives.objective import Objective
 from uwopt.results.design import Design
 from uwopt.solvers.exact.imagers import enumerate_imagers
@@ -74,15 +75,11 @@ def tilt_tolerance(
 
 def reach(holds: Callable[[float], bool], sign: float) -> float:
     """The largest angle tried at which something holds, from doubling steps and a few bisections [deg]."""
-    good, bad = 0.0, math.inf
+    good = 0.0
     for angle in TRIED_DEG:
         if not holds(sign * angle):
-            bad = angle
-            break
+            return float(bisected(lambda tried: holds(sign * tried), good, angle, steps=BISECTIONS)[0])
         good = angle
-    for _ in range(BISECTIONS if math.isfinite(bad) else 0):
-        middle = 0.5 * (good + bad)
-        good, bad = (middle, bad) if holds(sign * middle) else (good, middle)
     return good
 
 

@@ -23,6 +23,7 @@ from uwopt.mission.mission import Mission
 from uwopt.mission.reserves import asked_when_held
 from uwopt.mission.varying import Varied, VariedMission, rounded
 from uwopt.mission.weakened import RELAXABLE, asked_value, in_all_scenes, is_from_above, without
+from uwopt.model.bisection import bisected, half_way
 from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Opinion, Price
 from uwopt.results.design import Design
@@ -166,12 +167,11 @@ def free_by(is_free: Callable[[float], bool], asked: float, reach: float) -> flo
     """
     if is_free(reach):
         return reach
-    near, far = asked, reach
-    for _ in range(HALVINGS):
-        middle = rounded_away(0.5 * (near + far), math.inf if reach > asked else -math.inf)
-        if not min(near, far) < middle < max(near, far):
-            break
-        near, far = (middle, far) if is_free(middle) else (near, middle)
+
+    def middle(near: float, far: float) -> float:
+        return rounded_away(half_way(near, far), math.inf if reach > asked else -math.inf)
+
+    near = float(bisected(is_free, asked, reach, steps=HALVINGS, middle=middle)[0])
     return None if near == asked else near
 
 

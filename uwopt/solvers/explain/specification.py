@@ -19,10 +19,12 @@ from typing import Any
 
 import numpy as np
 
+from uwopt.arrays import Array
 from uwopt.catalog.parts.kinds import ALL_FIELDS, FAVOURED
 from uwopt.catalog.records import OF_A_DESIGN, Part, Quantity, exact
 from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
+from uwopt.model.bisection import bisected
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.one_hardware import best_of_each, problem_of
 
@@ -125,12 +127,12 @@ class PartTrial:
                 if first is not None:
                     open_.append((which, n))
                     bad.append(first)
-        ends, starts = np.array(bad), np.array(bad) - steps[0]
-        for _ in range(HALVINGS if open_ else 0):
-            middle = 0.5 * (starts + ends)
-            found = self.values([{asked[n].name: worse(asked[n], m)} for (_, n), m in zip(open_, middle, strict=True)])
-            fits = np.array([holds(value, rivals[which]) for (which, _), value in zip(open_, found, strict=True)])
-            starts, ends = np.where(fits, middle, starts), np.where(fits, ends, middle)
+
+        def still_better(steps: Array) -> list[bool]:
+            found = self.values([{asked[n].name: worse(asked[n], s)} for (_, n), s in zip(open_, steps, strict=True)])
+            return [holds(value, rivals[which]) for (which, _), value in zip(open_, found, strict=True)]
+
+        starts, _ = bisected(still_better, np.array(bad) - steps[0], np.array(bad), steps=HALVINGS)
         made: list[list[float | None]] = [[None] * len(asked) for _ in rivals]
         for (which, n), step in zip(open_, starts, strict=True):
             made[which][n] = worse(asked[n], float(step))
@@ -146,13 +148,7 @@ class PartTrial:
         def all_hold(share: float) -> bool:
             return all(holds(value, math.inf) for value in self.values(corners(asked, at(share))))
 
-        low, high = 0.0, 1.0
-        if all_hold(1.0):
-            low = 1.0
-        for _ in range(SHARES if low < high else 0):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if all_hold(middle) else (low, middle)
-        return at(low)
+        return at(1.0 if all_hold(1.0) else float(bisected(all_hold, 0.0, 1.0, steps=SHARES)[0]))
 
 
 def corners(asked: Sequence[Asked], values: Sequence[float]) -> list[dict[str, float]]:

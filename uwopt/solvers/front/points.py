@@ -14,6 +14,7 @@ import numpy as np
 from uwopt.arrays import Array
 from uwopt.errors import MissionError
 from uwopt.forward.problem import Problem
+from uwopt.model.bisection import bisected
 from uwopt.objectives.axes import OF_SETTINGS, Axes, Frame
 from uwopt.objectives.dominance import BestPoints, clearly, hypervolume, nondominated, would_add
 from uwopt.objectives.objective import Terms
@@ -161,14 +162,14 @@ def largest_left(spans: Array, share: float) -> float:
 
     One that is cut in k pieces adds a k-th in all, and each piece as little as the square of that.
     """
-    low, high = 0.0, float(spans.max(initial=0.0))
-    for _ in range(HALVINGS):
-        middle = np.sqrt(low * high) if low > 0.0 else high * 1e-12
-        if np.minimum(spans, np.sqrt(spans * middle)).sum() <= share * spans.sum():
-            low = middle
-        else:
-            high = middle
-    return float(low)
+
+    def is_small(most: float) -> bool:
+        return bool(np.minimum(spans, np.sqrt(spans * most)).sum() <= share * spans.sum())
+
+    def middle(low: float, high: float) -> float:
+        return float(np.sqrt(low * high)) if low > 0.0 else high * 1e-12
+
+    return float(bisected(is_small, 0.0, float(spans.max(initial=0.0)), steps=HALVINGS, middle=middle)[0])
 
 
 def quality_of(problem: Problem, axes: Axes) -> str | None:

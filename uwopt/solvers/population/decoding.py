@@ -14,6 +14,7 @@ import numpy as np
 from uwopt.arrays import Array
 from uwopt.forward.part_columns import PULSED
 from uwopt.forward.setting_rows import SceneRows
+from uwopt.model.bisection import bisected
 from uwopt.solvers.settings import closed_form, windows
 from uwopt.solvers.settings.closed_form import Chosen
 from uwopt.solvers.settings.windows import Sun
@@ -22,7 +23,7 @@ from uwopt.tolerances import SLACK
 DARK_ROUNDS = 6
 DARK_SETTLED_E = 1e-10
 FARTHEST = 10.0  # what a design can miss one thing by, in logarithms
-SHARP_STEPS = 24  # halvings of the longest time that keeps an image sharp
+SHARP_STEPS = 23  # halvings of the longest time that keeps an image sharp
 DIMMEST = 1e-4  # of the most level: where a share of a range that begins at no light begins
 
 
@@ -291,9 +292,10 @@ class SceneRange:
         working = np.where(np.isfinite(f_number), f_number, 1.0)
         longest = np.maximum(rows.time_max_s, 0.0)
         longest = rows.flash.open_s(longest) if rows.sunlit else rows.blur_s(longest)
-        low, high = np.zeros(len(f_number)), np.where(longest > 0, longest, 1.0)
-        for step in range(SHARP_STEPS):
-            tried = high if step == 0 else 0.5 * (low + high)
-            sharp = rows.sharp_enough(f_number=working, blur_s=tried, slack=0.0)
-            low, high = np.where(sharp, tried, low), np.where(sharp, high, tried)
-        return low
+        longest = np.where(longest > 0, longest, 1.0)
+
+        def is_sharp(blur_s: Array) -> Array:
+            return rows.sharp_enough(f_number=working, blur_s=blur_s, slack=0.0)
+
+        sharp_s, _ = bisected(is_sharp, np.zeros(len(f_number)), longest, steps=SHARP_STEPS)
+        return np.where(is_sharp(longest), longest, sharp_s)

@@ -14,6 +14,7 @@ import numpy as np
 from uwopt.arrays import Array
 from uwopt.forward.problem import Problem
 from uwopt.forward.setting_rows import SceneRows
+from uwopt.model.bisection import bisected
 from uwopt.solvers.settings import closed_form
 from uwopt.solvers.settings.closed_form import Chosen
 from uwopt.solvers.settings.windows import Window
@@ -66,8 +67,5 @@ class MeanLimit:
             return top
         low, high = np.log(np.maximum(top * FAINTEST, 1e-300)), np.log(np.maximum(top, 1e-300))
         fits = within(np.exp(low))
-        for _ in range(HALVINGS):
-            middle = 0.5 * (low + high)
-            holds = within(np.exp(middle))
-            low, high = np.where(holds, middle, low), np.where(holds, high, middle)
+        low, _ = bisected(lambda middle: within(np.exp(middle)), low, high, steps=HALVINGS)
         return np.where(done, top, np.where(fits, np.exp(low), 0.0))
