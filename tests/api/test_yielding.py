@@ -155,6 +155,38 @@ def test_nobody_reads_on_without_knowing_that_practice_gave_way() -> None:
     assert GAVE_WAY not in opening(kept)[0] and status_words(kept)[1] == "good"
 
 
+def at_depth(depth_m: float, min_snr_db: float = 20.0, **more: Any) -> dict[str, Any]:
+    """The survey there, with practice's reserve of depth."""
+    asked = survey(min_snr_db)
+    return asked | {"scene": {**asked["scene"], "depth_m": depth_m}, "reserve": {"tilt_deg": 0.0}, **more}
+
+
+@pytest.mark.parametrize(("less_db", "also"), [(6.0, []), (1.0, ["reserve.snr_db"])], ids=["alone", "with light"])
+def test_nobody_is_kept_from_6000_m_by_a_reserve_that_no_part_has(less_db: float, also: list[str]) -> None:
+    """Dome and lamp are rated to 6000 m, and 7500 m are not made. What fits at 6000 m tells nothing of those."""
+    result = uwopt.solve(at_depth(6000.0, brightest_db() - less_db), top=1, quick=True)
+    assert given_way(result) == [", ".join([*also, "reserve.depth"])] and result.mission["reserve"]["depth"] == 1.0
+    assert "no reserve on depth" in risks_of(result)[0].what
+    stand = next(one for one in risks_of(result) if "pressure" in one.what)
+    assert stand.figure == "6 000 m against 6 000 m"
+
+
+@pytest.mark.parametrize(
+    ("asked", "may"),
+    [
+        (at_depth(4800.0), False),  # 6000 m are made
+        (at_depth(4801.0), True),
+        (at_depth(6000.0), True),
+        (at_depth(6001.0), False),  # nor are they enough
+        (at_depth(6000.0, limits={"depth_rating_m": 6000.0}), False),  # a rating has a reserve of its own
+        (at_depth(6000.0, reserve={"depth": 1.25, "tilt_deg": 0.0}), False),
+    ],
+    ids=["4800 m", "4801 m", "6000 m", "6001 m", "rating", "stated"],
+)
+def test_the_reserve_of_depth_gives_way_only_where_no_part_could_have_it(asked: dict[str, Any], may: bool) -> None:
+    assert ("reserve.depth" in {one.path for one in yields_of(load_mission(asked))}) == may
+
+
 def test_what_is_kept_does_not_give_way() -> None:
     assert given_way(solved(4.0).result) == []
 
@@ -212,9 +244,10 @@ def test_nobody_is_told_of_practice_that_was_not_asked_for() -> None:
 @pytest.mark.parametrize("one", YIELDS, ids=lambda one: one.path)
 def test_each_key_gives_way_alone(one: Any) -> None:
     """The weaker mission asks for less of that key, and is otherwise the same."""
+    deep = {"scene": {"water": "II", "seafloor": 0.2, "depth_m": 6000}}
     plain = {key: value for key, value in survey(20.0).items() if key not in ("reserve", "physics")}
     carried = plain["vehicle"] | {"duration_h": 10, "battery_wh": 500, "supply": "battery"}
-    full = load_mission(plain | {"requirements": {"overlap": 0.3, "min_swath_m": 1}, "vehicle": carried})
+    full = load_mission(plain | deep | {"requirements": {"overlap": 0.3, "min_swath_m": 1}, "vehicle": carried})
     assert one in yields_of(full)
     weaker = with_yields(full, [one])
     gone = {other.path for other in set(yields_of(full)) - set(yields_of(weaker))}
@@ -900,7 +933,9 @@ def test_hardware_is_counted_once_for_each_mission_that_it_is_asked_of(monkeypat
     for mission in missions:  # what is counted in each round is another object
         tried = [SimpleNamespace(held=0.8, found=name) for name in "ab"]
         seen = SimpleNamespace(share=0.9, scenarios=SimpleNamespace(count=256), tried=tried)
-        counts = cast(Any, SimpleNamespace(sought=SimpleNamespace(problem=None, goal=None), seen=seen))
+        counts = cast(Any, SimpleNamespace(
+            sought=SimpleNamespace(problem=SimpleNamespace(mission=mission), goal=None), seen=seen
+        ))  # fmt: skip
         shares.append(yielding.most_held(counts, mission, known))
     assert shares == [0.5, 0.8, 0.5, 0.8] and counted == [3.0, 3.0, 0.0, 0.0]
     assert yielding.most_held(counts, missions[0], {}, 0.5) == 0.5 and counted[4:] == [3.0]  # the first is enough

@@ -123,9 +123,16 @@ DEFECTS = (
     Defect(
         name="for a decibel to spare all gives way that may",
         file="uwopt/api/yielding.py",
-        old="_least(roomy, every[: last + 1], catalog",
+        old="_least(roomy, few, catalog",
         new="_least(roomy, every, catalog",
         test=f"{YIELDING}::test_for_room_no_key_gives_way_that_would_after_those_that_have_to_unless_nothing_can_be_set",
+    ),
+    Defect(
+        name="parts that are chosen for less depth are taken for ones that go deeper",
+        file="uwopt/api/yielding.py",
+        old="        return False  # it may not be rated for that\n",
+        new="        pass\n",
+        test=f"{YIELDING}::test_nobody_is_kept_from_6000_m_by_a_reserve_that_no_part_has",
     ),
     Defect(
         name="what cannot be set is enough where a decibel to spare can be had",

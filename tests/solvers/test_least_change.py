@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 
+from uwopt.api.practice_left import changed
 from uwopt.api.solving import solve
 from uwopt.catalog.catalogue import Catalog
 from uwopt.deadline import NEVER, Deadline
@@ -20,6 +21,7 @@ from uwopt.mission.mission import Mission, load_mission
 from uwopt.mission.weakened import is_filled_in
 from uwopt.objectives.objective import Objective
 from uwopt.report.text.helps import depth_lines
+from uwopt.report.text.nothing_fits import change_texts
 from uwopt.results.basis import WhyNothing
 from uwopt.results.result import Result
 from uwopt.solvers.exact.certificate import certificate
@@ -490,6 +492,18 @@ def test_a_reserve_of_depth_that_alone_keeps_all_ports_out_is_named_with_the_one
     assert "No port that the mission allows otherwise reaches the 562.5 m" in said
     assert "450.0 m asked for, times 1.25 kept in reserve" in said and "reserve.depth 1.111 would do" in said
     assert within(1.111).recommendation is not None and within(1.112).recommendation is None
+
+
+def test_a_depth_that_has_to_give_is_told_as_a_mission_can_say_it(parts):
+    """Less of `limits.depth_rating_m` than the deepest scene is refused; a scene that is less deep is none."""
+    wanted = mission(parts, depth_m=800.0).with_changes(reserve={"depth": 1.25})
+    said = solve(wanted, confidence="central", quick=True)
+    assert said.infeasible is not None
+    (one,) = (each for each in said.infeasible.relaxations if each.name == "depth_rating_m")
+    assert change_texts(said, one) == ("depth of the deepest scene (depth_m)", "800.0 m", "400.0 m")
+    made = changed(wanted, one)
+    assert (made.scenes[0].depth_m, made.limits.depth_rating_m) == (400.0, None)
+    assert solve(made, confidence="central", quick=True).recommendation is not None
 
 
 def test_changes_together_are_told_where_looking_for_single_ones_takes_all_the_time(parts, catalog, monkeypatch):

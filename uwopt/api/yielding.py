@@ -78,8 +78,10 @@ def gives_way(
     roomy = with_room(lifted) if just.yields else None
     if roomy is None:
         return just
-    last = max(place for place, one in enumerate(every) if one.path == just.yields[-1].path)
-    with_more = _least(roomy, every[: last + 1], catalog, like, patience, known, roomy=True)
+    paths = {one.path for one in just.yields if not one.chooses_parts}
+    last = max((place for place, one in enumerate(every) if one.path in paths), default=-1)
+    few = tuple(one for place, one in enumerate(every) if place <= last or one in just.yields)
+    with_more = _least(roomy, few, catalog, like, patience, known, roomy=True)
     if not with_more.yields and not _can_be_set(with_yields(lifted, just.yields), catalog, like, patience, known):
         with_more = _least(roomy, every, catalog, like, patience, known, roomy=True)
     return with_more if with_more.yields else just
@@ -244,7 +246,9 @@ class YieldTrials:
 
 
 def _fits_alone(problem: Problem, found: Found, mission: Mission) -> bool:
-    """Whether hardware that fits in a mission does in another one."""
+    """Whether hardware that fits in a mission is known to in another one."""
+    if mission.required_depth_m > problem.mission.required_depth_m:
+        return False  # it may not be rated for that
     alone = problem_of(problem, found, mission=mission, scenes=problem.scenes_for(mission))
     return math.isfinite(best_of(alone, ANY))
 
@@ -319,6 +323,8 @@ def most_held(counts: Counts, mission: Mission, known: KnownToHold, least: float
     from uwopt.solvers.confidence.eased import MovedKeys
 
     problem, goal, seen, most = counts.sought.problem, counts.sought.goal, counts.seen, 0.0
+    if mission.required_depth_m > problem.mission.required_depth_m:
+        return 0.0  # none may be rated for that
     enough = least or share_to_hold(counts)
     asks = Asking.of(mission)
     for one in sorted(seen.tried, key=lambda one: one.held, reverse=True)[:SUREST]:

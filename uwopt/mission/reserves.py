@@ -22,6 +22,7 @@ RECOMMENDED_RESERVE: Mapping[str, float] = {
     "max_gain_db": 12.0, "energy": BATTERY_IN_HAND,
 }  # fmt: skip
 IN_DB = ("min_snr_db", "min_snr_red_db")  # what the reserve of the signal-to-noise ratio is added to
+MADE_FOR_M = 6000.0  # the deepest that instruments are rated for, but for those of full ocean depth, 11 000 m
 REFUSED_DEPTH = 1.1  # rating over depth: a margin below 10 %
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from uwopt.mission.mission import Mission
@@ -146,10 +147,13 @@ def is_from_above(name: str) -> bool:
 def with_limit(mission: Mission, name: str, asked: float, value: float) -> Mission:
     """The mission with another limit in all scenes; one that already asks for less stays as it is.
 
-    A rating of depth is asked for by the limits, whatever the depth.
+    A rating of depth is asked for by the limits, or by the deepest scene: a mission that is told the depth alone goes
+    no deeper than that.
     """
     section, key, _ = RELAXABLE[name]
     data = mission.to_dict()
+    if name == DEEP and is_of_scenes(data):
+        return mission.with_changes(scenes=[{**one, "depth_m": min(one["depth_m"], value)} for one in data["scenes"]])
     if name == DEEP:
         return mission.with_changes(limits=data["limits"] | {DEEP: value})
 
@@ -165,6 +169,11 @@ def with_limit(mission: Mission, name: str, asked: float, value: float) -> Missi
         elif set(own.get("refuse") or ()).intersection(words_of(key)):
             own[key] = weaker(asked)
     return mission.with_changes(**{part: data[part] for part in ("requirements", "limits", "scenes")})
+
+
+def is_of_scenes(mission: Mapping[str, Any]) -> bool:
+    """Whether the depth that parts are rated for is that of a mission's scenes, by its plain values."""
+    return (mission.get("limits") or {}).get(DEEP) is None
 
 
 def is_far(name: str, asked: float | None, needed: float | None) -> bool:

@@ -3,6 +3,9 @@
 Instruments that have worked at sea seldom keep all of it at once: corners of a wide frame get less light by the fourth
 power of a cosine, so that an SNR of the whole frame is a few decibels more than the same of its mean. So the frame may
 have less than its mean by a few decibels before nothing is asked of it.
+
+The reserve of depth gives way last, and only where none is made for more: instruments are rated to 6000 m and work
+there, so that 1.25 times as much asks for what nobody sells.
 """
 
 from __future__ import annotations
@@ -14,7 +17,7 @@ from typing import Any
 from uwopt.mission.duration import Duration
 from uwopt.mission.mission import Mission
 from uwopt.mission.practice import ACCEPTABLE_SNR_DB, LEAST_UNIFORMITY, RECOMMENDED_KEYS, is_wanted
-from uwopt.mission.reserves import RECOMMENDED_RESERVE
+from uwopt.mission.reserves import MADE_FOR_M, RECOMMENDED_RESERVE
 
 WHITE_BALANCE = "white_balance"
 SEEN_SNR_DB = 14.0  # 5:1, from which on a thing is told from noise (Rose 1948)
@@ -32,6 +35,7 @@ class Yield:
     instead: Any
     words: str  # what is then held no more
     for_certainty: bool = True  # whether it gives way too where something fits, but not as often as is asked
+    chooses_parts: bool = False  # whether it decides which parts there are, so that hardware that fits tells nothing
 
     @property
     def path(self) -> str:
@@ -79,6 +83,11 @@ YIELDS: tuple[Yield, ...] = (
         "requirements", "min_snr_db", ACCEPTABLE_SNR_DB, SEEN_SNR_DB,
         f"the signal to noise is {SEEN_SNR_DB:g} instead of {ACCEPTABLE_SNR_DB:g} dB", for_certainty=False,
     ),
+    Yield(
+        "reserve", "depth", RECOMMENDED_RESERVE["depth"], 1.0,
+        "no reserve on depth, so that parts work as deep as they are rated for", for_certainty=False,
+        chooses_parts=True,
+    ),
 )
 
 
@@ -99,6 +108,8 @@ def _is_kept(mission: Mission, one: Yield) -> bool:
     section = getattr(mission, one.section)
     if one.key == "refuse":
         return WHITE_BALANCE in section.refuse and section.max_white_balance is None
+    if one.key == "depth" and not mission.asked_depth_m <= MADE_FOR_M < mission.required_depth_m:
+        return False  # deeper parts are made
     if one.key == "energy" and not Duration.of(mission).energy_reserve_wh:
         return False  # nothing of a battery is kept
     if one.key == SNR_LESS and section.snr_at != RECOMMENDED_KEYS[one.section][SNR_AT]:

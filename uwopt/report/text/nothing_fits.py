@@ -10,7 +10,7 @@ from uwopt.deadline import longer_s
 from uwopt.mission.doubt import CENTRAL
 from uwopt.mission.keys import WATER_KEYS
 from uwopt.mission.reserves import REFUSED, refused_at
-from uwopt.mission.weakened import is_far
+from uwopt.mission.weakened import DEEP, is_far, is_of_scenes
 from uwopt.mission.yielding import yields_named
 from uwopt.quantities import AT_LIKELIEST
 from uwopt.report.text import formats, vocabulary, words
@@ -49,6 +49,7 @@ AT_THE_BRINK = (
 )
 FAR = "Out of reach, though alone it would let a system through:"
 LESS, NO_LESS = "less may do", "no less will do"
+DEEPEST_SCENE = "depth of the deepest scene (depth_m)"
 DEPTH = "depth rating"  # rule of parts that are not rated as deep as is needed
 LEFT_OUT = {"generic": "to be made, which catalog.generic leaves out"}  # where that is said otherwise than of a search
 
@@ -104,7 +105,7 @@ def practice_lines(result: Result | FrontResult) -> list[Line]:
     for item in [*relaxations_of(result), *moves_of(result)]:
         name, asked, possible = change_texts(result, item)
         if item.gives_up is None:
-            unknown.append(words.key_name(item.name))
+            unknown.append(name)
         else:
             told = "; ".join(one.words for one in yields_named(", ".join(item.gives_up)))
             fits = f"With {name} of {possible} instead of {asked} something fits"
@@ -345,6 +346,8 @@ def relaxation_texts(result: Result | FrontResult, item: Relaxed) -> tuple[str, 
     unit = {"cost": currency, "min_snr": "dB"}.get(item.name, split_unit(item.name)[1])
     asked, possible = formats.quantities_apart(item.limit, item.needed, unit=unit, digits=4)
     name, word = words.key_name(item.name), refusals_of(result.mission).get(item.name)
+    if item.name == DEEP and is_of_scenes(result.mission):  # less of the limit than that is refused
+        name = DEEPEST_SCENE
     return (
         name if word is None else f"{name.removesuffix(')')}, by refuse: {word})",
         asked,
