@@ -15,6 +15,7 @@ from uwopt.mission.practice import ACCEPTABLE_SNR_DB
 from uwopt.mission.reserves import BATTERY_IN_HAND, RECOMMENDED_RESERVE, REFUSED
 from uwopt.mission.weakened import LEAST_SNR_DB
 from uwopt.model.sharpness import RESOLVED_CONTRAST
+from uwopt.quantities import REQUIREMENTS
 from uwopt.results.basis import MISSED, MISSED_OF_PRACTICE, Risk
 from uwopt.results.design import AS_CENTRAL, PRACTICE_MISSED, Design, Margin, Note, SceneResult
 from uwopt.results.result import Result
@@ -27,29 +28,11 @@ from uwopt.units import (
     format_quantity,
     listed,
     percent,
-    split_unit,
     texts_apart,
 )
 
 Weighed = Iterator[tuple[float, Risk]]
 
-#: What is asked for, in words that stand in a sentence; others are told by their key.
-ASKED = {
-    "max_blur_px": "motion blur", "max_skew_px": "skew", "overlap": "overlap", "max_gsd_mm": "pixel on the floor",
-    "min_common_swath_m": "swath of both cameras", "max_depth_error_mm": "error of a distance by stereo",
-    "min_swath_m": "swath", "min_snr_db": "signal to noise", "min_snr": "signal to noise",
-    "min_snr_mean_db": "signal to noise of the mean",
-    "min_dof_m": "depth of field", "dof_near_m": "depth of field", "dof_far_m": "depth of field",
-    "min_uniformity": "evenness of the light", "power_w": "power", "peak_power_w": "peak power", "mass_kg": "mass",
-    "mass_water_kg": "mass in water", "size_mm": "size of the housing", "dome_radius_mm": "room in the dome",
-    "housing_diameter_mm": "room in the housing", "housing_length_mm": "room in the housing",
-    "tube_mouth_mm": "room in the housing",
-    "mean_level": "image brightness", "saturation_fraction": "highlights", "depth_rating_m": "depth rating",
-    "min_mtf_half_nyquist": "sharpness", "resolve_mm": "sharpness", "frame_interval_s": "time between images",
-    "data_rate_mb_s": "data rate", "min_snr_red_db": "signal to noise of red", "max_white_balance": "white balance",
-    "max_airy_px": "sharpness against diffraction", "lamp_clear_m": "room between lamps and view",
-    "lamp_beside_port_m": "room between lamps and port", "lamps_apart_m": "room between lamps",
-}  # fmt: skip
 #: Ends of the ranges that settings may have, what a setting with room left can mend, and what another rule tells.
 OF_SETTINGS = (
     "f_number_min", "f_number_max", "gain_min", "gain_max", "max_exposure_ms", "min_exposure_ms", "light_level_max",
@@ -556,7 +539,7 @@ def ends_of(margin: Margin) -> tuple[str, ...]:
 def in_words(requirement: str) -> str:
     """A key in words, without the part that it is about."""
     key = requirement.partition(" (")[0]
-    return ASKED.get(key) or split_unit(key)[0].removeprefix("min_").removeprefix("max_").replace("_", " ")
+    return "depth of field" if key in OFF_FOCUS else REQUIREMENTS.get(key, key).partition(",")[0]
 
 
 def worst(design: Design, figure: str, *, least: bool = False) -> tuple[SceneResult | None, float]:

@@ -8,14 +8,13 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from uwopt.quantities import AT_LIKELIEST
+from uwopt.quantities import AT_LIKELIEST, REQUIREMENTS
 from uwopt.report.text.formats import cost_text, count_text, money, one_line, quantity
 from uwopt.report.text.vocabulary import (
     AS_WRITTEN,
     KEYS,
     PARTS_OF_THE_SEARCH,
     PIECES,
-    REQUIREMENTS,
     RULES,
     STATUS_SENTENCES,
     SUBJECTS,

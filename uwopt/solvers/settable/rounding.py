@@ -16,7 +16,7 @@ import numpy as np
 from uwopt.deadline import NEVER, Deadline
 from uwopt.evaluation.design import evaluate_design
 from uwopt.evaluation.design_model import DesignModel, design_model
-from uwopt.evaluation.focus_marks import DIGITS, focus_marks_m
+from uwopt.evaluation.focus_marks import focus_distances_m, focus_marks_m
 from uwopt.evaluation.influences import influences_of
 from uwopt.evaluation.leaning import leaning_models
 from uwopt.forward.designs import Hardware, SceneSettings
@@ -158,9 +158,9 @@ def typed_dioptre_per_m(model: DesignModel, index: int, ring: float) -> float:
 
 
 def typed_focus_m(model: DesignModel, index: int, dioptre_per_m: float) -> float:
-    """The distance in water at which a lens is focused, in the digits that are printed."""
+    """The distance in one scene's water at which a lens is focused, as a person sets it."""
     distance_m = float(water_distance_m(dioptre_per_m, focus_map=model.maps[index]))
-    return float(f"{distance_m:.{DIGITS}g}") if 0 < distance_m < FARTHEST_M else FARTHEST_M
+    return focus_distances_m(distance_m)[0] if 0 < distance_m < FARTHEST_M else FARTHEST_M
 
 
 def best_common(
