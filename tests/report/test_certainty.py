@@ -162,9 +162,12 @@ def test_medians_that_scenarios_cannot_tell_apart_are_called_a_tie(make_result: 
                  {"confidence": 0.99, "objective_p50": 70.0, "hardware": ours}]  # fmt: skip
         (block,) = certainty_block(make_result(confidence=COUNTED | {"central_hardware": ours, "curve": curve}))
         assert ("recommended has 61.00 W: medians within 2 % are a tie" in text_of(block)) == tie
+    better = [{**curve[0], "confidence": 0.9, "objective_p50": 31.0}, curve[1]]  # and as often as is asked
+    (block,) = certainty_block(make_result(confidence=COUNTED | {"central_hardware": ours, "curve": better}))
+    assert "recommended has 61.00 W: further ones decided against what does better in 90 % of these" in text_of(block)
     less = [{**curve[0], "confidence": 0.8, "objective_p50": 61.0}, curve[1]]  # holds less often than is asked
     (block,) = certainty_block(make_result(confidence=COUNTED | {"central_hardware": ours, "curve": less}))
-    assert "a tie" not in text_of(block)
+    assert "a tie" not in text_of(block) and "decided" not in text_of(block)
 
 
 @pytest.mark.parametrize(("field", "told"), [

@@ -394,13 +394,14 @@ def price(result: Result, design: Design) -> Weighed:
 def dearer_than_it_must(result: Result, design: Design) -> Weighed:
     """A system that costs much less and is as good, as far as anybody will notice."""
     cheap = result.less_money
-    if cheap is None or abs(cheap.value / cheap.value_of_best - 1.0) > UNNOTICED:
+    if cheap is None or (more := cheap.value / cheap.value_of_best - 1.0) > UNNOTICED:
         return
     if cheap.is_less_even(design.least("uniformity")):
         return
     prices = (float(f"{amount:.2g}") for amount in (cheap.price_of_best, cheap.price))
     ours, theirs = (format_money(amount, cheap.currency) for amount in prices)
-    because = "another system is as good within what anybody notices: `For less money` names it"
+    which = "better" if more < -UNNOTICED else "as good within what anybody notices"
+    because = f"another system is {which}: `For less money` names it"
     yield 90.0, Risk("it costs more than it must", because, f"{ours} against {theirs}")
 
 

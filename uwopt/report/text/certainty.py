@@ -200,22 +200,25 @@ def curve_table(result: Result, known: Confidence) -> Line:
 
 
 def tied_text(result: Result, known: Confidence) -> str:
-    """That another system of the curve is as good as what is recommended, for want of scenarios to tell; else empty."""
+    """Why another system of the curve is not recommended that seems as good, or better and as sure as is asked."""
     design, ours = result.best, known.p50_in_choice
     if design is None or ours is None or known.asked == "ends":
         return ""
-    theirs = [
-        point.objective_p50
+    asked = float(known.asked)
+    theirs = {
+        point.confidence: point.objective_p50
         for point in known.curve
-        if point.confidence >= float(known.asked) and set(point.hardware) - set(design.hardware.ids)
-    ]
-    if not any(abs(value - ours) <= TIED_MEDIANS_REL * abs(ours) for value in theirs):
-        return ""
-    return (
-        f"In these {formats.count_text(known.scenarios_in_choice)} scenarios what is recommended has "
-        f"{told_value(result, ours)}: medians within {percent(TIED_MEDIANS_REL)} are a tie, which further "
-        "scenarios and then the price decided."
-    )
+        if point.confidence >= asked and set(point.hardware) - set(design.hardware.ids)
+    }
+    scenarios = formats.count_text(known.scenarios_in_choice)
+    said = f"In these {scenarios} scenarios what is recommended has {told_value(result, ours)}"
+    if any(abs(value - ours) <= TIED_MEDIANS_REL * abs(ours) for value in theirs.values()):
+        near = percent(TIED_MEDIANS_REL)
+        return f"{said}: medians within {near} are a tie, which further scenarios and then the price decided."
+    if asked in theirs:  # the best of all that hold so often
+        why = f"further ones decided against what does better in {percent(asked)} of these, where it holds in fewer"
+        return f"{said}: {why}. Where a little less is enough, ask for less (--confidence)."
+    return ""
 
 
 def ask_first(result: Result) -> Iterator[str]:

@@ -35,6 +35,9 @@ def short_price_sentence(result: Result) -> str:
     return f"{by}{said}."
 
 
+FOUND_LATER = " It was found once the choice was made, and betters it: take it instead."
+
+
 def less_money_block(result: Result) -> Iterator[Block]:
     """`With 1 light: 3 300 USD less (46 %) for 0.07 % more power, 2.785 W; limits.cost: 3896 asks for it.`"""
     if result.less_money is not None and result.best is not None:
@@ -59,6 +62,7 @@ def less_money_text(result: Result, cheap: LessMoney, best: Design) -> str:
         said += f"by exact settings; limits.cost: {math.ceil(cheap.cost_limit)} asks for it, or better."
     else:
         said += f"by medians; it holds in {percent(cheap.held or 0.0)} of the scenarios of the choice."
+        said += FOUND_LATER if more < 0.0 else ""
     even = best.as_set.least("uniformity")
     if not cheap.is_less_even(even):
         return said
