@@ -57,7 +57,7 @@ def page_of(result: Result) -> str:
     """What `solve` prints."""
     from uwopt.report.text.short import short_text_blocks
 
-    return printed(short_text_blocks(result)).rstrip("\n")
+    return printed(short_text_blocks(result, has_page=True)).rstrip("\n")
 
 
 def full_of(result: Result) -> str:

@@ -105,7 +105,7 @@ def test_it_is_told_first_and_survives_its_file(certain: Result) -> None:
     stream = io.StringIO()
     print_blocks(short_text_blocks(certain), stream)
     text = stream.getvalue()
-    assert "holds in" in text.splitlines()[0] and "of 256 scenarios" in " ".join(text.split())
+    assert "does what is asked in" in text.splitlines()[0] and "of 256 scenarios" in " ".join(text.split())
     assert "How certain" in text
     assert Result.from_dict(certain.to_dict()).confidence == certain.confidence
 

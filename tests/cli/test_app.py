@@ -180,6 +180,13 @@ def test_physics_can_be_chosen() -> None:
     assert data["mission"]["physics"] == "paper"
 
 
+def test_who_has_a_page_is_not_told_how_to_write_one(solving: Status, tmp_path: Path) -> None:
+    solving()
+    with_page = run("solve", MISSION, "--out", tmp_path / "out")
+    assert "--full adds" in with_page.stdout and "--out DIR writes" not in with_page.stdout
+    assert "--out DIR writes" in run("solve", MISSION).stdout
+
+
 def test_result_files_are_written(tmp_path: Path) -> None:
     done = run("evaluate", MISSION, SYSTEM, "--out", tmp_path / "new")
     assert done.exit_code == 0
@@ -339,6 +346,8 @@ def test_interruption_of_how_firm_it_is_keeps_second_opinions_and_prices(monkeyp
     result = api.solve(MISSION, physics="paper")
     assert result.prices and any(one.agrees for one in result.solvers) and result.robustness is None
     assert [note.code for note in result.warnings].count("interrupted") == 1
+    (told,) = [note.message for note in result.warnings if note.code == "interrupted"]
+    assert told.endswith("worked out: second opinions, what requirements cost; not, or not all: how firm the answer is")
 
 
 def test_interruption_before_a_system_is_status_130(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1413,8 +1413,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="what has been read stands on the page again",
         file="uwopt/cli/output.py",
-        old="rest_text_blocks(result) if begun else",
-        new="short_text_blocks(result) if begun else",
+        old="rest_text_blocks if begun else",
+        new="short_text_blocks if begun else",
         test="tests/cli/test_app.py::test_page_begins_before_the_doubts_and_is_the_same_page",
     ),
     Defect(

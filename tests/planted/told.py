@@ -36,8 +36,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="images that are mostly noise are praised first",
         file="uwopt/report/text/short.py",
-        old='return "; ".join(text for text in (noise_clause(result), said) if text)',
-        new="return said",
+        old="for text in (noise_clause(result), said, cut_clause(result))",
+        new="for text in (said, cut_clause(result))",
         test="tests/report/test_short.py::test_very_noisy_images_are_told_before_that_all_that_is_asked_is_held",
     ),
     Defect(

@@ -227,12 +227,12 @@ def test_result_can_be_taken_from_the_page(make_result: Make, make_front: Make) 
 
 
 @pytest.mark.parametrize(("kind", "expected"), [
-    ("solve", ["Best of the catalogue under these assumptions, proven. Goal: least power, 40.50 W at these settings",
+    ("solve", ["Best of the catalogue under these assumptions, proven.", "Least power, 40.50 W at these settings",
                "1 700 to 3 400 USD", "Cost 3 600 to 5 400 USD, of which 1 700 to 3 400 estimated",
                "Bill of materials", "Settings to type in", "12.345 ms", "At its limit: overlap along track",
                "Sony's best needs 50 W.", "Runners-up", "With parts to be made", "Certificate", "adds up",
                "How firm this is", "Second opinions", "not modelled: fish", "Assumptions (2)", "Took 0.430 s"]),
-    ("evaluate", ["Every requirement is met. Goal: least power", "The system", "Margins to the requirements"]),
+    ("evaluate", ["Every requirement is met.", "The system", "Margins to the requirements"]),
     ("violated", ["1 requirement is missed", "Missed: motion blur."]),
     ("infeasible", ["No system of the catalogue meets every requirement", "Why nothing fits", "cost 2 140 USD",
                     "Nearest miss", "meets all that is asked but cost"]),

@@ -68,7 +68,7 @@ def test_settings_that_were_not_rounded_are_no_settings_to_type_in(doubtful: Res
 
 def test_page_has_its_five_sections_in_their_order(doubtful: Result) -> None:
     text = text_of(doubtful)
-    heads = ["Buy", "Set", "What it costs", "The three greatest risks", "Measure or quote first", "--full"]
+    heads = ["Buy", "What it costs", "The three greatest risks", "Measure or quote first", "Set", "--full"]
     assert sorted(heads, key=text.index) == heads
 
 

@@ -45,6 +45,14 @@ class ToTell:
     alternatives: bool = False  # what systems of other makers lack
 
 
+def left_of(made: Result) -> str:
+    """What of a proven answer was worked out before a person ended it, and what was not."""
+    there = {"robustness": made.robustness is not None, "second_opinion": made.solvers, "prices": made.prices}
+    done, left = ([STAGES[name] for name, told in there.items() if bool(told) is so] for so in (True, False))
+    told = f"; of its doubts this was worked out: {', '.join(done)}" if done else ""
+    return f"the system is proven{told}" + (f"; not, or not all: {', '.join(left)}" if left else "")
+
+
 def doubted(made: Result, chosen: Recommendation, wanted: ToTell, watch: Watch) -> Result:
     """A result with how firm it is, what more power and money would buy, and second opinions, in time."""
     from uwopt.solvers.explain.knee import knee
@@ -62,7 +70,7 @@ def doubted(made: Result, chosen: Recommendation, wanted: ToTell, watch: Watch) 
             made, cut = told_together(made, chosen, wanted, watch, patient.deadline, clock)
     except KeyboardInterrupt:  # what is proven is not lost
         cut = True
-    notes = cut_warnings() if cut else []
+    notes = cut_warnings(left_of(made)) if cut else []
     if patient.deadline is not watch.deadline:
         notes += patience_warnings(patient.deadline, seconds, watch.began_s)
     return replace(made, warnings=[*made.warnings, *notes])

@@ -60,7 +60,7 @@ def hand_over(
                 written = write_front(result, out, deadline=pictures)
     except OutputError as fault:
         refused = fault
-    print_result(result, partial(blocks_of, full=full, begun=begun), as_json=as_json)
+    print_result(result, partial(blocks_of, full=full, begun=begun, has_page=bool(written)), as_json=as_json)
     if refused is not None:
         raise refused
     if written and not quiet:
@@ -72,7 +72,7 @@ def hand_over(
         told(no_time_for(deadline), DONE)
 
 
-def blocks_of(result: Result | FrontResult, *, full: bool, begun: bool) -> Iterable[Any]:
+def blocks_of(result: Result | FrontResult, *, full: bool, begun: bool, has_page: bool) -> Iterable[Any]:
     """What is printed of a result, on one page or in full; `begun`: without what stands there already."""
     from uwopt.results.result import Result
 
@@ -84,7 +84,8 @@ def blocks_of(result: Result | FrontResult, *, full: bool, begun: bool) -> Itera
 
     if full:
         return full_text_blocks(result)
-    return rest_text_blocks(result) if begun else short_text_blocks(result)
+    shown = rest_text_blocks if begun else short_text_blocks
+    return shown(result, has_page=has_page)
 
 
 def print_result(

@@ -160,7 +160,7 @@ def test_an_order_that_is_not_certain_enough_says_so_above_its_lines(make_result
         "central_held": 0.4, "central_p50": None, "central_hardware": ["acme-cam"],
     }  # fmt: skip
     unsure = make_result(status="feasible", confidence=counted)
-    assert opened(unsure)["Order"]["A2"].value.startswith("Not certain enough: holds in 49 % of 1 024 scenarios")
+    assert opened(unsure)["Order"]["A2"].value.startswith("Not certain enough: does what is asked in 49 % of 1 024")
     assert opened(make_result())["Order"]["A2"].value.startswith("Best of the catalogue")
 
 

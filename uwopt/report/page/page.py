@@ -20,11 +20,20 @@ from uwopt.report.page.sections import DesignPart
 from uwopt.report.page.svg import clean_svg
 from uwopt.report.text import doubts, exactness, formats, nothing_fits, tables, words
 from uwopt.report.text.front_tables import METHOD_HEADS, method_rows, pick_names
-from uwopt.report.text.in_hand import fails_first
-from uwopt.report.text.layout import Block, Line, fact_lines
+from uwopt.report.text.layout import Block, Line, block, fact_lines
 from uwopt.report.text.looked_at import in_figure, in_page, wording_of
-from uwopt.report.text.short import goal_sentence, how_far, noise_clause, practice_sentences, short_blocks
-from uwopt.report.text.verdict import verdict
+from uwopt.report.text.short import (
+    MOST_RISKS,
+    first_to_fail,
+    goal_sentence,
+    how_far,
+    noise_clause,
+    practice_sentences,
+    questions,
+    short_blocks,
+    shown_risks,
+)
+from uwopt.report.text.verdict import system_text, verdict
 from uwopt.results.design import Design
 from uwopt.results.front import FrontResult
 from uwopt.results.record import plain
@@ -83,7 +92,7 @@ def report_html(result: Result | FrontResult, deadline: Deadline = NEVER) -> str
     table = front_data(front) if front and front.points else None
     facts = front_facts(front, pictures) if table and front else None
     data = {"figures": pictures.drawn, "front": table}
-    first, second = opening(result)
+    first, second, facts_first = opening(result)
     scripts = ("front.js", "page.js") if data["front"] else ("page.js",)
     said = wording_of(result)
     data["figures"] = in_figure(data["figures"], said)
@@ -91,6 +100,7 @@ def report_html(result: Result | FrontResult, deadline: Deadline = NEVER) -> str
         "page.html", scripts, data, result=result, front=front, version=result.uwopt_version, table=table,
         quantity=formats.quantity, title=TITLES.get(result.command, "Result"),
         name=formats.one_line(result.mission.get("name") or "Mission", 120), first=first, second=second,
+        in_words=facts_first,
         parts=parts, pictures=pictures, groups=GROUPS, facts=facts,
         short=list(short_blocks(result)) if isinstance(result, Result) else [],
         alternatives=page_parts.alternatives(result), why=why_block(result), trust=list(trust_blocks(result)),
@@ -102,14 +112,20 @@ def report_html(result: Result | FrontResult, deadline: Deadline = NEVER) -> str
     return in_page(page, said)
 
 
-def opening(result: Result | FrontResult) -> tuple[str, str]:
-    """What stands under the title: of one system how far the answer may be believed, and what it is best in."""
-    if isinstance(result, FrontResult) or result.best is None:
-        return verdict(result)
-    said = [goal_sentence(result, result.best)]
-    if first := fails_first(result.best.as_set, result.deepest_m):
-        said.append(words.as_sentence(first))
-    return " ".join([words.as_sentence(how_far(result)), *practice_sentences(result)]), " ".join(said)
+def opening(result: Result | FrontResult) -> tuple[str, str, Block | None]:
+    """What stands under the title: how far the answer may be believed; of one system what it is, fails by and needs."""
+    if isinstance(result, FrontResult) or (design := result.best) is None:
+        return *verdict(result), None
+    said = " ".join([words.as_sentence(how_far(result)), *practice_sentences(result)])
+    facts = {
+        "system" if result.command == "evaluate" else "buy": system_text(design),
+        "goal": goal_sentence(result, design).removeprefix("Goal: "),
+        "fails first": first_to_fail(result, design).removeprefix("fails first: "),
+        "risks": "; ".join(risk.what for risk in shown_risks(result)[:MOST_RISKS]),
+        "do first": next(questions(result, design), ""),
+    }
+    told = [(name, words.as_sentence(formats.one_line(text, 400))) for name, text in facts.items() if text]
+    return said, "", block("", [fact_lines(told)])
 
 
 # ---------------------------------------------------------------- designs and their pictures

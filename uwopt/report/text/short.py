@@ -9,11 +9,19 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
+from uwopt.mission.doubt import CENTRAL
 from uwopt.mission.weakened import LEAST_SNR_DB
 from uwopt.mission.yielding import SEEN_SNR_DB
 from uwopt.quantities import AT_LIKELIEST, BY_NAME
 from uwopt.report.text import formats, words
-from uwopt.report.text.certainty import ask_first, certainty_block, goal_name, status_text, surer_block
+from uwopt.report.text.certainty import (
+    ask_first,
+    certainty_block,
+    fails_in,
+    goal_name,
+    status_text,
+    surer_block,
+)
 from uwopt.report.text.doubts import quoted_number
 from uwopt.report.text.helps import contradiction_lines, not_known_lines, notes_beside
 from uwopt.report.text.in_hand import fails_first
@@ -83,17 +91,23 @@ ASKED_BY_PRACTICE = (
     "Good practice asks for part of this: light and sharpness over the whole image, reserves, and nothing that an "
     "expert would refuse. `practice: bare` asks only for what the mission says."
 )
-HINT = (
-    "--full adds the proof, every requirement, other choices and all that is assumed; --out DIR writes a page with "
-    "pictures."
-)
+A_SCENARIO = "A scenario is water, parts and vehicle as they may turn out to be within what is known of them."
+HINT = "--full adds the proof, every requirement, other choices and all that is assumed"
+PAGE_HINT = "--out DIR writes a page with pictures"
+INTERRUPTED = "interrupted, so not all of its risks are told"
+NOT_COUNTED = "interrupted before it was counted how often that holds"
 
 
-def short_text_blocks(result: Result) -> Iterator[Block | Text]:
-    """The page as text: name and verdict, its sections, and where the rest is."""
+def short_text_blocks(result: Result, *, has_page: bool = False) -> Iterator[Block | Text]:
+    """The page as text: name and verdict, its sections, and where the rest is, such as on a page that was written."""
     yield from first_text_blocks(result)
     yield from rest_of_blocks(result)
-    yield sentence(HINT, "dim")
+    yield hint(has_page)
+
+
+def hint(has_page: bool) -> Text:
+    """Where the rest is."""
+    return sentence(f"{HINT}." if has_page else f"{HINT}; {PAGE_HINT}.", "dim")
 
 
 def full_text_blocks(result: Result) -> Iterator[Block | Text]:
@@ -116,13 +130,13 @@ def first_text_blocks(result: Result) -> Iterator[Block]:
     yield from first_blocks(result)
 
 
-def rest_text_blocks(result: Result) -> Iterator[Block | Text]:
+def rest_text_blocks(result: Result, *, has_page: bool = False) -> Iterator[Block | Text]:
     """What follows where the beginning has been read while the doubts were worked out."""
     yield Text("")
     if result.knee is not None:  # was not known yet
         yield Block("", (sentence(goal_text(result)),))
     yield from rest_of_blocks(result)
-    yield sentence(HINT, "dim")
+    yield hint(has_page)
 
 
 def short_blocks(result: Result) -> Iterator[Block]:
@@ -132,31 +146,31 @@ def short_blocks(result: Result) -> Iterator[Block]:
 
 
 def first_blocks(result: Result) -> Iterator[Block]:
-    """What to buy, to set and to pay; no doubt changes it."""
+    """What to buy and to pay; no doubt changes it."""
     design = result.best
     if design is None:
         return
     yield from missed_block(result, design)
     yield buy_block(design, "The system" if result.command == "evaluate" else "Buy")
-    yield set_block(result, design)
     yield cost_block(result, design.as_set)
-    yield from certainty_block(result)
 
 
 def rest_of_blocks(result: Result) -> Iterator[Block]:
-    """Risks and questions, which the doubts decide; or what would help a mission that nothing meets."""
+    """Risks and what to ask first, which the doubts decide, then details; or what would help where nothing fits."""
     design = result.best
     if design is None:
         yield from nothing_blocks(result)
         yield from cut_short_block(result)
         return
-    yield from less_money_block(result)
     yield from risk_blocks(result)
+    yield from question_blocks(result, design)
+    yield set_block(result, design)
+    yield from certainty_block(result)
+    yield from less_money_block(result)
     if alike := words.sibling_sentence(result):
         yield block("Would do as well", [sentence(words.as_sentence(alike))])
     if said := short_price_sentence(result):
         yield block("What asking for more costs", [sentence(said)])
-    yield from question_blocks(result, design)
     yield from cut_short_block(result)
 
 
@@ -184,7 +198,15 @@ def how_far(result: Result) -> str:
     """
     known = result.confidence
     said = words.status_sentence(result) if known is None else status_text(known, result.status)
-    return "; ".join(text for text in (noise_clause(result), said) if text)
+    return "; ".join(text for text in (noise_clause(result), said, cut_clause(result)) if text)
+
+
+def cut_clause(result: Result) -> str:
+    """What is not known of a system because a person interrupted; else empty."""
+    if result.best is None or not any(note.code == "interrupted" for note in result.warnings):
+        return ""
+    is_counted = result.confidence is not None or result.mission.get("confidence") in (None, CENTRAL)
+    return INTERRUPTED if is_counted else NOT_COUNTED
 
 
 def noise_clause(result: Result) -> str:
@@ -210,14 +232,23 @@ def verdict_lines(result: Result) -> list[Line]:
     """What the answer is best in, what images it takes, and what fails first."""
     if result.best is None:
         return []
-    said = [*practice_sentences(result), goal_sentence(result, result.best), image_sentence(result, result.best.as_set)]
-    if first := fails_first(result.best.as_set, result.deepest_m):
+    known = result.confidence
+    said = [A_SCENARIO] if known is not None and known.asked != "ends" else []
+    said += [*practice_sentences(result), goal_sentence(result, result.best)]
+    said.append(image_sentence(result, result.best.as_set))
+    if first := first_to_fail(result, result.best):
         said.append(words.as_sentence(first))
     said += [*subject_sentences(result, result.best)]
     said += [words.as_sentence(note.message) for note in result.warnings if note.code in TOLD_FIRST]
     if result.command == "solve" and result.mission.get("practice") == "bare":
         said.append(BARE)
     return [sentence(text) for text in said]
+
+
+def first_to_fail(result: Result, design: Design) -> str:
+    """What fails in most of the scenarios in which it fails; where none were counted, what has the least margin."""
+    told = "" if result.confidence is None or not design.feasible else fails_in(result.confidence)
+    return told or fails_first(design.as_set, result.deepest_m)
 
 
 def practice_sentences(result: Result) -> list[str]:
@@ -252,12 +283,12 @@ def goal_sentence(result: Result, design: Design) -> str:
         return f"Goal: {most} {name}, {text}."
     exact = words.value_text(result, design, design.objective_value)
     beside = f" ({exact} before rounding)" if as_set and exact != text else ""
-    told = f"{text} at these settings{beside}" if as_set else text
+    told = f"{text} at these settings" if as_set else text
     known = result.confidence
     if known is None or known.objective_p50 is None:
-        return f"Goal: {most} {name}, {told}."
+        return f"Goal: {most} {name}, {told}{beside}."
     median = words.objective_text(result, known.objective_p50)
-    return f"Goal: {most} {name}, {told} and {AT_LIKELIEST}; median of the scenarios {median}."
+    return f"Goal: {most} {name}, {told} {AT_LIKELIEST}, {median} in the median scenario."
 
 
 def image_sentence(result: Result, design: Design) -> str:
@@ -433,9 +464,14 @@ def power_text(design: Design) -> str:
 def risk_blocks(result: Result) -> Iterator[Block]:
     """What would hold more often, where that is known, and the greatest risks."""
     yield from surer_block(result)
-    others = [risk for risk in result.risks if risk.because not in (MISSED, MISSED_OF_PRACTICE)]
+    others = shown_risks(result)
     if others or others == result.risks:
         yield risk_block(others)
+
+
+def shown_risks(result: Result) -> list[Risk]:
+    """Risks beside what is missed, which stands above them."""
+    return [risk for risk in result.risks if risk.because not in (MISSED, MISSED_OF_PRACTICE)]
 
 
 def risk_block(risks: Sequence[Risk]) -> Block:

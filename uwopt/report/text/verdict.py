@@ -106,7 +106,7 @@ def nothing(result: Result | FrontResult) -> tuple[str, str]:
         changes = (change_texts(result, item) for item in helpful)
         listed = ", ".join(f"{name.partition(' (')[0]} {possible}" for name, _, possible in changes)
         return first, f"{said} {listed}"
-    if result.status == "stopped":
+    if result.status in CUT:
         return first, in_more_time(result)
     return first, no_change_helps(result)
 

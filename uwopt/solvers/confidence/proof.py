@@ -187,7 +187,7 @@ class Prover:
             except OutOfTimeError:
                 return counted, dropped, some[0].minimised
             counted, dropped = counted + len(hopeful), dropped + len(some) - len(hopeful)
-            self.progress(min(0.5 + 0.5 * first / len(listed), 0.99), "certainty")
+            self.progress(min(first / len(listed), 0.99), "proof that nothing else holds as often")
         return counted, dropped, np.inf
 
     def _count(self, some: Sequence[Found]) -> None:
