@@ -745,20 +745,6 @@ DEFECTS = (
         test="tests/solvers/test_least_change.py::test_limits_speed_and_height_told_together_are_enough",
     ),
     Defect(
-        name="the narrowest fields wait for all that need less power",
-        file="uwopt/solvers/exact/open_nodes.py",
-        old="            order = by_turns(order, ",
-        new="            by_turns(order, ",
-        test="tests/solvers/test_open_nodes.py::test_what_fits_in_murky_water_is_among_the_first_that_are_tried",
-    ),
-    Defect(
-        name="turns take one order to its end",
-        file="uwopt/solvers/exact/open_nodes.py",
-        old="np.minimum.at(place, order, np.arange(len(order)))",
-        new="place[order] = np.arange(len(order))",
-        test="tests/solvers/test_open_nodes.py::test_turns_take_the_first_of_each_order_before_the_second_of_any",
-    ),
-    Defect(
         name="a few imagers are looked at first whose answer proves nothing",
         file="uwopt/solvers/infeasible/relaxed_imagers.py",
         old="return known is not None and max(",

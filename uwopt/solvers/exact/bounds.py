@@ -193,12 +193,10 @@ class Bounds:
         )
         if limits.power_w is not None:
             cost = lamps.least_within("cost", "power_per_light", place, most_drawn)
-        slack = self._slack(lamps, capacity_needed, power, rows)
         contrast, clear = self._contrast_bound(lighting, rows)
         bounds = NodeBounds(
             np.zeros(n), imagers.camera_power_w[rows] + power, imagers.camera_power_w[rows] + mean_power,
             imagers.cost[rows] + cost, imagers.mass_kg[rows] + mass, snr_db, np.zeros(n, int), information, contrast,
-            slack,
         )  # fmt: skip
         return self._judged(bounds, reachable & clear, imagers.limit_cost[rows] + limit_cost, rows)
 
@@ -216,22 +214,6 @@ class Bounds:
                 on = need.rate_hz if lamps.kind == FLASH else lamps.on_share(need.rate_hz, 0.0)
                 drawn = np.maximum(drawn, np.where(used > 0, lamps.dimmest * on, 0.0))
         return np.where(np.isfinite(wanted), drawn, np.inf)
-
-    def _slack(self, lamps: LampsOfKind, needed: Array, light_power_w: Array, rows: Array) -> Array:
-        """How many times as much light as is needed affordable lamps give, or power there is, whichever is less, (n,).
-
-        needed, light_power_w : at least
-        """
-        limit_cost = lamps.lamps.limit_cost
-        by_cost = np.argsort(limit_cost, kind="stable")
-        most = np.maximum.accumulate(lamps.capacity[by_cost])
-        left = limit(self.limits.cost) * ROUND - self.imagers.limit_cost[rows]
-        at = np.searchsorted(limit_cost[by_cost], left, side="right") - 1
-        with np.errstate(divide="ignore", invalid="ignore"):
-            by_light = np.where(needed > 0.0, np.where(at >= 0, most[np.maximum(at, 0)], 0.0) / needed, np.inf)
-            power_left_w = limit(self.limits.power_w) * ROUND - self.imagers.camera_power_w[rows]
-            by_power = np.where(light_power_w > 0.0, power_left_w / light_power_w, np.inf)
-        return np.asarray(np.fmin(by_light, by_power))
 
     def _contrast_bound(self, lighting: Lighting, rows: Array) -> tuple[Array, Array]:
         """Most contrast that the forward veil alone leaves, worst scene, and whether it is enough in all.

@@ -33,21 +33,18 @@ class NodeBounds(Columns):
     rule: Array
     information: Array  # bit/m2, worst scene
     contrast: Array
-    slack: Array  # how many times as much light and power as is needed there is at most
 
     @staticmethod
     def none(n: int) -> NodeBounds:
         """No bound at all: everything may be best."""
         low, most = np.full(n, -1e300), np.full(n, np.inf)
-        return NodeBounds(low, low, low, low, low, most, np.full(n, -1), most, np.ones(n), most)
+        return NodeBounds(low, low, low, low, low, most, np.full(n, -1), most, np.ones(n))
 
     @staticmethod
     def missing(n: int, rule: str) -> NodeBounds:
         """Nothing can be reached, for one rule."""
         least, most, none = np.full(n, np.inf), np.full(n, -np.inf), np.zeros(n)
-        return NodeBounds(
-            least, least, least, least, least, most, np.full(n, NODE_RULES.index(rule)), most, none, none
-        )  # fmt: skip
+        return NodeBounds(least, least, least, least, least, most, np.full(n, NODE_RULES.index(rule)), most, none)
 
     def but_for(self, rule: str, lost: Array) -> NodeBounds:
         """The same where some that no rule before has discarded fall by one more."""
@@ -71,7 +68,7 @@ class NodeBounds(Columns):
         return Terms(at.power, at.cost, at.mass, at.snr_db, gsd_mm, at.contrast, at.information)
 
 
-LEAST, MOST = ("value", "power", "mean_power_w", "cost", "mass"), ("snr_db", "information", "contrast", "slack")
+LEAST, MOST = ("value", "power", "mean_power_w", "cost", "mass"), ("snr_db", "information", "contrast")
 
 
 def first_missed(rules: Sequence[tuple[str, Array]]) -> Array:

@@ -1,8 +1,4 @@
-"""Nodes of a search that wait, the best bound first: imagers under lightings, with what each could be at best.
-
-Where any design that fits will do, the likeliest to fit come first: by turns those with the least bound, with the most
-light and power to spare, and those that see the narrowest field, whose corners are the least dark and veiled.
-"""
+"""Nodes of a search that wait, the best bound first: imagers under lightings, with what each could be at best."""
 
 from __future__ import annotations
 
@@ -27,14 +23,9 @@ class OpenNodes:
     size: Array  # designs in a node
     rough: Array  # whether its bounds can be made better
     waiting: Array  # nodes to take, the best first
-    slack: Array | None = None  # of light and power at most, where any design will do
-    how_wide: Array | None = None  # each imager looks, (n,), likewise
 
     @staticmethod
-    def of(
-        bounds: Sequence[NodeBounds], imager: Array, cost: Array, sizes: Array, *, rough: bool,
-        how_wide: Array | None = None,
-    ) -> OpenNodes:  # fmt: skip
+    def of(bounds: Sequence[NodeBounds], imager: Array, cost: Array, sizes: Array, *, rough: bool) -> OpenNodes:
         """From the bounds under each lighting and the number of lights and counts there."""
         value, power, rule = (
             np.concatenate([getattr(b, name) for b in bounds]) for name in ("value", "power", "rule")
@@ -42,9 +33,6 @@ class OpenNodes:
         size = np.repeat(sizes, len(imager))
         nodes = OpenNodes(imager, cost, value, power, rule, size, np.full(len(value), rough), np.arange(len(value)))
         nodes.value[rule >= 0] = np.inf
-        if how_wide is not None:
-            nodes.how_wide = how_wide
-            nodes.slack = np.concatenate([each.slack for each in bounds])
         nodes.sort()
         return nodes
 
@@ -54,8 +42,6 @@ class OpenNodes:
     @property
     def lowest(self) -> float:
         """Least bound of what waits, in order; inf where nothing does."""
-        if self.slack is not None:
-            return float(self.value[self.waiting].min(initial=np.inf))
         return float(self.value[self.waiting[0]]) if len(self) else np.inf
 
     @property
@@ -78,11 +64,7 @@ class OpenNodes:
     def sort(self) -> None:
         """Put what waits in order anew; what is discarded waits no more."""
         left = self.waiting[np.isfinite(self.value[self.waiting])]
-        order = np.lexsort((self.cost_of(left), self.power_w[left], self.value[left]))
-        if self.slack is not None and self.how_wide is not None:
-            wide = self.how_wide[left % len(self.imager)]
-            order = by_turns(order, np.argsort(-self.slack[left], kind="stable"), np.argsort(wide, kind="stable"))
-        self.waiting = left[order]
+        self.waiting = left[np.lexsort((self.cost_of(left), self.power_w[left], self.value[left]))]
 
     def begins_rough(self, threshold: float) -> bool:
         """Whether the first may win by a bound that can be made better."""
@@ -108,8 +90,6 @@ class OpenNodes:
         """Raise bounds of some nodes; by rule, those that it discards now."""
         self.value[nodes] = np.maximum(self.value[nodes], bounds.value)
         self.power_w[nodes] = np.maximum(self.power_w[nodes], bounds.power)
-        if self.slack is not None:
-            self.slack[nodes] = np.minimum(self.slack[nodes], bounds.slack)
         for name, failed in by_rule(bounds.rule):
             self.value[nodes[failed]] = np.inf
             yield name, nodes[failed]
@@ -117,11 +97,3 @@ class OpenNodes:
     def failed(self) -> Iterator[tuple[str, Array]]:
         """By rule, the nodes that the first bounds discard."""
         return by_rule(self.rule)
-
-
-def by_turns(*orders: Array) -> Array:
-    """One order of several, with the first of each before the second of any."""
-    place = np.full(len(orders[0]), len(orders[0]))
-    for order in orders:
-        np.minimum.at(place, order, np.arange(len(order)))
-    return np.argsort(place, kind="stable")

@@ -258,9 +258,7 @@ class Search(Evaluation):
         if not bounds:
             return None
         rough = not few and self.bounds.can_refine()
-        nodes = OpenNodes.of(
-            bounds, rows, self.imagers.cost[rows], self.bounds.sizes, rough=rough, how_wide=self._how_wide(rows)
-        )
+        nodes = OpenNodes.of(bounds, rows, self.imagers.cost[rows], self.bounds.sizes, rough=rough)
         for name, failed in nodes.failed():
             self._discard(name, nodes, failed)
         return nodes
@@ -273,13 +271,6 @@ class Search(Evaluation):
         self.account.charge("light", int(self.bounds.sizes.sum() * dark.sum()))
         self._sample("light", rows[dark])
         return rows[~dark]
-
-    def _how_wide(self, rows: Array) -> Array | None:
-        """How wide these imagers look, worst scene; None unless the first that fits ends the search, whatever it is."""
-        if not self.enough or np.isfinite(self.ceiling) or self.objective.single != "power":
-            return None
-        seen = [scene.view for scene in self.imagers.scenes]
-        return np.asarray(np.max([np.hypot(view.tan_along[rows], view.tan_across[rows]) for view in seen], axis=0))
 
     def _discard(self, rule: str, nodes: OpenNodes, failed: Array) -> None:
         """Count nodes that a rule discards, and remember some."""
