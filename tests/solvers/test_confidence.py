@@ -20,6 +20,7 @@ from uwopt.api import counting
 from uwopt.api.certainty import as_settable, focus_to_set_m, of_known
 from uwopt.api.counting import Counts
 from uwopt.catalog.parts.quantity import Curve, Quantity
+from uwopt.catalog.records import exact
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError, effort_s, unheard
 from uwopt.evaluation.design import evaluate_design
 from uwopt.forward.views import focus_map
@@ -121,6 +122,11 @@ def test_it_holds_as_often_as_the_lens_focuses_so_near() -> None:
     assert made.lost["focus"] == pytest.approx(200 * (1.0 - expected), abs=2.2)
 
 
+FADING = {
+    "kind": "flash", "flux_lm": None, "power_w": None, "flash_energy_j": exact(200.0), "recycle_s": exact(1.0),
+    "flash_efficacy_lm_s_per_j": exact(35.0), "flash_duration_us": exact(2000.0),
+    "flash_duration_at_frac": between(0.01, 0.1, 0.5), "charging_efficiency_frac": exact(0.7),
+}
 RED = {name: Curve((380.0, 780.0), (share, share)) for name, share in (("green", 0.6), ("blue", 0.5))} | {
     "red": Curve((380.0, 599.0, 601.0, 780.0), (0.0, 0.0, 0.6, 0.6))
 }
@@ -131,13 +137,15 @@ RED = {name: Curve((380.0, 780.0), (share, share)) for name, share in (("green",
     [
         ("max_white_balance", {"camera": {"colour": "colour", "qe_curves": RED}}, {"lamp_leg": True}),
         ("min_uniformity", {"light": {"beam_angle_deg": between(50.0, 60.0, 110.0)}}, {}),
+        ("max_blur_px", {"camera": {"shutter": "rolling"}, "light": FADING}, {}),
     ],
 )
 def test_a_rule_that_no_setting_mends_is_named(rule: str, more: dict[str, Any], asked: dict[str, Any]) -> None:
     """A drop camera lost 10 % of its scenarios to "a rule on lamps or shutter": its colours were too far apart.
 
     What is asked is just what the hardware has as it is known: where the lamps' way costs more red is weaker, as it is
-    in half of a triangle about that, and under a wider beam the floor's corners are brighter.
+    in half of a triangle about that, under a wider beam the floor's corners are brighter, and a rolling shutter lets
+    all of a flash through that fades slower, as it does in all of a triangle but (0.1 - 0.01) / (0.5 - 0.01) = 18 %.
     """
     plain = sought_of(one(wanted=FAST, **more))
     problem, best = plain.problem, plain.outcome.best[0]
@@ -148,7 +156,7 @@ def test_a_rule_that_no_setting_mends_is_named(rule: str, more: dict[str, Any], 
     doubted = sought_of(one(wanted=FAST | {rule: figure}, **more), **asked)
     made = counted(doubted, Doubt.model_validate(NOTHING | asked))
     best_stop = made.best(0.9)
-    assert 0.4 < made.held[best_stop] < 0.9
+    assert 0.15 < made.held[best_stop] < 0.9
     assert made.missed(best_stop) == {rule: round(200 * (1.0 - made.held[best_stop]))}
 
 

@@ -352,7 +352,8 @@ def of_farthest_pixels(rows: SceneRows, *, unlit: bool) -> SceneRows:
 
 SHORTEST_TIME_S = 1e-9
 BALANCE_ROUND = 1.0 + 1e-9
-NO_TIME_S, MISPLACED_S = -1.0, -2.0  # longest times of what no setting lets pass: for any reason; for its lamps' places
+#: Longest times of what no setting lets pass: for any reason; for its lamps' places; as the whole flash smears too far.
+NO_TIME_S, MISPLACED_S, SMEARED_S = -1.0, -2.0, -3.0
 
 
 def light_times_s(
@@ -381,7 +382,7 @@ def light_times_s(
     flash_min = np.where(cuts, fading.light_s(np.minimum(shortest, light.flash_duration_s)), full)
     cut_max = np.minimum(fading.light_s(np.minimum(exposure + offset, light.flash_duration_s)), within_blur)
     whole = np.where(open_time >= light.flash_duration_s, full, -1.0)
-    flash_max = np.where(cuts, cut_max, np.where(whole <= within_blur, whole, -1.0))
+    flash_max = np.where(cuts, cut_max, np.where(whole <= within_blur, whole, SMEARED_S))
     pulsed, flash = light.kind == PULSED, light.kind == FLASH
     time_min = np.where(pulsed, pulse_min, np.where(flash, flash_min, shortest))
     time_max = np.where(pulsed, pulse_max, np.where(flash, flash_max, longest))

@@ -20,7 +20,7 @@ from uwopt.arrays import Array
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.part_columns import Lenses
 from uwopt.forward.problem import Problem
-from uwopt.forward.setting_rows import MISPLACED_S, NO_TIME_S, SceneRows
+from uwopt.forward.setting_rows import MISPLACED_S, NO_TIME_S, SMEARED_S, SceneRows
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.fixed import Settings, best_fixed
 from uwopt.solvers.confidence.response import unbalanced
@@ -282,9 +282,12 @@ class Judge:
     def lost_rules(self) -> Iterator[tuple[str, Array]]:
         """Which designs some rule refuses whatever is set, by the rule's name; the last holds what is left of them."""
         asks_evenness = any(s.view.requirements.min_uniformity is not None for s in self.group.problem.scenes)
-        misplaced = np.logical_or.reduce([r.time_max_s <= MISPLACED_S for r in self.rows])
+        misplaced, smeared = (
+            np.logical_or.reduce([r.time_max_s == why for r in self.rows]) for why in (MISPLACED_S, SMEARED_S)
+        )
         yield "max_white_balance", np.logical_or.reduce([unbalanced(r) for r in self.rows])
         yield "min_uniformity" if asks_evenness else "lamp_clear_m", misplaced
+        yield "max_blur_px", smeared
         yield "rules", np.logical_or.reduce([r.time_max_s < 0.0 for r in self.rows])
 
     def told(self, value: Array, first: Array) -> tuple[Array, Array]:
