@@ -11,6 +11,7 @@ import pytest
 
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.front_tables import front_blocks
+from uwopt.report.text.layout import Text, columns
 from uwopt.results.design import SettableCheck
 from uwopt.results.front import FrontResult
 
@@ -65,6 +66,16 @@ def test_a_named_point_that_cannot_be_set_says_so(rounded: FrontResult, make_fro
     text = printed(replace(rounded, points=[replace(first, design=none), *others]))
     assert "cheapest no settings to type in were found" in text
     assert "The same at settings to type in" not in printed(make_front())  # of an earlier version
+
+
+def test_ids_break_at_their_hyphens_where_a_column_is_narrow() -> None:
+    """`raspberry-pi-16-mm-telephoto-hq-c` and `amera` stood on two lines."""
+    grid = columns(("", "left"), ("", "right"))
+    grid.add_row(Text("raspberry-pi-16-mm-telephoto-hq-camera + a lens"), Text("9 " * 35))
+    stream = io.StringIO()
+    print_blocks([grid], stream)
+    lines = [line.partition("   ")[0] for line in stream.getvalue().splitlines() if line.strip()]
+    assert lines == ["raspberry-pi-16-mm-", "telephoto-hq-camera + a lens"]
 
 
 def test_a_front_that_was_stopped_without_a_system_says_so_first(make_front: Make) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -11,6 +12,7 @@ from uwopt.report.pictures.system_maps import (
     NOTHING,
     RimPiece,
     cells,
+    in_legend,
     labels,
     parted,
     stretches,
@@ -127,6 +129,18 @@ def test_a_system_has_one_colour_in_all_plots_of_a_table():
     assert [text for trace in diamonds for text in trace["text"]] == ["1 → 2", "2 → –"]
 
 
+def test_a_legend_is_shown_whole_on_a_telephone_and_names_those_that_win_most():
+    """Long names ended at the rim, and 28 systems made 28 lines."""
+    won = {(float(n), 0.0): n for n in range(28)} | {(float(n), 1.0): n for n in range(20, 28)}
+    many = table({"a": [float(n) for n in range(28)], "b": [0.0, 1.0]}, won, [])
+    ids = [f"a-camera-of-a-maker-with-a-very-long-name-{n}" for n in range(28)]
+    systems = [replace(many.systems[0], camera=ids[n]) for n in range(28)]
+    named = [in_legend(replace(many, systems=systems), n) for n in range(28)]
+    assert all(len(line) <= 42 for one in named for line in one["name"].split("<br>"))
+    assert "".join(named[3]["name"].split("<br>")).startswith(f"4: {ids[3]}")
+    assert [n for n, one in enumerate(named) if one["showlegend"]] == list(range(20, 28))
+
+
 def test_words_of_one_key_have_no_map():
     assert system_map(table({"water": ["I", "II"]}, {("I",): 0, ("II",): 1}, [])) is None
 
@@ -140,3 +154,9 @@ def test_what_moves_nothing_shares_one_line_of_the_spider():
     steep, still = whatif_figures(of)["spider"]["data"]
     assert (steep["name"], steep["marker"]["symbol"]) == ("steep", ["circle-open", "circle"])
     assert still["name"] == "2 more, which move nothing"
+    spokes = [line(f"key {n}", 1.0, 2.0 + n) for n in range(28)]
+    many = whatif_figures(table({}, {}, [], spider=spokes))["spider"]["data"]
+    assert [trace["name"] for trace in many if trace.get("showlegend", True)] == [
+        "18 more, which move less", *(f"key {n}" for n in range(27, 17, -1))
+    ]  # fmt: skip
+    assert len(many) == 28

@@ -10,11 +10,11 @@ from uwopt.results.sweep import SweepSummary
 
 PICTURES = {
     "wins": (
-        "Which kits win",
+        "Missions of each kit",
         "Missions in which each kit is the best; hatched: missions that it can serve.",
     ),
     "portfolio": (
-        "Few kits for many missions",
+        "Missions that so many kits serve",
         "The most missions that so many kits serve, and what they cost.",
     ),
 }

@@ -6,7 +6,9 @@ Plain Plotly figures as in `plots`; a system has one colour in all plots of a ta
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+import textwrap
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,6 +24,8 @@ COLOURS = (BLUE, VERMILLION, GREEN, "#e69f00", PURPLE, "#56b4e9", YELLOW, "#4d4d
 NOTHING = "rgba(128,128,128,0.25)"  # where nothing fits
 LINE = "#1a1a1a"
 STRIP_PX = 46
+LEGEND_LETTERS = 42  # of a line of a legend, which is as wide as a telephone
+MOST_NAMED = 8  # systems in a legend
 Place = tuple[float, float]
 
 
@@ -142,7 +146,7 @@ def strip_map(table: WhatIf, along: int) -> Plot:
         data.append({
             "type": "bar", "orientation": "h", "y": [name for name, _ in mine],
             "x": [one.high - one.low for _, one in mine], "base": [one.low for _, one in mine],
-            "name": legend_name(table, system), "marker": {"color": colour_of(system), "line": {"width": 0}},
+            **in_legend(table, system), "marker": {"color": colour_of(system), "line": {"width": 0}},
             "text": ["" if system is None else str(system + 1)] * len(mine), "textposition": "inside",
             "insidetextanchor": "middle", "textangle": 0, "constraintext": "none", "width": 0.8,
             "hovertext": [
@@ -156,7 +160,7 @@ def strip_map(table: WhatIf, along: int) -> Plot:
         "yaxis": axis(title, type="category", categoryorder="array", categoryarray=names[::-1]),
     }
     height = 110 + STRIP_PX * len(names)
-    return {"data": data, "layout": below(height, len(data), barmode="overlay", **axes)}
+    return {"data": data, "layout": below(height, data, barmode="overlay", **axes)}
 
 
 # ---------------------------------------------------------------- two numbers: regions
@@ -184,7 +188,7 @@ def region_map(table: WhatIf) -> Plot:
             line_x += [a[0], b[0], None]
             line_y += [a[1], b[1], None]
     order = sorted(fields, key=lambda one: len(table.systems) if one is None else one)
-    data = [filled(*fields[system], legend_name(table, system), colour_of(system)) for system in order]
+    data = [filled(*fields[system], colour_of(system)) | in_legend(table, system) for system in order]
     data.append({
         "type": "scatter", "mode": "lines", "name": "one takes over from another", "x": line_x, "y": line_y,
         "hoverinfo": "skip", "line": {"color": LINE, "width": 1.5}, "connectgaps": False,
@@ -199,7 +203,7 @@ def region_map(table: WhatIf) -> Plot:
         "xaxis": axis(titled(table, 0), range=[across[0], across[-1]]),
         "yaxis": axis(titled(table, 1), range=[along[0], along[-1]]), "annotations": [*labels(table)],
     }  # fmt: skip
-    return {"data": data, "layout": below(440, len(data), **axes)}
+    return {"data": data, "layout": below(440, data, **axes)}
 
 
 def cells(table: WhatIf) -> Iterator[list[RimPiece]]:
@@ -289,10 +293,10 @@ def mean_place(places: Sequence[Place]) -> Place:
     return sum(x for x, _ in places) / n, sum(y for _, y in places) / n
 
 
-def filled(xs: list[float | None], ys: list[float | None], name: str, colour: str) -> dict[str, Any]:
+def filled(xs: list[float | None], ys: list[float | None], colour: str) -> dict[str, Any]:
     """Polygons of one colour."""
     return {
-        "type": "scatter", "mode": "lines", "fill": "toself", "x": xs, "y": ys, "name": name, "fillcolor": colour,
+        "type": "scatter", "mode": "lines", "fill": "toself", "x": xs, "y": ys, "fillcolor": colour,
         "line": {"color": colour, "width": 0.5 if colour != NOTHING else 0}, "hoverinfo": "skip",
     }  # fmt: skip
 
@@ -348,30 +352,39 @@ def named_map(table: WhatIf) -> Plot:
         "hovertext": [["" if p is None else hover(table, p) for p in row] for row in rows],
         "hovertemplate": "%{x}, %{y}<br>%{hovertext}<extra></extra>",
     }]  # fmt: skip
-    data += [named_square(legend_name(table, one), colour_of(one)) for one in used]
+    data += [square(colour_of(one)) | in_legend(table, one) for one in used]
     if any(point.system is None for point in table.points):
-        data.append(named_square("nothing fits", GREY))
+        data.append(square(GREY) | in_legend(table, None))
     axes = {"xaxis": axis(titled(table, 0)), "yaxis": axis(titled(table, 1))}
-    return {"data": data, "layout": below(440, len(data), **axes)}
+    return {"data": data, "layout": below(440, data, **axes)}
 
 
 # ---------------------------------------------------------------- legends
 
 
-def legend_name(table: WhatIf, system: int | None) -> str:
-    """A system in a legend."""
-    return "nothing fits" if system is None else markup_free(short_system(table, system))
+def in_legend(table: WhatIf, system: int | None) -> dict[str, Any]:
+    """A system's name, in lines that a telephone shows whole; of many only those that win most are in the legend.
+
+    The others have their number on the map, and stand with it in the table of systems.
+    """
+    if system is None:
+        return {"name": "nothing fits"}
+    wins = Counter(point.system for point in table.points if point.system is not None)
+    most = sorted(wins, key=lambda one: (-wins[one], one))[:MOST_NAMED]
+    lines = textwrap.wrap(short_system(table, system), LEGEND_LETTERS)
+    return {"name": "<br>".join(map(markup_free, lines)), "showlegend": system in most}
 
 
-def named_square(name: str, colour: str) -> dict[str, Any]:
+def square(colour: str) -> dict[str, Any]:
     """A square in the legend."""
     marker = {"symbol": "square", "size": 12, "color": colour}
-    return {"type": "scatter", "mode": "markers", "x": [None], "y": [None], "name": name, "marker": marker}
+    return {"type": "scatter", "mode": "markers", "x": [None], "y": [None], "marker": marker}
 
 
-def below(height: int, n_named: int, **more: Any) -> dict[str, Any]:
-    """A layout with its legend below, a line a name: `height` without it."""
-    legend_px = 20 * n_named + 10
+def below(height: int, data: Sequence[Mapping[str, Any]], **more: Any) -> dict[str, Any]:
+    """A layout with its legend below: `height` without it."""
+    named = [trace["name"] for trace in data if "name" in trace and trace.get("showlegend", True)]
+    legend_px = 20 * len(named) + 14 * sum(name.count("<br>") for name in named) + 10
     return layout(height=height + legend_px, **more) | {
         "legend": {"orientation": "v", "x": 0, "y": -72.0 / (height - 90), "yanchor": "top", "font": {"size": 11},
                    "traceorder": "normal", "itemclick": False, "itemdoubleclick": False},

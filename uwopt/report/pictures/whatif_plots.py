@@ -6,7 +6,7 @@ Plain Plotly figures as in `plots`. Where systems are told by colour, it is that
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from uwopt.report.pictures.plots import DASHES, GREY, Plot, axis, layout, numbers
@@ -32,6 +32,7 @@ SYMBOLS = ("circle", "square", "diamond", "cross", "triangle-up", "x", "star")
 LINES = ("solid", *(dash for dash in DASHES if dash != "solid"))
 DARK_COLOURS = tuple(colour for colour in COLOURS if colour != YELLOW)  # a yellow line is hardly seen on white
 APART = 0.06  # of an axis: labels that are closer hide each other
+MOST_SPOKES = 10  # lines of a spider with a name each; the table below it has all
 MOVES = 1e-3  # of the optimum: what moves it less is drawn with all that moves nothing
 
 
@@ -184,8 +185,16 @@ def spider_plot(table: WhatIf) -> Plot:
     Marks are open where another system wins than as the mission stands. Quantities that move nothing share a line.
     """
     lines = sorted(table.spider, key=lambda line: -spread(line))
-    moving = [line for line in lines if moves(line)]
-    data = []
+    moving, less = first_of(line for line in lines if moves(line))
+    data: list[dict[str, Any]] = [
+        {
+            "type": "scatter", "mode": "lines", "name": f"{len(less)} more, which move less", "legendgroup": "less",
+            "showlegend": number == 0, "x": changes_pct(line), "y": [p.objective for p in line.points],
+            "connectgaps": False, "line": {"color": GREY, "width": 1, "dash": "dot"}, "legendrank": 1001,
+            "text": [markup_free(line.key)] * len(line.points), "hovertemplate": "%{text}: %{x} %: %{y}<extra></extra>",
+        }
+        for number, line in enumerate(less)
+    ]  # fmt: skip
     for number, line in enumerate(moving):
         base, mark = system_as_stated(line), SYMBOLS[number % len(SYMBOLS)]
         colour = DARK_COLOURS[number % len(DARK_COLOURS)]
@@ -212,6 +221,12 @@ def spider_plot(table: WhatIf) -> Plot:
         "data": data,
         "layout": layout(height=520, xaxis=axis("change of the quantity [%]"), yaxis=axis(goal_title(table))),
     }
+
+
+def first_of(lines: Iterable[SpiderLine]) -> tuple[list[SpiderLine], list[SpiderLine]]:
+    """Those that a legend can name, and the rest."""
+    some = list(lines)
+    return some[:MOST_SPOKES], some[MOST_SPOKES:]
 
 
 def changes_pct(line: SpiderLine) -> list[Any]:

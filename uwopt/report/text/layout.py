@@ -14,7 +14,8 @@ from uwopt.results.design import Note
 
 if TYPE_CHECKING:
     from rich import table, text
-    from rich.console import RenderableType
+    from rich.console import Console, ConsoleOptions, RenderableType
+    from rich.measure import Measurement
 
 Row = TypeVar("Row")
 INDENT = 2
@@ -35,6 +36,26 @@ class Text:
         from rich.text import Text as RichText
 
         return RichText(formats.tied(self.plain, SOLID), self.style)
+
+
+@dataclass(frozen=True)
+class AtHyphens:
+    """A cell whose words break at their hyphens where one is longer than its column, as ids of parts may be."""
+
+    cell: Text
+
+    def __rich_measure__(self, console: Console, options: ConsoleOptions) -> Measurement:
+        from rich.measure import Measurement
+
+        return Measurement.get(console, options, self.cell.__rich__())
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[text.Text]:
+        import textwrap
+
+        told = self.cell.__rich__()
+        if any(len(word) > options.max_width for word in told.plain.split()):
+            told.plain = "\n".join(textwrap.wrap(told.plain, options.max_width))
+        yield told
 
 
 @dataclass
@@ -65,8 +86,9 @@ class Grid:
                 Text(title).__rich__(), justify=cast(Literal["left", "right"], side), overflow="fold",
                 no_wrap=side == "right" or title in UNBROKEN,
             )  # fmt: skip
+        free = [side == "left" and title not in UNBROKEN for title, side in self.heads]
         for row in self.rows:
-            made.add_row(*row)
+            made.add_row(*(AtHyphens(cell) if may else cell for cell, may in zip(row, free, strict=False)))
         return made
 
 
