@@ -46,7 +46,7 @@ from uwopt.solvers.confidence.states import colours_of  # noqa: E402
 from uwopt.solvers.exact.imagers import Imagers, enumerate_imagers  # noqa: E402
 from uwopt.solvers.exact.lightings import Lighting  # noqa: E402
 from uwopt.solvers.exact.ranking import Found  # noqa: E402
-from uwopt.solvers.one_hardware import ids_of_pieces, pieces_of  # noqa: E402
+from uwopt.solvers.one_hardware import ids_of_pieces, pieces_by_kind  # noqa: E402
 from uwopt.units import format_quantity  # noqa: E402
 
 PROBLEMS = ROOT / "problems"
@@ -218,7 +218,7 @@ def chosen(problem: Problem, imagers: Imagers, result: Result) -> Found:
     for port, mount in product(range(len(parts.ports)), problem.mounts):
         some = found_of(problem, imagers, 0, light, wanted.light_count, mount)
         found = replace(some, camera=camera, lens=lens, port=port, landscape=landscape)
-        own = {kind: part.id for kind, part in pieces_of(problem, found).items()}
+        own = {kind: part.id for kind, part in pieces_by_kind(problem, found).items()}
         if all(own.get(kind) == name for kind, name in ids.items() if kind in own):
             return found
     raise LookupError(f"{ids} is not among the parts")

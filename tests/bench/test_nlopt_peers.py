@@ -16,7 +16,7 @@ from uwopt.forward.part_columns import CONTINUOUS, PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.continuous import nlopt_algorithms
-from uwopt.solvers.continuous.pieces import SmoothDesign, SmoothScene, pieces_of
+from uwopt.solvers.continuous.pieces import SmoothDesign, SmoothScene, smooth_pieces
 from uwopt.solvers.continuous.program import Program, names_of_rules
 from uwopt.solvers.continuous.solve_settings import FEASIBLE, Verdict, solve_settings
 from uwopt.solvers.settings.best import best_settings
@@ -136,7 +136,7 @@ def test_global_algorithms_find_settings_that_hold(method: str) -> None:
 
 def program_of(rows: list[SceneRows]) -> Program:
     scenes = tuple(SmoothScene.of(row) for row in rows)
-    return Program(scenes, tuple(pieces_of(s)[0] for s in scenes), False, "power", 1.0, 0.0, np.inf)
+    return Program(scenes, tuple(smooth_pieces(s)[0] for s in scenes), False, "power", 1.0, 0.0, np.inf)
 
 
 @pytest.mark.parametrize("worst_scene", [True, False])

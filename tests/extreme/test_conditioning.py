@@ -21,7 +21,7 @@ from uwopt.bench.nlopt_peers import OTHERS
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.continuous.optimality import derivatives
-from uwopt.solvers.continuous.pieces import SmoothDesign, SmoothScene, pieces_of
+from uwopt.solvers.continuous.pieces import SmoothDesign, SmoothScene, smooth_pieces
 from uwopt.solvers.continuous.program import Program, names_of_rules
 from uwopt.solvers.continuous.solve_settings import Verdict, solve_settings
 from uwopt.solvers.settings.best import best_settings
@@ -214,7 +214,7 @@ def programs(seed: int) -> list[Program]:
     made = []
     for rows in (plain, extended(plain, truth)):
         view = SmoothScene.of(rows)
-        pieces = pieces_of(view)
+        pieces = smooth_pieces(view)
         goals: Any = ("power", "snr", "sum", "restore") if pieces else ()
         made += [
             Program((view,), (pieces[-1],), False, goal, 1.0 / truth.power_w, 2.0, math.inf) for goal in goals

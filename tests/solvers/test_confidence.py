@@ -42,7 +42,7 @@ from uwopt.solvers.confidence.search import (
     rank,
 )
 from uwopt.solvers.confidence.states import Together
-from uwopt.solvers.confidence.summary import missed_centrally, surest, told
+from uwopt.solvers.confidence.summary import confidence_record, missed_centrally, surest
 from uwopt.solvers.confidence.waters import BANDS
 from uwopt.solvers.confidence.worst_case import worse_problem
 from uwopt.solvers.exact import evaluation
@@ -417,7 +417,7 @@ def test_settings_that_were_fixed_are_those_of_scenarios_to_come() -> None:
     assert certain.fresh is not None and certain.best.settings
     assert certain.fresh.settings == certain.best.settings
     assert 0.9 <= certain.best.held < 0.92 and certain.fresh.held == pytest.approx(certain.best.held, abs=0.006)
-    record = told(sought.problem, sought.search.objective, certain, sought.outcome.best[0], ends=False)
+    record = confidence_record(sought.problem, sought.search.objective, certain, sought.outcome.best[0], ends=False)
     assert [one_.light_level for one_ in record.fixed] == [certain.best.settings[0].level]
     assert record.held == certain.fresh.held
 
@@ -450,12 +450,13 @@ def test_a_sure_camera_is_bought_where_the_other_holds_too_seldom(monkeypatch: p
     assert unsure.best.held == pytest.approx(share, abs=0.005)
     assert unsure.fresh.held == pytest.approx(share, abs=0.002)
     assert sure.best.quantile(0.5) == pytest.approx(unsure.best.quantile(0.5) + 1.0, rel=1e-6)
-    record = told(sought.problem, objective, unsure, sought.outcome.best[0], ends=False)
+    record = confidence_record(sought.problem, objective, unsure, sought.outcome.best[0], ends=False)
     assert record.held_low <= share <= record.held_high
     assert [point.confidence for point in record.curve][-1] == 0.99
     assert record.curve[0].hardware[0] == "camera" and record.curve[-1].hardware[0] == "camera-0"
     next_best = next(one for one in unsure.ranked if one.found is not unsure.best.found)
-    other = told(sought.problem, objective, replace(unsure, best=next_best), sought.outcome.best[0], ends=False)
+    unsure = replace(unsure, best=next_best)
+    other = confidence_record(sought.problem, objective, unsure, sought.outcome.best[0], ends=False)
     assert {point.hardware[0] for point in other.curve} == {"camera-0"}  # as where the first cannot be set
 
 
@@ -618,7 +619,7 @@ def test_what_was_chosen_is_kept_when_time_is_over() -> None:
     over = Deadline.after(-1.0)
     kept, design = as_settable(sought, replace(certain, fresh=None), over)
     assert kept.central == certain.central and design.feasible
-    record = told(sought.problem, objective, kept, sought.outcome.best[0], ends=False)
+    record = confidence_record(sought.problem, objective, kept, sought.outcome.best[0], ends=False)
     assert not record.fresh and record.scenarios == certain.scenarios.count
 
 

@@ -25,7 +25,7 @@ from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.continuous.optimality import derivatives
-from uwopt.solvers.continuous.pieces import SmoothDesign, SmoothScene, pieces_of
+from uwopt.solvers.continuous.pieces import SmoothDesign, SmoothScene, smooth_pieces
 from uwopt.solvers.continuous.program import Program, names_of_rules
 from uwopt.solvers.continuous.solve_settings import Method, Verdict, solve_settings
 from uwopt.solvers.settings.best import best_settings
@@ -310,7 +310,7 @@ def one_program(rows: SceneRows, objective: Objective) -> Program:
     """The program of a design of one scene and one piece."""
     view = SmoothScene.of(rows)
     goal: Any = "sum" if objective is SUM else "snr"
-    return Program((view,), (pieces_of(view)[0],), False, goal, 1.0, 2.0, np.inf)
+    return Program((view,), (smooth_pieces(view)[0],), False, goal, 1.0, 2.0, np.inf)
 
 
 @pytest.mark.parametrize("log_point", [(0.4, -6.0, -1.0, 0.5), (1.9, -9.0, -3.0, 2.0)])

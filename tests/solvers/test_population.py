@@ -10,7 +10,7 @@ from thorough import drawn
 
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.population.coding import Coding, layers
-from uwopt.solvers.population.decoding import between, log_excess
+from uwopt.solvers.population.decoding import log_between, log_excess
 from uwopt.solvers.population.evaluator import Evaluator
 from uwopt.solvers.population.light_store import LightStore
 
@@ -159,7 +159,7 @@ def test_layers_take_the_best_first():
 
 def test_between_meets_both_ends_and_grows_evenly_in_logarithms():
     low, high = np.full(3, 2.0), np.full(3, 8.0)
-    assert between(low, high, np.array([0.0, 0.5, 1.0])) == pytest.approx([2.0, 4.0, 8.0], rel=1e-15)
+    assert log_between(low, high, np.array([0.0, 0.5, 1.0])) == pytest.approx([2.0, 4.0, 8.0], rel=1e-15)
 
 
 def test_excess_is_zero_within_a_limit_and_a_logarithm_beyond():

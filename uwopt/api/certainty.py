@@ -33,7 +33,7 @@ from uwopt.solvers.confidence.search import (
     judged_anew,
     scenarios_of,
 )
-from uwopt.solvers.confidence.summary import told
+from uwopt.solvers.confidence.summary import confidence_record
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.recommend import BETTER_UNSETTABLE, Sought, best_settable, design_of, within_reach
@@ -73,7 +73,7 @@ def with_confidence(
             certain, design = of_known(sought, certain, design, deadline)
         if asked != ENDS:
             certain = judged_anew(sought.problem, goal, certain, focus_to_set_m(design), deadline)
-        counted = told(sought.problem, goal, certain, sought.outcome.best[0], ends=asked == ENDS)
+        counted = confidence_record(sought.problem, goal, certain, sought.outcome.best[0], ends=asked == ENDS)
     if not counted.enough:
         share = "every end" if asked == ENDS else f"{100.0 * certain.asked:g} % of the scenarios"
         none = "nothing in the catalogue" if certain.proven else "nothing that was counted"

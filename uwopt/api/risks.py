@@ -505,7 +505,7 @@ def missed_figure(margin: Margin, where: str) -> str:
     """Value and limit of what is missed; of an end of the depth of field what is sharp, where, and what should be."""
     if margin.key not in OFF_FOCUS or margin.value is None:
         return against_limit(margin)
-    value, limit = ends_of(margin)
+    value, limit = value_and_limit(margin)
     side = "from" if margin.sense == "<=" else "to"
     return f"sharp{where} only {side} {value}, not {side} {limit}"
 
@@ -516,7 +516,7 @@ def tight_figure(margin: Margin, where: str) -> str:
         return f"{asked_name(margin)} {against_limit(margin)}"
     assert margin.margin is not None and margin.limit is not None
     rounding = abs(margin.margin) <= SATISFIED_REL * abs(margin.limit)
-    (value, limit), left = ends_of(margin), format_difference(0.0 if rounding else margin.margin, margin.unit)
+    (value, limit), left = value_and_limit(margin), format_difference(0.0 if rounding else margin.margin, margin.unit)
     side, wanted = ("from", "nearest") if margin.sense == "<=" else ("to", "farthest")
     return f"sharp{where} {side} {value}, the {wanted} floor at {limit}: margin {left}"
 
@@ -528,11 +528,11 @@ def asked_name(margin: Margin) -> str:
 
 def against_limit(margin: Margin) -> str:
     """`29.0 dB against 30.0 dB`."""
-    value, limit = ends_of(margin)
+    value, limit = value_and_limit(margin)
     return f"{margin.word if margin.value is None and margin.word else value} against {limit}"
 
 
-def ends_of(margin: Margin) -> tuple[str, ...]:
+def value_and_limit(margin: Margin) -> tuple[str, ...]:
     """Value and limit, with as many digits as tell them apart."""
     return texts_apart(margin.value, margin.limit, text=lambda x, digits: format_quantity(x, margin.unit, digits))
 

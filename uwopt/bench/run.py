@@ -107,7 +107,7 @@ def run(
         bench.suites.append(suite)
         if progress is not None:
             progress(done / whole, suite.title)
-        report = told(progress, done / whole, share / whole, suite.title)
+        report = suite_progress(progress, done / whole, share / whole, suite.title)
         measured(bench, suite, Budget(quick, max(share_s, 0.0), seed, bench.missions, report=report))
         done += share
         if keep is not None:
@@ -132,7 +132,7 @@ def measured(bench: Bench, suite: Suite, budget: Budget) -> None:
     bench.seconds[suite.name] = time.perf_counter() - start
 
 
-def told(progress: Progress | None, begin: float, share: float, title: str) -> Progress | None:
+def suite_progress(progress: Progress | None, begin: float, share: float, title: str) -> Progress | None:
     """Progress of a suite as progress of the whole."""
     if progress is None:
         return None

@@ -62,14 +62,14 @@ def show_part(catalog: Catalog, part_id: str) -> tuple[list[FieldLine], tuple[Ex
     """Every known field of a part with its status and source, and why it cannot be searched, if so."""
     part = catalog.part(part_id)
     lines: dict[str, FieldLine] = {}
-    for one in (part, *pieces_of(part)):
+    for one in (part, *parts_of_complete(part)):
         for field in kept_fields(type(one)):
             if field.cell.shown and field.name not in lines and (line := _field_line(one, field)) is not None:
                 lines[field.name] = line
     return list(lines.values()), catalog.exclusions_of(part.id)
 
 
-def pieces_of(part: Part) -> tuple[Part, ...]:
+def parts_of_complete(part: Part) -> tuple[Part, ...]:
     """Camera, lens and port of a complete camera, for what they alone state; nothing of any other part."""
     return (part.own_camera, part.own_lens, part.own_port) if isinstance(part, Complete) else ()
 
@@ -99,7 +99,7 @@ def estimated_fields(part: Part) -> list[str]:
     """Fields that no source states for this part: class estimates stand there."""
     return list(dict.fromkeys(
         field.name
-        for one in (part, *pieces_of(part))
+        for one in (part, *parts_of_complete(part))
         for field in kept_fields(type(one))
         if _status(one, field) == "estimated" and (one is part or not hasattr(part, field.name))
     ))  # fmt: skip

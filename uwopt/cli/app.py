@@ -45,7 +45,7 @@ from uwopt.cli.output import hand_over, print_first
 from uwopt.cli.pareto import pareto_command
 from uwopt.cli.plot import plot_command
 from uwopt.cli.report import report_command
-from uwopt.cli.status import BAD_INPUT, DONE, EXIT_STATUS, command, result_status, told
+from uwopt.cli.status import BAD_INPUT, DONE, EXIT_STATUS, command, print_notice, result_status
 from uwopt.cli.sweep import sweep_command
 from uwopt.cli.tender import quotes_command, tender_command
 from uwopt.cli.whatif import whatif_command
@@ -266,7 +266,7 @@ def init_command(
     if file in (None, "-"):
         print_text(text.rstrip("\n"))
         return
-    told(f"written: {write_new(str(file), text)}", DONE)
+    print_notice(f"written: {write_new(str(file), text)}", DONE)
 
 
 @app.command("schema", short_help="Print a JSON schema for editors.")
@@ -320,7 +320,7 @@ def main() -> None:
         from uwopt.report.text.console import discard_rest
 
         discard_rest(sys.stdout)
-        sys.exit(told(f"standard output cannot be written ({fault.strerror or fault}).", BAD_INPUT, fault))
+        sys.exit(print_notice(f"standard output cannot be written ({fault.strerror or fault}).", BAD_INPUT, fault))
 
 
 if __name__ == "__main__":

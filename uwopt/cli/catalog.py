@@ -8,7 +8,7 @@ from typing import Annotated, Any, NoReturn
 
 import typer
 
-from uwopt.cli.status import BAD_INPUT, DONE, command, told
+from uwopt.cli.status import BAD_INPUT, DONE, command, print_notice
 
 catalog_app = typer.Typer(
     help="What can be bought: list and show parts, check own files, print templates.",
@@ -65,7 +65,7 @@ def list_command(
 
         print_blocks(part_list_blocks(lines))
     else:
-        told(
+        print_notice(
             "no such part is left out."
             if excluded
             else "all such parts are left out; --excluded lists them.",
@@ -112,7 +112,7 @@ def check_command(
     reports = [check_file(path, [other for other in paths if other != path]) for path in paths]
     for report in reports:
         if report.content == "unreadable":
-            told("\n".join(report.faults), BAD_INPUT)
+            print_notice("\n".join(report.faults), BAD_INPUT)
         else:
             print_blocks(check_blocks(report))
     return DONE if all(report.ok for report in reports) else BAD_INPUT
@@ -145,7 +145,7 @@ def stale_command(
 
         print_blocks(stale_blocks(rows, "" if results else "used: orders of the missions that come with uwopt"))
     else:
-        told("nothing there is old or missing.", DONE)
+        print_notice("nothing there is old or missing.", DONE)
 
 
 @catalog_app.command("update", short_help="Add or change parts, with a record of it.")
@@ -185,7 +185,7 @@ def update_command(
     elif plan.changes:
         print_blocks(change_blocks(plan.changes, "" if dry_run else str(target)))
     else:
-        told("nothing there is new.", DONE)
+        print_notice("nothing there is new.", DONE)
 
 
 def recommended_in(files: list[str]) -> dict[str, int]:

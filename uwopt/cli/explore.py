@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 
 from uwopt.cli.options import QuietOption
-from uwopt.cli.status import BAD_INPUT, DONE, command, told
+from uwopt.cli.status import BAD_INPUT, DONE, command, print_notice
 
 
 @command
@@ -31,17 +31,17 @@ def explore_command(
 ) -> int:
     """Serve a page that explores the design space: every control and figure, and the certified search."""
     if find_spec("dash") is None:
-        return told("uwopt explore needs Dash: .venv/bin/pip install '.[explore]' in uwopt's folder", BAD_INPUT)
+        return print_notice("uwopt explore needs Dash: .venv/bin/pip install '.[explore]' in uwopt's folder", BAD_INPUT)
     from uwopt.explore.serve import opening_state, served
 
     with served(opening_state(mission, system), host=host, port=port) as page:
         if page.is_open_to_others:
-            told(
+            print_notice(
                 f"warning: {host} is no address of this machine alone. Whoever reaches it can use this page, load "
                 "files into it and keep this machine busy; there is no password.", DONE,
             )  # fmt: skip
         if not quiet:
-            told(f"uwopt explore: {page.url}  (Ctrl-C ends it)", DONE)
+            print_notice(f"uwopt explore: {page.url}  (Ctrl-C ends it)", DONE)
         if browser:
             import webbrowser
 

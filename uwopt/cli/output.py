@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from uwopt.cli.status import DONE, told
+from uwopt.cli.status import DONE, print_notice
 from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import OutputError
 
@@ -67,9 +67,9 @@ def hand_over(
         tell_written(written, quiet=quiet)
         if isinstance(result, Result) and result.command == "solve" and result.best is not None:
             command = f"uwopt tender {out}/result.json --out {out}/tender"
-            told(f"to ask makers for quotes, sheets and a letter: {command}", DONE)
+            print_notice(f"to ask makers for quotes, sheets and a letter: {command}", DONE)
     if deadline.left_out:
-        told(no_time_for(deadline), DONE)
+        print_notice(no_time_for(deadline), DONE)
 
 
 def blocks_of(result: Result | FrontResult, *, full: bool, begun: bool, has_page: bool) -> Iterable[Any]:
@@ -105,7 +105,7 @@ def print_result(
 def tell_written(files: Sequence[object], *, quiet: bool) -> None:
     """Tell which files were written, if any."""
     if files and not quiet:
-        told("written: " + ", ".join(map(str, files)), DONE)
+        print_notice("written: " + ", ".join(map(str, files)), DONE)
 
 
 def no_time_for(deadline: Deadline) -> str:

@@ -9,7 +9,7 @@ import typer
 
 from uwopt.cli.options import MissionArgument, PhysicsOption, QuietOption
 from uwopt.cli.output import tell_written
-from uwopt.cli.status import DONE, command, told
+from uwopt.cli.status import DONE, command, print_notice
 from uwopt.cli.whatif import by_key
 from uwopt.errors import RangeError
 
@@ -68,6 +68,6 @@ def plot_command(
         )  # fmt: skip
         written = made.write(out)
     for fault in made.mapped.refused if made.mapped is not None and not quiet else ():
-        told(f"left out: {fault}", DONE)
+        print_notice(f"left out: {fault}", DONE)
     tell_written([written], quiet=quiet)
     return DONE

@@ -49,18 +49,18 @@ def status_of(work: Callable[[], int | None]) -> int:
     except (typer.Exit, typer.Abort, typer.BadParameter):
         raise
     except SolverError as fault:
-        return told(str(fault), DEFECT, fault)
+        return print_notice(str(fault), DEFECT, fault)
     except UwoptError as fault:
-        return told(str(fault), BAD_INPUT, fault)
+        return print_notice(str(fault), BAD_INPUT, fault)
     except BrokenPipeError:  # the reader, such as `head`, has seen enough
         return DONE
     except KeyboardInterrupt:
-        return told("uwopt: interrupted before there was a result.", INTERRUPTED)
+        return print_notice("uwopt: interrupted before there was a result.", INTERRUPTED)
     except Exception as fault:  # the last door: a person must not meet a traceback
-        return told(defect_message(fault), DEFECT, fault)
+        return print_notice(defect_message(fault), DEFECT, fault)
 
 
-def told(message: str, status: int, fault: BaseException | None = None) -> int:
+def print_notice(message: str, status: int, fault: BaseException | None = None) -> int:
     """Print a message on the error stream, and the traceback if it is asked for; returns the status."""
     from uwopt.report.text.console import discard_rest
     from uwopt.report.text.formats import in_encoding, printable
@@ -103,7 +103,7 @@ def result_status(result: Result, *, check: bool = False) -> int:
     if was_interrupted(result):
         return INTERRUPTED
     if result.audit and not result.audit.get("passed", True):
-        return told(
+        return print_notice(
             "uwopt: the audit found a better system; the certificate is wrong, please report it.", DEFECT
         )
     if result.status == "violated":

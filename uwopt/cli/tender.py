@@ -9,7 +9,7 @@ import typer
 
 from uwopt.cli.options import MissionArgument, PhysicsOption, QuietOption, folder_as, limit_of, seconds_as
 from uwopt.cli.output import print_made, tell_written
-from uwopt.cli.status import DONE, command, result_status, told
+from uwopt.cli.status import DONE, command, print_notice, result_status
 
 
 @command
@@ -48,10 +48,10 @@ def tender_command(
     written = write_files(made_folder(folder), files)
     if not quiet:
         if short := falls_short(held):
-            told(f"{short}.", DONE)
+            print_notice(f"{short}.", DONE)
         tell_written(written, quiet=quiet)
         if deadline.left_out:
-            told(f"no time was left for {', '.join(deadline.left_out)}; more --seconds find them", DONE)
+            print_notice(f"no time was left for {', '.join(deadline.left_out)}; more --seconds find them", DONE)
     return DONE
 
 

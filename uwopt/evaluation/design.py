@@ -57,7 +57,7 @@ def evaluate_designs(
     """The same of many designs: what settings of one hardware resolve is worked out together."""
     found = [measured(problem, hardware, given) for hardware, given in many]
     return [
-        told(problem, one, sharp, objective, level_tolerance_rel=level_tolerance_rel)
+        design_record(problem, one, sharp, objective, level_tolerance_rel=level_tolerance_rel)
         for one, sharp in zip(found, resolved(found), strict=True)
     ]
 
@@ -94,7 +94,7 @@ def margins_of(problem: Problem, design: Measured, level_tolerance_rel: float) -
     return found
 
 
-def told(
+def design_record(
     problem: Problem, design: Measured, sharp: Sequence[Resolved | None], objective: Objective,
     *, level_tolerance_rel: float,
 ) -> Design:  # fmt: skip

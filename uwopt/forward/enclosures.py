@@ -23,7 +23,7 @@ from uwopt.catalog.readers.read_lens import circle_class
 from uwopt.catalog.records import Camera, Housing, Lens, Port, Quantity
 from uwopt.forward.columns import groups_alike
 from uwopt.forward.once import once_each
-from uwopt.forward.part_columns import Cameras, Lenses, Ports, ends_of
+from uwopt.forward.part_columns import Cameras, Lenses, Ports, quantity_ends
 from uwopt.model.enclosure import Bodies, dome_needed_m, mouth_needed_m, sphere_needed_m, tube_needed_m
 from uwopt.model.path_table import product
 from uwopt.tolerances import ROUND
@@ -157,7 +157,7 @@ def sizes_at_worst(camera: Camera, lens: Lens, spacer_m: float, port: Ports) -> 
         return np.array([0.0 if value is None else value.high * 1e-3])
 
     length = high(lens, "length_mm")
-    nearest, farthest = 1e-3 * np.array(ends_of(lens.pupil_mm))[:, None]
+    nearest, farthest = 1e-3 * np.array(quantity_ends(lens.pupil_mm))[:, None]
     width, height, deep, plug = (high(camera, name) for name in BODY)
     worst = Bodies(width, height, deep, plug, high(lens, "diameter_mm"), length + spacer_m, farthest, nearest)
     return {name: (float(n[0]), float(r[0])) for name, (n, r) in room_needed_m(worst, port).items()}

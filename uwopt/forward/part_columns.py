@@ -194,7 +194,7 @@ def number(
     return quantity.high if (favoured > 0) == (end == "good") else quantity.low
 
 
-def ends_of(quantity: Quantity | None) -> tuple[float, float]:
+def quantity_ends(quantity: Quantity | None) -> tuple[float, float]:
     """The low and the high end of a quantity, 0 where it is not known."""
     return (0.0, 0.0) if quantity is None else (quantity.low, quantity.high)
 
@@ -355,7 +355,7 @@ def lens_rows(
             "aberration_exponent": aberration_exponent(known["f_number_min"]),
             "spacers_m": _spacers(parts),
             "most_body_m": high_ends(Lens, parts, ("diameter_mm", "length_mm")),
-            "pupil_ends_m": 1e-3 * np.array(each_once([part.pupil_mm for part in parts], ends_of), float),
+            "pupil_ends_m": 1e-3 * np.array(each_once([part.pupil_mm for part in parts], quantity_ends), float),
             "rated_pitch_m": np.array([(rated_pitch_um(part) or 0.0) * 1e-6 for part in parts], float),
             "motorised": np.array([part.aperture_control == "motorised" for part in parts], bool),
         }

@@ -172,10 +172,10 @@ def transfer_ends(gain: Array, *, sharpness: Sharpness) -> Ends:
     lens_px = 2.0 * np.asarray(sharpness.lens_pitch_px) / np.sqrt(faintest)
     disc_px = np.asarray(sharpness.defocus_px) * (np.pi / J1_ZERO)
     cycle_px = np.maximum(np.maximum(sharpness.diffraction_px, disc_px), lens_px)
-    return ends_of(1.0 / np.clip(cycle_px, 1.0, _HUGE), sharpness.motion_blur_px, soft=sharpness.lens_pitch_px)
+    return table_ends(1.0 / np.clip(cycle_px, 1.0, _HUGE), sharpness.motion_blur_px, soft=sharpness.lens_pitch_px)
 
 
-def ends_of(round_cyc_per_px: Array, motion_blur_px: Array, *, soft: Array) -> Ends:
+def table_ends(round_cyc_per_px: Array, motion_blur_px: Array, *, soft: Array) -> Ends:
     """The same by the radius of the circle [cycles per px], the motion [px] and the lens's pitch [px], (n,)."""
     side = NYQUIST_CYC_PER_PX
     motion = 1.0 / np.clip(motion_blur_px, 1.0 / side, _HUGE)

@@ -30,7 +30,7 @@ from uwopt.solvers.exact.ranking import Found, ids_in
 from uwopt.solvers.exact.search import Search
 
 
-def pieces_of(problem: Problem, found: Found) -> dict[str, Part]:
+def pieces_by_kind(problem: Problem, found: Found) -> dict[str, Part]:
     """All pieces of a design by kind: its parts, and before its light the housing that its port is built into."""
     parts = problem.parts.of(found)
     port, light = parts["port"], parts.pop("light")
@@ -40,7 +40,7 @@ def pieces_of(problem: Problem, found: Found) -> dict[str, Part]:
 
 def ids_of_pieces(problem: Problem, found: Found) -> list[str]:
     """Ids of all pieces of a design."""
-    return [part.id for part in pieces_of(problem, found).values()]
+    return [part.id for part in pieces_by_kind(problem, found).values()]
 
 
 def problem_of(

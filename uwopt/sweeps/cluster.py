@@ -73,7 +73,7 @@ class ClusterWorkers:
             if type(fault).__name__ in ("CancelledError", "FutureCancelledError"):
                 raise self._gone() from None
             raise SchedulerError(
-                f"{self._address}: a worker could not take its work: {told(fault)}"
+                f"{self._address}: a worker could not take its work: {fault_line(fault)}"
             ) from None
 
     def close(self) -> None:
@@ -96,7 +96,7 @@ def connected(address: str) -> Any:
     try:
         client = Client(address, timeout=REACH_S, set_as_default=False)
     except (OSError, ValueError) as fault:  # a TimeoutError too
-        text = f"no Dask scheduler answers ({told(fault)}); give its address, such as tcp://127.0.0.1:8786"
+        text = f"no Dask scheduler answers ({fault_line(fault)}); give its address, such as tcp://127.0.0.1:8786"
         raise SchedulerError(f"{address}: {text}") from None
     try:
         client.wait_for_workers(1, timeout=REACH_S)
@@ -113,7 +113,7 @@ def refuse_others(client: Any, address: str, here: Mapping[str, str]) -> None:
     try:
         found = client.run(program_identity)
     except Exception as fault:  # whatever a worker makes of a program that it does not have
-        text = f"its workers have not this uwopt ({told(fault)}); install the same on all of them"
+        text = f"its workers have not this uwopt ({fault_line(fault)}); install the same on all of them"
         raise SchedulerError(f"{address}: {text}") from None
     other = {worker: differences(here, there) for worker, there in found.items()}
     for worker, what in other.items():
@@ -123,6 +123,6 @@ def refuse_others(client: Any, address: str, here: Mapping[str, str]) -> None:
             )
 
 
-def told(fault: BaseException) -> str:
+def fault_line(fault: BaseException) -> str:
     """What another program says, in one line."""
     return (" ".join(str(fault).split()) or type(fault).__name__)[:LONGEST]

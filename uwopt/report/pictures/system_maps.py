@@ -217,7 +217,7 @@ def cells(table: WhatIf) -> Iterator[list[RimPiece]]:
             if any(corner is None for corner in at):
                 continue
             a, b, c, d = (corner for corner in at if corner is not None)
-            yield pieces_of(
+            yield rim_pieces(
                 [(a, [((x, float(y0)), s) for x, s in changes(on_x[y0], a, b, 0)]),
                  (b, [((float(x1), y), s) for y, s in changes(on_y[x1], b, c, 1)]),
                  (c, backwards(d, [((x, float(y1)), s) for x, s in changes(on_x[y1], d, c, 0)])),
@@ -234,7 +234,7 @@ def backwards(first: WhatIfPoint, rising: Breaks) -> Breaks:
     return [(place, before[n]) for n, (place, _) in reversed([*enumerate(rising)])]
 
 
-def pieces_of(sides: Sequence[tuple[WhatIfPoint, Breaks]]) -> list[RimPiece]:
+def rim_pieces(sides: Sequence[tuple[WhatIfPoint, Breaks]]) -> list[RimPiece]:
     """A cell's rim, given by each corner and the changes on the side that begins there, once around."""
     made: list[RimPiece] = []
     system, rim = sides[0][0].system, list[Place]()

@@ -117,7 +117,7 @@ def switch_marks(
 ) -> dict[str, Any]:
     """Diamonds on one line where the system changes, with the numbers of both where there is room."""
     mine = sorted(switches_at(table, along, other), key=middle_of)
-    places = [(middle_of(s), between(points, along, middle_of(s)), s) for s in mine]
+    places = [(middle_of(s), optimum_between(points, along, middle_of(s)), s) for s in mine]
     known = [place for place in places if place[1] is not None]
     values = [float(value) for value in table.keys[along].values]
     room, last, said = APART * (max(values) - min(values)), float("-inf"), list[str]()
@@ -146,7 +146,7 @@ def switch_hover(table: WhatIf, switch: Switch) -> str:
     return "beyond: " + markup_free(change_text(table.systems[switch.first], table.systems[switch.second]))
 
 
-def between(points: Sequence[WhatIfPoint], along: int, x: float) -> float | None:
+def optimum_between(points: Sequence[WhatIfPoint], along: int, x: float) -> float | None:
     """The optimum at a place between points; that of the nearer side where the other has none."""
     for a, b in itertools.pairwise(points):
         low, high = float(a.values[along]), float(b.values[along])

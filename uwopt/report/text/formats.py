@@ -235,7 +235,7 @@ def known_price(row: BillRow) -> str:
     return one_line(", ".join(word for word in (row.price_status, row.price_date) if word), 60)
 
 
-def ends_of(row: BillRow) -> tuple[float, float] | None:
+def price_ends(row: BillRow) -> tuple[float, float] | None:
     """Both ends of the price of one piece; None where nobody knows it."""
     if row.unit_price is None:
         return None
@@ -247,5 +247,5 @@ def due_text(row: BillRow) -> str:
     """What the pieces that are not owned cost together."""
     if not row.to_buy:
         return "owned"
-    ends = ends_of(row)
+    ends = price_ends(row)
     return "price unknown" if ends is None else price(ends[0] * row.to_buy, ends[1] * row.to_buy, row.currency)

@@ -27,12 +27,12 @@ def supply_volts(part_id: str) -> str:
     cells = cells_of(part_id)
     low, high = (cells.get(name, "") for name in ("supply_v_min", "supply_v_max"))
     interface = cells.get("interface", "")
-    if not (low or high) and (over := between(*fed_v(interface))):
+    if not (low or high) and (over := span_text(*fed_v(interface))):
         return f"{over} over its {interface} cable"
-    return between(low, high)
+    return span_text(low, high)
 
 
-def between(low: str, high: str) -> str:
+def span_text(low: str, high: str) -> str:
     """`12 to 24 V`, or what is known of it."""
     if low and high:
         return f"{low} V" if low == high else f"{low} to {high} V"

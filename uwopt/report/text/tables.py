@@ -352,7 +352,7 @@ class BomLine:
 
 def bom_line(row: BillRow) -> BomLine:
     """What to order, its price and how that is known."""
-    ends = formats.ends_of(row)
+    ends = formats.price_ends(row)
     known = [formats.known_price(row), f"{row.owned} owned" if row.owned else ""]
     return BomLine(
         str(row.count),

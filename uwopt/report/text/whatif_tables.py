@@ -40,7 +40,7 @@ def opening(table: WhatIf) -> list[str]:
         fits = sum(point.system is not None for point in table.points)
         known = sum(point.status != "stopped" or point.system is not None for point in table.points)
         every = math.prod(len(key.values) for key in table.keys)
-        best = len({*(point.system for point in table.points), *between(table)} - {None})
+        best = len({*(point.system for point in table.points), *winners_between(table)} - {None})
         keys = " and ".join(formats.one_line(key.key, 60) for key in table.keys)
         proven = all(point.status in ("optimal", "infeasible") for point in table.points)
         if known < every:
@@ -67,7 +67,7 @@ def opening(table: WhatIf) -> list[str]:
 # ---------------------------------------------------------------- switches
 
 
-def between(table: WhatIf) -> set[int | None]:
+def winners_between(table: WhatIf) -> set[int | None]:
     """The systems that win beside a switch, some of them between points alone."""
     return {system for switch in table.switches for system in (switch.first, switch.second)}
 

@@ -29,7 +29,7 @@ from uwopt.solvers.confidence.draws import probabilities
 from uwopt.solvers.confidence.scenarios import BEAM_FACTS, PORTS, Scenarios
 from uwopt.solvers.confidence.search import Certain
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.one_hardware import matters, pieces_of
+from uwopt.solvers.one_hardware import matters, pieces_by_kind
 
 PART = 3  # of the scenarios, sorted by a number: its first and its last such share are set against each other
 LEAST = 0.2  # by which these shares differ at least, to be told
@@ -155,7 +155,7 @@ def numbers_of(
         yield "distance at which the lens stands", "", np.abs(scenarios.focus - 1.0)
     if not scenarios.doubt.parts:
         return
-    for kind, part in pieces_of(problem, found).items():
+    for kind, part in pieces_by_kind(problem, found).items():
         for name in (name for name, _ in doubtful(part) if matters(name, problem, objective)):
             yield f"{kind}.{name}", part.id, drawn(scenarios, part, name)
 

@@ -12,9 +12,9 @@ from uwopt.solvers.explain.less_money import (
     GIVEN_UP,
     LESS_MONEY_S,
     SAVED,
+    cheaper_record,
     limit_of,
     no_more_than,
-    told,
 )
 from uwopt.solvers.recommend import Sought
 
@@ -39,5 +39,5 @@ def less_money_in_doubt(sought: Sought, choice: Certain, deadline: Deadline = NE
         serves = one.held >= seen.share and one.quantile(0.5) <= most and one.outcomes.price <= dearest
         if serves and at_its_stop(problem, sought.goal, one, deadline) is not None:
             prices, values = (one.outcomes.price, ours.outcomes.price), (one.quantile(0.5), ours.quantile(0.5))
-            return told(sought, one.found, prices, values, held=one.held)
+            return cheaper_record(sought, one.found, prices, values, held=one.held)
     return None

@@ -47,7 +47,9 @@ def wilson(held: float, count: int) -> tuple[float, float]:
     return max((centre - half) / (1.0 + z2n), 0.0), min((centre + half) / (1.0 + z2n), 1.0)
 
 
-def told(problem: Problem, objective: Objective, certain: Certain, central: Found, *, ends: bool) -> Confidence:
+def confidence_record(
+    problem: Problem, objective: Objective, certain: Certain, central: Found, *, ends: bool
+) -> Confidence:
     """The record of a choice: how often it holds in scenarios that it was not made on, and what certainty costs."""
     seen, first = certain.fresh or certain.best, certain.tried[0]
     return counted(

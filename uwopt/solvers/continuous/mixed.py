@@ -33,7 +33,7 @@ from uwopt.solvers.continuous.pieces import (
     SmoothScene,
     SmoothSettings,
     Symbolic,
-    pieces_of,
+    smooth_pieces,
 )
 from uwopt.solvers.continuous.program import scene_rules
 from uwopt.units import ratio_to_db
@@ -81,7 +81,7 @@ class MixedProgram:
         self.n_scenes = len(candidates[0].scenes) if candidates else 0
         self.options: list[Option] = []
         for index, candidate in enumerate(candidates):
-            pieces = [pieces_of(scene) for scene in candidate.scenes]
+            pieces = [smooth_pieces(scene) for scene in candidate.scenes]
             room_w = power_limit_w - candidate.camera_power_w
             if all(pieces) and room_w >= 0.0:
                 self.options += [Option(index, s, p) for s, found in enumerate(pieces) for p in found]

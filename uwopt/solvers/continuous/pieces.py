@@ -297,7 +297,7 @@ class Piece:
         return self.level_low == self.level_high and not open_time
 
 
-def pieces_of(scene: SmoothScene) -> list[Piece]:
+def smooth_pieces(scene: SmoothScene) -> list[Piece]:
     """The smooth pieces of one scene that a quick look cannot rule out.
 
     Steps of the light are fixed one by one; time is cut where power or exposure bend.

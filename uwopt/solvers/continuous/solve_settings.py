@@ -27,7 +27,7 @@ from uwopt.solvers.continuous.pieces import (
     Piece,
     SmoothDesign,
     SmoothSettings,
-    pieces_of,
+    smooth_pieces,
     worst_light_w,
     worst_snr,
 )
@@ -161,7 +161,7 @@ def solve_settings(
 
 def best_choice(task: Task) -> Verdict:
     """The best of all choices of one piece a scene, best bound first."""
-    options = [pieces_of(scene) for scene in task.design.scenes]
+    options = [smooth_pieces(scene) for scene in task.design.scenes]
     for index, found in enumerate(options):
         if not found:
             return Verdict("infeasible", f"in scene {index + 1} all settings are too dark or too bright")

@@ -12,7 +12,7 @@ from uwopt.evaluation.design_model import design_model
 from uwopt.forward.problem import Problem
 from uwopt.results.basis import Assumption
 from uwopt.solvers.exact.ranking import Found
-from uwopt.solvers.one_hardware import pieces_of
+from uwopt.solvers.one_hardware import pieces_by_kind
 from uwopt.units import unit_told
 
 
@@ -30,7 +30,7 @@ def assumptions(problem: Problem, found: Found) -> list[Assumption]:
             f"{kind}.{name}", part.id, value.value, value.low, value.high, unit_of(name, part), value.status,
             value.source,
         )
-        for kind, part in pieces_of(problem, found).items()
+        for kind, part in pieces_by_kind(problem, found).items()
         for name, value in doubtful(part)
     ]  # fmt: skip
     hardware = found.hardware

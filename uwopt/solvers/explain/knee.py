@@ -21,7 +21,7 @@ from uwopt.solvers.exact.imagers import imagers_in
 from uwopt.solvers.exact.node_designs import WithLamps
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.one_hardware import pieces_of
+from uwopt.solvers.one_hardware import pieces_by_kind
 from uwopt.solvers.recommend import Sought
 
 MORE_W, MORE_USD = 1.0, 100.0
@@ -69,7 +69,7 @@ def best_within(
     if not outcome.best:
         return 0.0, {}
     best = outcome.best[0]
-    ids = {kind: part.id for kind, part in pieces_of(problem, best).items()}
+    ids = {kind: part.id for kind, part in pieces_by_kind(problem, best).items()}
     return quality.share(mine - best.minimised, mine), ids
 
 

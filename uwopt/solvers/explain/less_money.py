@@ -15,7 +15,7 @@ from uwopt.results.basis import LessMoney
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain.knee import limit_cost_of, with_limits
-from uwopt.solvers.one_hardware import as_set, best_of, pieces_of
+from uwopt.solvers.one_hardware import as_set, best_of, pieces_by_kind
 from uwopt.solvers.recommend import Sought, evaluated
 
 GIVEN_UP = 0.25  # of the goal, at most
@@ -45,7 +45,7 @@ def less_money(sought: Sought, deadline: Deadline = NEVER) -> LessMoney | None:
     if not math.isfinite(own):  # what fits to the last digit of a limit may not without it
         return None
     prices, values = (found[0].cost, best.cost), (own, best.minimised)
-    return told(sought, found[0], prices, values, cost_limit=limit_cost_of(sought, found[0]))
+    return cheaper_record(sought, found[0], prices, values, cost_limit=limit_cost_of(sought, found[0]))
 
 
 def limit_of(goal: Objective) -> str | None:
@@ -59,14 +59,14 @@ def no_more_than(problem: Problem, limit: str, most: float) -> Problem:
     return with_limits(problem, {limit: most if asked is None else min(most, asked)})
 
 
-def told(
+def cheaper_record(
     sought: Sought, found: Found, prices: tuple[float, float], values: tuple[float, float], *,
     held: float | None = None, cost_limit: float | None = None,
 ) -> LessMoney:  # fmt: skip
     """The record of a system that fits by likeliest values, with its price and value beside those of the first."""
     value, of_best = map(sought.goal.reported, values)
     return LessMoney(
-        hardware={kind: part.id for kind, part in pieces_of(sought.problem, found).items()},
+        hardware={kind: part.id for kind, part in pieces_by_kind(sought.problem, found).items()},
         light_count=sought.problem.lamps_carried(found),
         price=prices[0], price_of_best=prices[1], currency=sought.problem.mission.limits.currency, value=value,
         value_of_best=of_best, held=held, cost_limit=cost_limit,

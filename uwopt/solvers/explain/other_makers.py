@@ -59,7 +59,7 @@ def beside_best(
         return replace(item, values=values, outcome="worse", text=text)
 
     shown = {kind: {best.hardware.parts[kind].id} for kind in OF_MAKERS}
-    return told(selection, search, goal, shown, judged, deadline)
+    return entries_by_maker(selection, search, goal, shown, judged, deadline)
 
 
 def beside_front(
@@ -80,10 +80,10 @@ def beside_front(
 
     shown = {kind: {p.design.hardware.parts[kind].id for p in front.points} for kind in OF_MAKERS}
     goal = Objective({axes.names[0]: 1.0})
-    return told(selection, search, goal, shown, judged, deadline)
+    return entries_by_maker(selection, search, goal, shown, judged, deadline)
 
 
-def told(
+def entries_by_maker(
     selection: Selection, first: Search, goal: Objective, shown: dict[str, set[str]],
     judged: Callable[[OtherMaker, Design], OtherMaker], deadline: Deadline,
 ) -> list[OtherMaker]:  # fmt: skip

@@ -37,7 +37,7 @@ from uwopt.solvers.one_hardware import (
     ids_of_pieces,
     matters,
     own_id,
-    pieces_of,
+    pieces_by_kind,
     problem_of,
     same_parts,
     with_either_end,
@@ -151,7 +151,7 @@ def mixed_problem(problem: Problem, bad: dict[str, Part]) -> Problem:
 def rival_dict(problem: Problem, rival: Found, objective: Objective) -> dict[str, Any]:
     """A rival by its ids, with what it would reach."""
     return {
-        **{kind: part.id for kind, part in pieces_of(problem, rival).items()},
+        **{kind: part.id for kind, part in pieces_by_kind(problem, rival).items()},
         "light_count": problem.lamps_carried(rival),
         "objective_value": objective.reported(rival.minimised),
     }
@@ -179,7 +179,7 @@ def quotes_that_matter(
         asked = [
             (kind, part, name, doubt, end)
             for design, end in ((winner, "bad"), (rival, "good"))
-            for kind, part in pieces_of(problem, design).items()
+            for kind, part in pieces_by_kind(problem, design).items()
             for name, doubt in doubtful(part)
             if matters(name, problem, sought.goal)
             for end in (("low", "high") if name in EITHER else (end,))
@@ -204,7 +204,7 @@ def with_changes(
     deadline: Deadline = NEVER,
 ) -> list[float]:  # fmt: skip
     """A design's objective under each change in turn; changes of parts it does not have leave it as it is."""
-    own = {kind: part.id for kind, part in pieces_of(sought.problem, design).items()}
+    own = {kind: part.id for kind, part in pieces_by_kind(sought.problem, design).items()}
     variants: list[Variant | None] = [
         (kind, name, end) if own.get(kind) == part.id else None for kind, part, name, _, end in asked
     ]

@@ -147,14 +147,14 @@ def one_by_one(
         start, end = np.where(own, scene.n_start, lowest), np.where(own, scene.n_end, highest)
         missing += log_excess(start, end)
         share = np.where(own, shares[index].aperture_frac, shares[0].aperture_frac)
-        f_number = between(start, np.maximum(end, start), share)
+        f_number = log_between(start, np.maximum(end, start), share)
         settings, lacking = scene.settle(f_number)
         missing += lacking
         chosen.append(settings)
     return Decoded(chosen, missing)
 
 
-def between(low: Array, high: Array, share: Array) -> Array:
+def log_between(low: Array, high: Array, share: Array) -> Array:
     """A share of the way from low to high in logarithms; both ends are met to the last bit."""
     with np.errstate(divide="ignore", invalid="ignore"):
         made = low * (high / low) ** share
@@ -222,7 +222,7 @@ class SceneRange:
         rows, shares = self.rows, self.shares
         square = np.square(f_number * rows.working_factor)
         t_low, t_high, missing = self._times(f_number, square)
-        time_s = between(t_low, np.maximum(t_high, t_low), shares.time_frac)
+        time_s = log_between(t_low, np.maximum(t_high, t_low), shares.time_frac)
         open_s, exposure_s = self._shutter(f_number, time_s)
         dark_rows = replace(rows, dark_time_s=np.where(np.isfinite(exposure_s), exposure_s, rows.dark_time_s))
         sun = Sun.at(rows, open_s / square) if rows.sunlit else None
@@ -237,7 +237,7 @@ class SceneRange:
         missing += log_excess(low, high) + log_excess(u_low, u_high)
         u_high = np.maximum(u_high, u_low)
         dims = np.where(rows.dims_freely, shares.level_frac, 0.0)
-        level = between(np.maximum(u_low, np.where(dims > 0, DIMMEST * u_high, 0.0)), u_high, dims)
+        level = log_between(np.maximum(u_low, np.where(dims > 0, DIMMEST * u_high, 0.0)), u_high, dims)
         light_x = level * per_level
         power = closed_form.drawn_power_w(rows, level, time_s, exposure_s)
         peak = closed_form.peak_power_w(rows, level)
@@ -281,7 +281,7 @@ class SceneRange:
         freely = (rows.kind == PULSED) | rows.is_whole_flash(time_s)
         least = needed + rows.exposure_offset_s
         most = np.maximum(np.minimum(rows.open_max_s, self._sharp_s(f_number)), least)
-        open_s = np.where(freely, between(least, most, self.shares.shutter_frac), least)
+        open_s = np.where(freely, log_between(least, most, self.shares.shutter_frac), least)
         return open_s, np.maximum(open_s - rows.exposure_offset_s, 0.0)
 
     def _sharp_s(self, f_number: Array) -> Array:

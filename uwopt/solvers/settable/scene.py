@@ -447,7 +447,7 @@ def deciding_light(model: DesignModel, index: int, lamp: ImageLight, worst_e: Ar
     """Lamps' light with those pixels alone of which one decides whether the SNR holds, at any settings.
 
     What a pixel asks for grows with the noise that comes without light, least of all without quantisation and dark
-    current, most of all at the lowest gain and the longest exposure: see `few_pixels.between`.
+    current, most of all at the lowest gain and the longest exposure: see `few_pixels.may_decide`.
     """
     scene, cam = model.problem.scenes[index], model.cameras
     needs = scene.view.asked if isinstance(model, LeaningModel) else scene.view.requirements

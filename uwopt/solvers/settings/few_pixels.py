@@ -38,7 +38,7 @@ def deciding_pixels(rows: SceneRows) -> SceneRows:
 def with_those_between(light: Lit, least: Array, most: Array) -> Lit:
     """Rows or light with those pixels alone of which one decides, where each asks for `least` to `most` of light."""
     assert light.worst_e is not None
-    pick, may_miss = between(least, most, light.may_miss)
+    pick, may_miss = may_decide(least, most, light.may_miss)
     veil = light.worst_veil_e
     return replace(
         light,
@@ -48,7 +48,7 @@ def with_those_between(light: Lit, least: Array, most: Array) -> Lit:
     )
 
 
-def between(least: Array, most: Array, may_miss: int) -> tuple[Array, int]:
+def may_decide(least: Array, most: Array, may_miss: int) -> tuple[Array, int]:
     """Places (n, n_altitudes, n_few) of the pixels that may be the (k + 1)-th most demanding, and the k of these few.
 
     What pixels ask for is from `least` to `most` (n, n_altitudes, n_pixels), and grows from one to the other together.
