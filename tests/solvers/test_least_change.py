@@ -663,7 +663,7 @@ def test_energy_that_lacks_behind_a_mass_that_is_too_great_gives_together_with_i
     possible = {one.name: one.needed for one in told.together}
     assert {"duration_h", "power_w", "mass_kg"} <= {*possible} and "battery_wh" not in possible
     assert None not in possible.values()
-    assert possible["power_w"] * possible["duration_h"] <= 900.0  # what the battery holds
+    assert possible["power_w"] * possible["duration_h"] <= 900.0 * 1.005  # what the battery holds; three digits
     changed = copy.deepcopy(GLIDER)
     for name, value in possible.items():
         places = [changed[section] for section in ("limits", "vehicle", "requirements")]
