@@ -501,6 +501,10 @@ def test_wrong_options_are_refused(options: list[str], words: list[str]) -> None
 def test_missing_and_wrong_files_are_refused(tmp_path: Path) -> None:
     (tmp_path / "broken.yaml").write_text("name: [", "utf-8")
     (tmp_path / "other.yaml").write_text("shopping: list\n", "utf-8")
+    (tmp_path / "bom.xlsx").write_bytes(b"PK\x03\x04\x14\x00\xff")
+    (tmp_path / "report.html").write_text("<!DOCTYPE html>\n<html><a: b: c>", "utf-8")
+    assert_refused(run("solve", tmp_path / "bom.xlsx"), "is a workbook or an archive, no mission; name a YAML file")
+    assert_refused(run("evaluate", MISSION, tmp_path / "report.html"), "is a web page, no system")
     assert_refused(run("solve", tmp_path / "none.yaml"), "no such file")
     assert_refused(run("solve", tmp_path), "is a folder")
     assert_refused(run("solve", tmp_path / "broken.yaml"), "broken.yaml")

@@ -24,7 +24,7 @@ from uwopt.catalog.answers import read_answers  # noqa: E402
 from uwopt.catalog.offers import MakerAnswers, offers_of  # noqa: E402
 from uwopt.cli.app import app  # noqa: E402
 from uwopt.deadline import Deadline  # noqa: E402
-from uwopt.errors import CatalogError, ResultError  # noqa: E402
+from uwopt.errors import CatalogError, MissionError, ResultError  # noqa: E402
 from uwopt.mission.mission import Mission, load_mission  # noqa: E402
 from uwopt.objectives.goal import goal_of  # noqa: E402
 from uwopt.report.order import tender_lines  # noqa: E402
@@ -331,6 +331,12 @@ def test_a_bill_in_place_of_a_tender_is_told_before_its_formulas(result: Result,
         read_answers(tmp_path / "bom.xlsx")
     with pytest.raises(CatalogError, match=re.escape("is a folder; name the tender.xlsx in it")):
         read_answers(tmp_path)
+
+
+def test_a_day_that_is_none_is_refused(tmp_path: Path) -> None:
+    """`--date 3.4.2026` was compared with days as text."""
+    with pytest.raises(MissionError, match=re.escape("'3.4.2026' is no day; write YYYY-MM-DD")):
+        with_quotes(small(FEW), tmp_path / "tender.xlsx", today="3.4.2026")
 
 
 def test_nothing_answered_changes_nothing(book: bytes, tmp_path: Path) -> None:
