@@ -23,7 +23,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 import uwopt  # noqa: E402
-from uwopt.api.risks import WARMEST_C  # noqa: E402
+from uwopt.api.risks.of_housings import WARMEST_C  # noqa: E402
 from uwopt.catalog.load import load_catalog  # noqa: E402
 from uwopt.catalog.records import KINDS  # noqa: E402
 from uwopt.mission.mission import load_mission  # noqa: E402

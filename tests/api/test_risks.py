@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from uwopt.api.evaluating import evaluate
-from uwopt.api.risks import risks_of
+from uwopt.api.risks.told import risks_of
 from uwopt.results.basis import Assumption, Risk
 from uwopt.results.certainty import Confidence
 from uwopt.results.design import AS_CENTRAL, PRACTICE_MISSED, BillRow, Design, Margin, Note, SceneResult

@@ -19,7 +19,7 @@ from uwopt.api import certain_points, explaining, trading, varied_work, yielding
 from uwopt.api.certain_points import CertainPoints, gives_way_with_certainty
 from uwopt.api.choosing import surer
 from uwopt.api.practice_known import PracticeKnown
-from uwopt.api.risks import risks_of
+from uwopt.api.risks.told import risks_of
 from uwopt.api.searching import Searches
 from uwopt.api.varied_work import Work
 from uwopt.api.whatif import full_practice_notes

@@ -81,7 +81,7 @@ DEFECTS = (
     ),
     Defect(
         name="a limit that holds the image back is no risk",
-        file="uwopt/api/risks.py",
+        file="uwopt/api/risks/of_order.py",
         old="if item.beyond_limit and item.gain > asked:",
         new="if item.beyond_limit and item.gain > 100.0 * asked:",
         test="tests/report/test_knee.py::test_a_limit_below_the_knee_is_a_risk",

@@ -68,7 +68,7 @@ DEFECTS = (
     ),
     Defect(
         name="lamps that never light are no risk",
-        file="uwopt/api/risks.py",
+        file="uwopt/api/risks/of_order.py",
         old='scene.settings.get("dim_frac") == 0.0 for scene',
         new='scene.settings.get("dim_frac") is None for scene',
         test="tests/api/test_risks.py::test_lamps_that_never_light_are_told",
@@ -230,7 +230,7 @@ DEFECTS = (
     ),
     Defect(
         name="nobody asks whether a part is still sold",
-        file="uwopt/api/risks.py",
+        file="uwopt/api/risks/of_order.py",
         old='row.availability == "unknown" and row.to_buy',
         new="False",
         test="tests/api/test_risks.py::test_parts_that_may_be_sold_no_longer_are_told",

@@ -88,7 +88,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="smear is told though a limit of blur is asked",
-        file="uwopt/api/risks.py",
+        file="uwopt/api/risks/of_images.py",
         old='if not swim or any(margin.requirement == "max_blur_px" for margin in design.margins):',
         new="if not swim:",
         test=f"{RISKS}::test_smeared_subjects_are_told_where_no_limit_of_blur_is_asked",

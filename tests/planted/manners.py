@@ -45,7 +45,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a flash of an instant asks for a camera that stands still",
-        file="uwopt/api/risks.py",
+        file="uwopt/api/risks/of_images.py",
         old="if pulse_ms and not sunlit else",
         new="if False else",
         test="tests/api/test_risks.py::test_light_that_is_gathered_long_asks_for_a_camera_that_stands_still",

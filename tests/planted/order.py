@@ -362,7 +362,7 @@ DEFECTS = (
     ),
     Defect(
         name="lift beyond a limit of weight comes after parts to be made",
-        file="uwopt/api/risks.py",
+        file="uwopt/api/risks/of_housings.py",
         old="56.0 if most_kg is None else 66.0",
         new="56.0",
         test="tests/api/test_risks.py::test_much_lift_is_a_greater_risk_than_a_lens_wide_open"
@@ -370,14 +370,14 @@ DEFECTS = (
     ),
     Defect(
         name="a battery whose reserve is just kept is nearly used up",
-        file="uwopt/api/risks.py",
+        file="uwopt/api/risks/of_housings.py",
         old="(1.0 - BATTERY_IN_HAND) * battery_wh * (1.0 + SATISFIED_REL)",
         new="(1.0 - BATTERY_IN_HAND) * battery_wh",
         test="tests/api/test_risks.py::test_a_battery_of_which_less_than_a_fifth_is_left_is_told",
     ),
     Defect(
         name="a dozen kilograms of lift are a small risk",
-        file="uwopt/api/risks.py",
+        file="uwopt/api/risks/of_housings.py",
         old="yield (great if is_much else 33.0)",
         new="yield (33.0 if is_much else 33.0)",
         test="tests/api/test_risks.py::test_much_lift_is_a_greater_risk_than_a_lens_wide_open"
@@ -385,7 +385,7 @@ DEFECTS = (
     ),
     Defect(
         name="ballast is not asked for",
-        file="uwopt/api/risks.py",
+        file="uwopt/api/risks/of_housings.py",
         old="weight_kg < -BUOYANT_KG",
         new="weight_kg < -1e9",
         test="tests/api/test_risks.py::test_housings_that_float_are_told_with_their_ballast",

@@ -153,7 +153,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a near end of sharp depth is told as a depth",
-        file="uwopt/api/risks.py",
+        file="uwopt/api/risks/margins.py",
         old="if margin.key not in OFF_FOCUS:",
         new="if True:",
         test="tests/api/test_risks.py::test_an_end_of_the_depth_of_field_says_what_uses_it_up",
@@ -433,7 +433,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="the least serious risk stands first",
-        file="uwopt/api/risks.py",
+        file="uwopt/api/risks/told.py",
         old="for _, risk in sorted(found, key=lambda item: -item[0])]",
         new="for _, risk in sorted(found, key=lambda item: item[0])]",
         test="tests/api/test_risks.py::test_most_serious_stands_first",
@@ -447,14 +447,14 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="waters in which it works count as failed",
-        file="uwopt/api/risks.py",
+        file="uwopt/api/risks/of_light.py",
         old='if water.get("objective_value") is None)',
         new='if water.get("objective_value") is not None)',
         test="tests/api/test_risks.py::test_other_waters_in_which_it_fails_are_counted",
     ),
     Defect(
         name="the brightest place stands for the darkest",
-        file="uwopt/api/risks.py",
+        file="uwopt/api/risks/of_light.py",
         old='worst(design, "uniformity", least=True)',
         new='worst(design, "snr_db_min", least=True)',
         test="tests/api/test_risks.py::test_faults_of_the_image_that_nobody_asked_about_are_told",
@@ -475,7 +475,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a price that may break its limit is rounded down to it",
-        file="uwopt/api/risks.py",
+        file="uwopt/api/risks/of_order.py",
         old="format_at_most(max(cost.low, limit), cost.high)",
         new="format_within(cost.high, cost.low, cost.high)",
         test="tests/api/test_risks.py::test_a_price_just_above_its_limit_is_told_as_such",

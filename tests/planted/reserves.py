@@ -155,7 +155,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a lens closed as far as asked is a risk",
-        file="uwopt/api/risks.py",
+        file="uwopt/api/risks/margins.py",
         old='"cost", "lens_stop_down",',
         new='"cost",',
         test="tests/evaluation/test_reserves.py::test_a_lens_as_far_closed_as_asked_is_no_risk",
@@ -183,7 +183,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a rating that is asked for is a great risk",
-        file="uwopt/api/risks.py",
+        file="uwopt/api/risks/of_housings.py",
         old="yield (29.0 if asked else 62.0)",
         new="yield (62.0 if asked else 62.0)",
         test="tests/api/test_risks.py::"

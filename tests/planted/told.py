@@ -84,21 +84,21 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="images that are noise are no risk",
-        file="uwopt/api/risks.py",
+        file="uwopt/api/risks/of_light.py",
         old="    if scene is None or snr_db >= ACCEPTABLE_SNR_DB:",
         new="    if True:",
         test="tests/api/test_risks.py::test_images_that_are_noise_are_told_where_no_signal_to_noise_is_asked",
     ),
     Defect(
         name="a near end of sharp depth that is missed reads as a depth",
-        file="uwopt/api/risks.py",
+        file="uwopt/api/risks/margins.py",
         old="    if margin.key not in OFF_FOCUS or margin.value is None:",
         new="    if True:",
         test="tests/api/test_risks.py::test_an_end_of_the_depth_of_field_that_is_missed_says_what_is_sharp",
     ),
     Defect(
         name="what is not sharp in the corners alone is told as not sharp",
-        file="uwopt/api/risks.py",
+        file="uwopt/api/risks/margins.py",
         old='    return TO_CORNERS if asked == "corner" and',
         new="    return TO_CORNERS if False and",
         test="tests/api/test_risks.py::test_what_must_be_sharp_to_the_corners_is_told_to_be"
@@ -192,17 +192,17 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/report/test_short.py::test_what_was_left_out_for_want_of_time_stands_on_the_page",
     ),
     Defect(
-        name="scenarios that were not counted are no risk", file="uwopt/api/risks.py",
+        name="scenarios that were not counted are no risk", file="uwopt/api/risks/told.py",
         old="AS_CENTRAL: 93.0", new="AS_CENTRAL: 3.0",
         test="tests/api/test_risks.py::test_scenarios_that_were_not_counted_are_the_first_risk",
     ),
     Defect(
-        name="corners without detail are told last", file="uwopt/api/risks.py",
+        name="corners without detail are told last", file="uwopt/api/risks/of_images.py",
         old="yield 78.0 - 20.0 * kept", new="yield 38.0 - 20.0 * kept",
         test="tests/api/test_risks.py::test_corners_without_detail_weigh_by_what_they_lose_and_say_why",
     ),
     Defect(
-        name="one fault of the corners is told three times", file="uwopt/api/risks.py",
+        name="one fault of the corners is told three times", file="uwopt/api/risks/of_images.py",
         old="value > SEEN_PX and name not in told:", new="value > SEEN_PX:",
         test="tests/api/test_risks.py::test_corners_without_detail_weigh_by_what_they_lose_and_say_why",
     ),
@@ -352,7 +352,7 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/report/test_words.py::test_stages_that_add_up_to_more_than_the_whole_say_why",
     ),
     Defect(
-        name="what good practice misses is told as asked for", file="uwopt/api/risks.py",
+        name="what good practice misses is told as asked for", file="uwopt/api/risks/of_limits.py",
         old='by, because = "good practice asks"', new='_, because = "good practice asks"',
         test="tests/api/test_risks.py::test_what_only_good_practice_misses_is_not_told_as_asked_for",
     ),
@@ -396,7 +396,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="what is certain is told as the first risk for how it was chosen",
-        file="uwopt/api/risks.py",
+        file="uwopt/api/risks/told.py",
         old="weight = OTHER_NOTE  # it holds",
         new="weight = NOTES[AS_CENTRAL]  # it holds",
         test="tests/api/test_risks.py::test_scenarios_that_were_not_counted_are_the_first_risk",

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from uwopt.api.risks import uncertain
+from uwopt.api.risks.of_limits import uncertain
 from uwopt.report.text.certainty import asked_text, certainty_block, decides_text, held_text, surer_block
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.doubts import robustness_block

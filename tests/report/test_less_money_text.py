@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from uwopt.api.risks import risks_of
+from uwopt.api.risks.told import risks_of
 from uwopt.report.text.console import print_blocks
 from uwopt.report.text.short import full_text_blocks, short_text_blocks
 from uwopt.results.basis import LessMoney

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from uwopt.api.risks import with_risks
+from uwopt.api.risks.told import with_risks
 from uwopt.mission.weakened import is_far
 from uwopt.report.order.other_parts import other_systems
 from uwopt.report.page.page import opening, report_html, status_words

@@ -15,7 +15,7 @@ from uwopt.api.accuracy import (
 )
 from uwopt.api.common import Source, base_result, beyond_cap, prepared, time_warnings
 from uwopt.api.floats import own_float_rules
-from uwopt.api.risks import with_risks
+from uwopt.api.risks.told import with_risks
 from uwopt.api.watch import STAGES, Watch
 from uwopt.catalog.compatibility import explain_pair
 from uwopt.deadline import Deadline

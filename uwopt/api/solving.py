@@ -22,7 +22,7 @@ from uwopt.api.floats import own_float_rules
 from uwopt.api.practice_known import PracticeKnown
 from uwopt.api.recommendation import Recommendation
 from uwopt.api.recommending import recommended
-from uwopt.api.risks import with_risks
+from uwopt.api.risks.told import with_risks
 from uwopt.api.search_notes import cut_warnings, gain_warnings, interrupted
 from uwopt.api.searching import SETTINGS_SHARE, Searched, Searches
 from uwopt.api.so_far import PRACTICE_LINE, central_line, proven_line
