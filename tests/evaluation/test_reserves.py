@@ -139,4 +139,4 @@ def test_a_lens_as_far_closed_as_asked_is_no_risk():
     result = evaluated(settings={"f_number": 3.5}, lens_stop_down=2.0)
     stopped = margins(result)["lens_stop_down"]
     assert stopped.margin == pytest.approx(0.0, abs=1e-9)
-    assert not any("stop" in risk.because for risk in result.risks)
+    assert not any("closed" in risk.because for risk in result.risks)

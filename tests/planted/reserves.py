@@ -32,7 +32,7 @@ DEFECTS: tuple[Defect, ...] = (
         file="uwopt/evaluation/leaning.py",
         old='(("outward", 1.0), ("inward", -1.0))',
         new='(("outward", 1.0),)',
-        test=LEANING + "test_settings_to_set_hold_with_lamps_that_lean[mean]",
+        test=LEANING + "test_settings_to_set_hold_with_lamps_that_lean[inward]",
     ),
     Defect(
         name="lamps that lean are heeded but not held",

@@ -23,9 +23,9 @@ OFF_DEG = 20.0
 FAR_OFF_DEG = 30.0  # from 2 m a spot moves by more than a metre, out of the image
 
 
-def case(lights: tuple[Any, ...], off_deg: float, **asked: Any) -> rc.Case:
-    """One camera with these lamps, which may be off by an angle."""
-    made = rc.planted("power", lights, {"max_blur_px": 2.0, **asked})
+def case(lights: tuple[Any, ...], off_deg: float, *, tilt_deg: float = 0.0, **asked: Any) -> rc.Case:
+    """One camera with these lamps at a tilt, off which they may be by an angle."""
+    made = rc.planted("power", lights, {"max_blur_px": 2.0, **asked}, light_tilt_deg=tilt_deg)
     return replace(made, mission=made.mission.with_changes(reserve={"tilt_deg": off_deg}))
 
 
@@ -47,7 +47,8 @@ def missed(made: rc.Case, problem: Problem, best: Any, set_: Rounded, by_deg: fl
 
 
 @pytest.mark.parametrize(
-    "asked", [{"min_snr_db": 20.0}, {"min_snr_db": 15.0, "snr_at": "worst"}], ids=["mean", "frame"]
+    "asked", [{"min_snr_db": 20.0}, {"min_snr_db": 15.0, "snr_at": "worst"}, {"min_snr_db": 20.0, "tilt_deg": -20.0}],
+    ids=["mean", "frame", "inward"],
 )
 def test_settings_to_set_hold_with_lamps_that_lean(asked: dict[str, Any]) -> None:
     """Without the reserve the same lamps lose something when they lean; with it nothing either way."""
