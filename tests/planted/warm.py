@@ -56,7 +56,7 @@ DEFECTS = (
         file=SEARCHES,
         old="if sought.outcome.complete and reached > most:",
         new="if sought.outcome.complete and math.isinf(reached):",
-        test=f"{ORDER}[0]",
+        test=f"{ORDER}[2]",
     ),
     Defect(
         name="bounds serve missions that ask for less",
