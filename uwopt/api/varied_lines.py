@@ -20,6 +20,7 @@ from uwopt.solvers.warm.parts import PartIds
 PRACTICE = ("given_way", "fits_nothing", "asked_at", "relaxed_at", "to_hold")  # what `Work` knows of it
 POINTS_SHARE = 0.75  # of a line's time, for its points; the rest for where systems take over
 
+
 class LineShare(NamedTuple):
     """How far a line of a table is."""
 

@@ -26,6 +26,7 @@ SPIDER_FACTORS = (0.8, 0.9, 1.0, 1.1, 1.2)
 MOST_ASKED = 2  # points of which it is asked what gives way, where the mission as it stands has no system
 SWITCHES_S = 30.0  # of the processor, for where systems take over, where no time is given
 
+
 @dataclass
 class Work:
     """What all parts of one table share."""

@@ -38,13 +38,17 @@ EVERY_END = "at every end of what is uncertain"
 def held_text(known: Confidence) -> str:
     """`holds in 97 % of 1 024 scenarios (96 % to 98 %); 90 % asked`."""
     if known.asked == "ends":
-        share = EVERY_END if known.held >= 1.0 else f"in {percent(known.held)} of the ends of what is uncertain"
-        return f"holds {share}"
+        return f"holds {share_of_ends(known)}"
     between = f"{percent(known.held_low)} to {percent(known.held_high)}"
     return (
         f"holds in {percent(known.held)} of {formats.count_text(known.scenarios)} scenarios of what is uncertain "
         f"({between}); {percent(float(known.asked))} asked{unrefuted(known)}"
     )
+
+
+def share_of_ends(known: Confidence) -> str:
+    """At which ends it holds."""
+    return EVERY_END if known.held >= 1.0 else f"in {percent(known.held)} of the ends of what is uncertain"
 
 
 def unrefuted(known: Confidence) -> str:
@@ -58,8 +62,7 @@ def status_text(known: Confidence, status: str) -> str:
     status : of the result
     """
     if known.asked == "ends":
-        place = EVERY_END if known.held >= 1.0 else f"in {percent(known.held)} of the ends of what is uncertain"
-        said = f"does what is asked {place}"
+        said = f"does what is asked {share_of_ends(known)}"
     else:
         said = (
             f"does what is asked in {percent(known.held)} of {formats.count_text(known.scenarios)} scenarios "
