@@ -28,6 +28,8 @@ sys.path.insert(0, str(ROOT))
 import uwopt  # noqa: E402
 from uwopt.api.certainty import confidence_of  # noqa: E402
 from uwopt.api.common import prepared  # noqa: E402
+from uwopt.catalog.choose import ToBeMade  # noqa: E402
+from uwopt.catalog.parts.part import KINDS  # noqa: E402
 from uwopt.deadline import Deadline  # noqa: E402
 from uwopt.forward.assembly import build_problem, load_catalog, selected  # noqa: E402
 from uwopt.forward.designs import SceneSettings  # noqa: E402
@@ -116,8 +118,9 @@ def attacked(row: Row, mission: Mission, result: Result, asked: float, tries: in
     """Count hardware that is drawn at random, and again what holds and seems better."""
     assert result.recommendation is not None
     goal, first = goal_of(mission), mission.catalog.generic_at_first
-    made = tuple(kind for kind, part in result.recommendation.hardware.named.items() if part.generic)
-    generic = made if made and first != "allow" else first  # no more kinds to be made than the proof takes in
+    parts = result.recommendation.hardware.named
+    made = tuple(kind for kind in KINDS if kind in parts and parts[kind].generic)
+    generic: ToBeMade = made if made and first != "allow" else first  # no more kinds to be made than the proof takes in
     problem = build_problem(mission, selected(mission, load_catalog(mission), generic=generic))
     imagers, rng = enumerate_imagers(problem), np.random.default_rng(SEED)
     own = chosen(problem, imagers, result)

@@ -17,7 +17,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import mpmath as mp  # type: ignore[import-untyped]
+import mpmath as mp
 import yaml
 
 ROOT = Path(__file__).resolve().parents[1]

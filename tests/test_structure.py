@@ -68,6 +68,11 @@ def test_eight_modules_at_most_stand_at_the_root():
     assert len([path for path in MODULES if path.parent == PACKAGE]) <= 8
 
 
+def test_the_page_of_the_model_names_all_of_its_stages():
+    told = ast.get_docstring(tree_of(PACKAGE / "model" / "__init__.py")) or ""
+    assert {path.stem for path in MODEL if path.stem != "__init__"} - set(re.findall(r"\w+", told)) == set()
+
+
 #: What a room that must stay pure may import beside itself.
 PURE_ROOMS = {
     "model": {"errors", "arrays"},

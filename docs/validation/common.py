@@ -43,6 +43,11 @@ def filled(text: str) -> str:
     )  # fmt: skip
 
 
+def farthest(values: Iterable[float]) -> float:
+    """The value that lies farthest from 0."""
+    return max(values, key=abs)
+
+
 def percent(share: float, digits: int = 1) -> str:
     """A signed share in per cent."""
     shown = f"{100 * share:+.{digits}f}"

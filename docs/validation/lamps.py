@@ -167,8 +167,8 @@ intensity falls at least with the cosine (else the division by cos θ_a blows up
 
 {common.table(head, rows)}
 
-Largest difference of the mean {common.percent(max(means, key=abs), 3)}; of the least illuminance {common.percent(max(leasts, key=abs), 2)}.
-On a grid of 60 cells a side alone the least of the sum would differ by up to {common.percent(max(coarse, key=abs), 2)}:
+Largest difference of the mean {common.percent(common.farthest(means), 3)}; of the least illuminance {common.percent(common.farthest(leasts), 2)}.
+On a grid of 60 cells a side alone the least of the sum would differ by up to {common.percent(common.farthest(coarse), 2)}:
 a beam that ends at a window's critical angle leaves narrow dark wedges between lamps, which uwopt follows down from the
 lowest points of its grid.
 

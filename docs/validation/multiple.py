@@ -74,7 +74,7 @@ def mark_rows() -> list[list[str]]:
             corner = judged(name, CORNERS, tally, thin=True)
             thick = judged(name, ("mean",), tally, thin=False)
             rows.append(
-                [name, tally, within(off, 0.05), within(off, 0.10), common.percent(max(off, key=abs)), within(corner, 0.15), within(thick, 0.20)]
+                [name, tally, within(off, 0.05), within(off, 0.10), common.percent(common.farthest(off)), within(corner, 0.15), within(thick, 0.20)]
             )
     return rows
 
@@ -171,8 +171,8 @@ def ways_text() -> str:
     for name, one in found.items():
         cells = [name, ", ".join(f"{x:.3g}" for x in one.constants)]
         for use in ("fit", "held out"):
-            cells += [common.percent(max(one.means[use], key=abs)), f"{100 * float(np.sqrt(np.mean(one.corners[use] ** 2))):.1f} %"]
-            cells.append(f"{within(list(one.corners[use]), FAR_OFF)}, {common.percent(max(one.corners[use], key=abs), 0)}")
+            cells += [common.percent(common.farthest(one.means[use])), f"{100 * float(np.sqrt(np.mean(one.corners[use] ** 2))):.1f} %"]
+            cells.append(f"{within(list(one.corners[use]), FAR_OFF)}, {common.percent(common.farthest(one.corners[use]), 0)}")
         rows.append(cells)
     (row,) = [row for row in forms.rows_of("held out") if row.case.number == ASLANT and row.place == CORNERS[0]]
     case = row.case
@@ -205,9 +205,9 @@ def aslant_text() -> str:
     one, other = (common.percent(off([row], form)[0]) for form in ways)
     halves = ("fit", "held out")
     thin = {use: [off(forms.means(use), form) for form in ways] for use in halves}
-    thick = {use: [common.percent(max(off(forms.means(use, thin=False), form), key=abs)) for form in ways] for use in halves}
+    thick = {use: [common.percent(common.farthest(off(forms.means(use, thin=False), form))) for form in ways] for use in halves}
     told = "; ".join(
-        f"{use}, {within(ours, 0.05)} within 5 % and the largest {common.percent(max(ours, key=abs))} ({within(plain, 0.05)}, {common.percent(max(plain, key=abs))})"
+        f"{use}, {within(ours, 0.05)} within 5 % and the largest {common.percent(common.farthest(ours))} ({within(plain, 0.05)}, {common.percent(common.farthest(plain))})"
         for use, (ours, plain) in thin.items()
     )
     far = " and ".join(f"{ours} ({use}; {plain})" for use, (ours, plain) in thick.items())
@@ -247,7 +247,7 @@ def daylight_rows() -> list[list[str]]:
             corner = [e for row, e in off.items() if row.place == "corner" and row.case.thickness <= THIN]
             thick = [e for row, e in off.items() if row.place == "mean" and row.case.thickness > THIN]
             rows.append(
-                [name, what, common.percent(float(np.median(thin)), 0), within(thin, 0.05), within(thin, 0.10), common.percent(max(thin, key=abs), 0), within(corner, 0.15), within(thick, 0.20)]
+                [name, what, common.percent(float(np.median(thin)), 0), within(thin, 0.05), within(thin, 0.10), common.percent(common.farthest(thin), 0), within(corner, 0.15), within(thick, 0.20)]
             )
     return rows
 

@@ -122,7 +122,7 @@ and move it into the disc's dim middle, {widened / 1e3:.0f} klm of it do.
 
 {common.table(head, rows)}
 
-Largest difference {common.percent(max(off.values(), key=abs), 2)}. 100 klx at the surface are {floor_lux:.0f} lx on that floor; equal in lux
+Largest difference {common.percent(common.farthest(off.values()), 2)}. 100 klx at the surface are {floor_lux:.0f} lx on that floor; equal in lux
 instead of electrons they would be {in_lux / 1e3:.0f} klm of the disc beam. The physics page says "about {STATED_KLM:.0f} klm" without beam or
 surface illuminance; {STATED_KLM:.0f} {verdict} {min(span):.0f} to {max(span):.0f} klm, what noon and beam can mean here.
 

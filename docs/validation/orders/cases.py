@@ -66,13 +66,13 @@ class Case(OverFloor):
     number: int
     use: str  # `fit` or `held out`
     phase: str
-    c_per_m: float
+    c_per_m: float  # pyrefly: ignore[bad-override]
     albedo: float
-    altitude_m: float
+    altitude_m: float  # pyrefly: ignore[bad-override]
     baseline_m: float
     tilt_deg: float
     lobe_half_deg: float  # at half power
-    field_deg: float  # full angle across a side of the image
+    field_deg: float  # full angle across a side of the image  # pyrefly: ignore[bad-override]
     reflectance: float
 
     @property
@@ -146,9 +146,9 @@ def walked(case: Case, place: str, walks: int, *again: int) -> Light:
 
     seed = (SEED, case.number, list(PLACES).index(place), *again)
     seen = camera.seen(*setting(case), walks, seed, place=PLACES[place])
-    by = [dict(zip(TALLIES, map(float, part[:3]), strict=True)) for part in seen]
+    value, error, largest = (dict(zip(TALLIES, map(float, part[:3]), strict=True)) for part in seen)
     shares = [float(near / seen.mean[1]) for near in seen.mean[3:]]
-    return Light(case, place, walks, *by, dict(zip(WITHIN, shares, strict=True)))
+    return Light(case, place, walks, value, error, largest, dict(zip(WITHIN, shares, strict=True)))
 
 
 def columns() -> list[str]:
@@ -176,14 +176,23 @@ def write(rows: Iterator[Light], path: Path = TABLE) -> None:
             file.flush()
 
 
+def values_of(record: type[Any], row: dict[str, str]) -> dict[str, Any]:
+    """What a line of a table holds of a record: its numbers and words, by field."""
+    kinds = {"int": int, "str": str, "float": float}
+    of_field = {field.name: kinds.get(str(field.type)) for field in fields(record)}
+    return {name: kind(row[name]) for name, kind in of_field.items() if kind is not None}
+
+
 def read(path: Path = TABLE) -> list[Light]:
     """The table as it was written."""
     with path.open(encoding="utf-8") as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
-    kinds = {"int": int, "str": str, "float": float}
     found = []
     for row in rows:
-        case = Case(**{field.name: kinds[str(field.type)](row[field.name]) for field in fields(Case)})
-        by = [{name: float(row[name + kind]) for name in TALLIES} for kind in ("", "_error", "_largest")]
-        found.append(Light(case, row["place"], int(row["walks"]), *by, {name: float(row[name]) for name in WITHIN}))
+        value, error, largest = (
+            {name: float(row[name + kind]) for name in TALLIES} for kind in ("", "_error", "_largest")
+        )
+        within = {name: float(row[name]) for name in WITHIN}
+        case, walks = Case(**values_of(Case, row)), int(row["walks"])
+        found.append(Light(case, row["place"], walks, value, error, largest, within))
     return found

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from .camera import BATCHES, LEAST, STEP_U, STEP_V
-from .cases import PHASES, OverFloor
+from .cases import PHASES, OverFloor, values_of
 from .lamps import MOST_STEPS
 from .walk import Water, compiled, drawn_angle, phase_of, survivor, turned, water_of
 
@@ -45,11 +45,11 @@ class Case(OverFloor):
     number: int
     use: str  # `fit` or `held out`
     phase: str
-    c_per_m: float
+    c_per_m: float  # pyrefly: ignore[bad-override]
     albedo: float
-    altitude_m: float
+    altitude_m: float  # pyrefly: ignore[bad-override]
     depth_m: float  # of the camera
-    field_deg: float
+    field_deg: float  # pyrefly: ignore[bad-override]
     reflectance: float
 
 
@@ -200,14 +200,6 @@ def write(path: Path = TABLE) -> None:
 
 def read(path: Path = TABLE) -> list[Light]:
     """The table as it was written."""
-    kinds = {"int": int, "str": str, "float": float}
     with path.open(encoding="utf-8") as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
-    found = []
-    for row in rows:
-        case, light = (
-            {field.name: kinds[str(field.type)](row[field.name]) for field in fields(of) if str(field.type) in kinds}
-            for of in (Case, Light)
-        )
-        found.append(Light(case=Case(**case), **light))
-    return found
+    return [Light(case=Case(**values_of(Case, row)), **values_of(Light, row)) for row in rows]

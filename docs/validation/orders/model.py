@@ -84,7 +84,8 @@ def single(case: Case) -> Legs:
 
 def lost(case: Case) -> Legs:
     """Single scattering to the letter: what is scattered is lost on every leg."""
-    return Legs(*[case.c_per_m] * 5)
+    c = case.c_per_m
+    return Legs(c, c, c, c, c)
 
 
 def uwopt_light(case: Case, place: str, legs: Legs) -> dict[str, float]:
@@ -93,7 +94,7 @@ def uwopt_light(case: Case, place: str, legs: Legs) -> dict[str, float]:
     lamps = Lamps((0.0,), (case.baseline_m,), (0.0,), ((0.0, float(np.sin(tilt)), float(np.cos(tilt))),), (1.0,))
     beam, back_beam = legs.lobes or [beams.cosine_power_beam(np.deg2rad(2 * case.lobe_half_deg))] * 2
     common: dict[str, Any] = dict(shape=PINHOLE, range_m=case.altitude_m, lamps=lamps, beam=beam)
-    sent_back = common | dict(beam=back_beam)
+    sent_back: dict[str, Any] = common | dict(beam=back_beam)
 
     def table(lamp: float, camera: float, least_m: tuple[float, float], less: float | None = None) -> PathTable:
         longest = 20.0 * case.altitude_m
