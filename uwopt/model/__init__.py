@@ -4,7 +4,7 @@ spectrum    the grid, integrals, black bodies
 light       lumens to watts per nanometre, electrical power, pulses; flash: how a flash's light falls off
 beam        where a lamp's light goes; widened: by what is scattered on the way, as its halo
 water       what the way to the floor and back takes (path_table: contracted over both legs)
-scattering  phase functions as tables: how much light is turned where; phase_formulas: known ones; sent_back: of turned light
+scattering  phase functions as tables: how much light is turned where; sent_back: where it has turned; phase_formulas
 multiple    light scattered more than once, as attenuations less than c; detail: what shows in it all the same
 veil        light of the lamps that water scatters back (geometry, ray, mean), or forward by much (wide, by spots)
 sunlight    daylight at depth, on the floor and along the path
