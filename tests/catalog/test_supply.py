@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -40,10 +41,10 @@ SYSTEM = {
 }  # fmt: skip
 
 
-def catalog(folder: Path) -> Any:
+def catalog(folder: Path, lamps: str = LAMPS) -> Any:
     """The built-in catalogue with these lamps."""
     file = folder / "lights.csv"
-    file.write_text(HEADER + LAMPS, encoding="utf-8")
+    file.write_text(HEADER + lamps, encoding="utf-8")
     return load_catalog([file])
 
 
@@ -86,6 +87,18 @@ def test_a_battery_must_last_as_long_as_the_mission(tmp_path):
     assert own(select(known, lamp_supply="battery", duration_h=5 / 6)) == ["torch", "tank-lamp"]
     assert own(select(known, lamp_supply="battery", duration_h=0.84)) == ["tank-lamp"]
     assert reasons(select(known, lamp_supply="battery", duration_h=0.84))["torch"] == "run time"
+
+
+def test_a_torch_of_which_nobody_says_how_long_it_lasts_lasts_as_those_that_tell_it(tmp_path):
+    known = catalog(tmp_path, "my-torch,continuous,1000,10,90,water,battery,,none,,300,\n")
+    told = [light.run_time_min for light in known.lights if light.flux_lm and light.flux_lm.value >= 5000.0]
+    shown = [minutes for minutes in told if minutes]
+    assert len(shown) == 2  # the two video lights that tell it: else the class is to be worked out anew
+    hours = math.sqrt(math.prod(shown)) / 60.0
+    assert own(select(known, duration_h=hours)) == ["torch"]
+    assert reasons(select(known, duration_h=hours + 0.02))["torch"] == "run time"
+    assert reasons(select(known, duration_h=2.0))["torch"] == "run time"
+    assert own(select(known, Choice(lights=["my_torch"]), duration_h=2.0)) == ["torch"]
 
 
 def test_a_torch_is_not_switched_between_images_unless_it_says_so(tmp_path):

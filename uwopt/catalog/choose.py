@@ -12,6 +12,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any, Literal, TypeAlias, TypeVar
 
 from uwopt.catalog.catalogue import Catalog, Exclusion, near_names, unknown_part
+from uwopt.catalog.estimates import required_class
 from uwopt.catalog.interfaces import does_reach
 from uwopt.catalog.records import (
     KINDS,
@@ -284,18 +285,25 @@ class _Filters:
             return None
         if self.lamp_supply not in ("any", part.supply) and not wanted:
             return "lamp supply", f"{SUPPLIES[part.supply]}, {self.lamp_supply} is wanted"
-        if runs_out := self._runs_out(part, " at full"):
+        if runs_out := self._runs_out(part, " at full", named=wanted):
             return runs_out
         if part.kind != "continuous" and part.trigger == "none":
             return "trigger", "nothing fires it with the camera"
         return None
 
-    def _runs_out(self, part: Light | Complete, how: str) -> tuple[str, str] | None:
-        """Whether a battery of its own lasts as long as the mission."""
+    def _runs_out(self, part: Light | Complete, how: str, *, named: bool = False) -> tuple[str, str] | None:
+        """Whether a battery of its own lasts as long as the mission.
+
+        One of a lamp of which nobody says how long lasts as those that tell it do; who names the lamp knows better.
+        """
+        lasts_min, told = part.run_time_min, "lasts"
+        burns = isinstance(part, Light) and (part.kind, part.supply) == ("continuous", "battery")
+        if lasts_min is None and burns and not named:
+            lasts_min, told = required_class("light-run-time-min", "own-battery").central, "is taken to last"
         needed_min = None if self.duration_h is None else 60.0 * self.duration_h
-        if needed_min is None or part.run_time_min is None or part.run_time_min >= needed_min:
+        if needed_min is None or lasts_min is None or lasts_min >= needed_min:
             return None
-        return "run time", f"its battery lasts {part.run_time_min:g} min{how}, {needed_min:g} min are needed"
+        return "run time", f"its battery {told} {lasts_min:g} min{how}, {needed_min:g} min are needed"
 
     def _rated_too_short(self, part: Part) -> tuple[str, str] | None:
         """Whether its depth rating is for shorter dives than the mission."""

@@ -222,8 +222,9 @@ def _supply_findings(light: Light) -> list[Finding]:
     """What feeds a lamp, and what fires a pulse or a flash."""
     found = []
     if light.supply == "battery":
-        lasts = "" if light.run_time_min is None else f" that lasts {light.run_time_min:g} min at full"
-        text = f"{light.id} has its own battery{lasts}; it is set and switched by hand"
+        known = light.run_time_min is not None
+        lasts = f"which lasts {light.run_time_min:g} min at full" if known else "of which nobody says how long it lasts"
+        text = f"{light.id} has its own battery, {lasts}; it is set and switched by hand"
         found.append(Finding("lamp supply", text, "warning"))
     if light.kind != "continuous" and light.trigger == "none":
         found.append(Finding("trigger", f"nothing fires {light.id} with the camera"))
