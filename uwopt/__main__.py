@@ -1,6 +1,6 @@
 """`python -m uwopt` is the command `uwopt`."""
 
-from uwopt.cli.app import main
+from uwopt.cli.start import start
 
 if __name__ == "__main__":
-    main()
+    start()

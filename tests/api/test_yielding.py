@@ -15,13 +15,14 @@ import yaml
 from thorough import drawn
 
 import uwopt
-from uwopt.api import certain_points, explaining, trading, varied_work, yielding
+from uwopt.api import certain_points, certainty, explaining, trading, varied_work, yielding
 from uwopt.api.certain_points import CertainPoints, gives_way_with_certainty
-from uwopt.api.choosing import surer
+from uwopt.api.choosing import chosen_of, surer
 from uwopt.api.practice_known import PracticeKnown
 from uwopt.api.risks.told import risks_of
 from uwopt.api.searching import Searches
 from uwopt.api.varied_work import Work
+from uwopt.api.watch import Watch
 from uwopt.api.whatif import full_practice_notes
 from uwopt.api.yielding import YieldTrials, gives_way_alone, patience_of, with_room, yield_notes
 from uwopt.deadline import NEVER, Deadline
@@ -36,6 +37,7 @@ from uwopt.mission.yielding import (
     yields_named,
     yields_of,
 )
+from uwopt.objectives.goal import goal_of
 from uwopt.quantities import AT_LIKELIEST
 from uwopt.report.compare.rows import sentences
 from uwopt.report.page.page import opening, status_words
@@ -807,18 +809,40 @@ class Watched:
 def test_whoever_wants_no_more_is_not_kept_waiting(short_db: float, every_price: bool) -> None:
     """Whichever search an interruption falls into, it is told, and next to nothing is searched after it."""
     wanted = survey(brightest_db() + short_db) | {"confidence": 0.9, "doubt": {"scenarios": 32}}
+    never_keeps_waiting(wanted, every_price=every_price)
+
+
+@pytest.mark.usefixtures("unexplained")
+def test_whoever_wants_no_more_is_not_kept_waiting_for_parts_to_be_made() -> None:
+    """Where nothing that is sold fits, and whether anything does without the cap of gain is asked first."""
+    only_made = {"catalog": HARDWARE | {"generic": "fallback"}, "confidence": 0.9, "doubt": {"scenarios": 32}}
+    never_keeps_waiting(survey(brightest_db() + 10.0, max_gain_db=12.0) | only_made)
+
+
+def never_keeps_waiting(wanted: dict[str, Any], **how: Any) -> None:
+    """That hardly any search begins after one that an interruption falls into."""
     with pytest.MonkeyPatch.context() as patched:
         watched = Watched(patched, at=0)
-        uwopt.solve(wanted, top=1, quick=True, every_price=every_price)
+        uwopt.solve(wanted, top=1, quick=True, **how)
     assert watched.begun > 1
     for at in sorted({*range(1, 5), *range(5, watched.begun + 1, 1 + watched.begun // drawn(3, 8)), watched.begun}):
         with pytest.MonkeyPatch.context() as patched:
             stopped = Watched(patched, at)
             try:
-                result = uwopt.solve(wanted, top=1, quick=True, every_price=every_price)
+                result = uwopt.solve(wanted, top=1, quick=True, **how)
             except KeyboardInterrupt:
                 continue
         assert stopped.begun < at or "interrupted" in [note.code for note in result.warnings], at
+
+
+def test_who_ends_a_search_does_not_wait_for_hardware_to_be_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What it found can be set all the same."""
+    wanted = load_mission(survey(10.0) | {"confidence": 0.9})
+    found = Searches(load_catalog(wanted), goal_of(wanted), 1, Watch(NEVER)).of(wanted)
+    outcome = replace(found.sought.outcome, interrupted=True)
+    monkeypatch.setattr(certainty, "with_confidence", lambda *given: pytest.fail("counted"))
+    made = chosen_of(replace(found, sought=replace(found.sought, outcome=outcome)), Watch(NEVER))
+    assert made.is_cut_short and not made.cut and made.counted is None and made.design.is_settable
 
 
 def test_hardware_that_fitted_is_asked_before_all_other(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -24,6 +24,7 @@ from uwopt.api import choosing, doubting
 from uwopt.api import solving as api
 from uwopt.api.evaluating import evaluate
 from uwopt.catalog.edition import AS_OF, EDITION
+from uwopt.cli import NO_RESULT
 from uwopt.cli.app import app
 from uwopt.cli.explore import ended_by_signals
 from uwopt.cli.options import PRINT_S
@@ -698,6 +699,18 @@ def test_ctrl_c_ends_with_status_130(number: signal.Signals) -> None:
         child.kill()
     assert (child.returncode, stdout) == (130, "")
     assert "interrupted" in stderr and "Traceback" not in stderr
+
+
+@pytest.mark.parametrize("at", ["typer", "uwopt.cli.output"])
+def test_ctrl_c_while_the_program_is_loaded_shows_no_traceback(at: str) -> None:
+    ended = (
+        "import sys\nclass Ended:\n    def find_spec(self, name, *more):\n"
+        f"        if name == {at!r}:\n            raise KeyboardInterrupt\n"
+        "sys.meta_path.insert(0, Ended())\nsys.argv = ['uwopt', 'init']\n"
+        "import runpy; runpy.run_module('uwopt', run_name='__main__')\n"
+    )
+    done = subprocess.run([sys.executable, "-c", ended], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", f"{NO_RESULT}\n")
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals differ")

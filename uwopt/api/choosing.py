@@ -33,15 +33,15 @@ def chosen_of(searched: Searched, watch: Watch, before: Counts | None = None) ->
     """
     mission, sought, given_way = searched.mission, searched.sought, searched.given_way
     deadline, cut, few = watch.deadline, False, sought
-    central, winner = mission.confidence == CENTRAL, None
+    winner, is_counted = None, mission.confidence != CENTRAL and not sought.outcome.interrupted  # else nobody waits
     with watch.timed("evaluation"):
         try:
             sought = few = with_fewest_lamps(sought, deadline)
-            if central or math.isfinite(deadline.end_s):  # else what is recommended is still to be counted
+            if not is_counted or math.isfinite(deadline.end_s):  # else what is recommended is still to be chosen
                 sought, winner = best_settable(sought, deadline)
         except KeyboardInterrupt:  # what is proven is not lost; asked again, it is
             cut, winner = True, design_of(sought, sought.outcome.best[0])
-    if not cut and not central:
+    if is_counted and not cut:
         from uwopt.api.certainty import with_confidence
 
         try:

@@ -107,9 +107,11 @@ class Searches:
             with self.watch.timed("search_generic"):
                 if capless is not mission and not fits:
                     any_of_all = self.seek(capless, goal=ANY, generic="allow", like=sought.problem, enough=True)
+                    if any_of_all.outcome.interrupted:
+                        return Searched(mission, sought, any_of_all, cut=True)
                     if any_of_all.outcome.complete and not any_of_all.outcome.best:
                         sought = self.seek(capless, generic=first, **known_from(sought))
-                        return Searched(mission, sought, any_of_all)
+                        return Searched(mission, sought, any_of_all, cut=sought.outcome.interrupted)
                 alternative = self.seek(mission, generic="allow", like=sought.problem)
                 if alternative.outcome.best:
                     sought, alternative = of_fewest_kinds(alternative, self), None

@@ -17,6 +17,7 @@ import typer
 import typer.core
 
 from uwopt.catalog.edition import AS_OF, EDITION
+from uwopt.cli import INTERRUPTED, NO_RESULT
 from uwopt.cli.bench import bench_command
 from uwopt.cli.calibrate import calibrate_command
 from uwopt.cli.card import card_command
@@ -62,6 +63,8 @@ class PlainGroup(typer.core.TyperGroup):
         """Run the command that is named; its own arguments are read here."""
         try:
             return super().invoke(ctx)
+        except KeyboardInterrupt:  # before the work of a command, which tells it itself
+            raise typer.Exit(print_notice(NO_RESULT, INTERRUPTED)) from None
         except Exception as fault:
             if isinstance(said := getattr(fault, "message", None), str):
                 for theirs, ours in PLAIN_WORDS:

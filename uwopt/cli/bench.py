@@ -9,7 +9,8 @@ import typer
 
 from uwopt.cli.options import QuietOption, checked_seconds, folder_as, seconds_as
 from uwopt.cli.output import tell_written
-from uwopt.cli.status import DEFECT, DONE, INTERRUPTED, command
+from uwopt.cli import INTERRUPTED
+from uwopt.cli.status import DEFECT, DONE, command
 
 
 @command

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from uwopt.cli import INTERRUPTED, NO_RESULT
 from uwopt.errors import SolverError, UwoptError
 from uwopt.results.version import __version__
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from uwopt.results.front import FrontResult
     from uwopt.results.result import Result
 
-DONE, DEFECT, BAD_INPUT, NOT_FEASIBLE, LIMIT_REACHED, INTERRUPTED = 0, 1, 2, 3, 4, 130
+DONE, DEFECT, BAD_INPUT, NOT_FEASIBLE, LIMIT_REACHED = 0, 1, 2, 3, 4
 ENDS = {"infeasible": NOT_FEASIBLE, "stopped": LIMIT_REACHED, "interrupted": INTERRUPTED}  # by a result's own status
 EXIT_STATUS = """\b
 Exit status:
@@ -55,7 +56,7 @@ def status_of(work: Callable[[], int | None]) -> int:
     except BrokenPipeError:  # the reader, such as `head`, has seen enough
         return DONE
     except KeyboardInterrupt:
-        return print_notice("uwopt: interrupted before there was a result.", INTERRUPTED)
+        return print_notice(NO_RESULT, INTERRUPTED)
     except Exception as fault:  # the last door: a person must not meet a traceback
         return print_notice(defect_message(fault), DEFECT, fault)
 
