@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
+from uwopt.cli import INTERRUPTED
 from uwopt.cli.options import QuietOption, checked_seconds, folder_as, seconds_as
 from uwopt.cli.output import tell_written
-from uwopt.cli import INTERRUPTED
 from uwopt.cli.status import DEFECT, DONE, command
 
 
