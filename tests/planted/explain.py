@@ -738,6 +738,20 @@ DEFECTS = (
         test=f"{TESTS}::test_speed_and_height_move_as_far_as_they_must",
     ),
     Defect(
+        name="lamps that are moved stand where they stood",
+        file="uwopt/solvers/infeasible/least_change.py",
+        old="        problem = problem.standing_as_asked()",
+        new="        problem = problem.over(problem.parts)",
+        test=f"{TESTS}::test_lamps_move_as_far_as_they_must_and_no_less_will_do",
+    ),
+    Defect(
+        name="lamps that do in no place are known to need more in their own",
+        file=MOVES,
+        old="        elif found.outcome.complete:\n            names =",
+        new="        else:\n            names =",
+        test=f"{TESTS}::test_places_of_lamps_that_there_was_no_time_for_stay_open",
+    ),
+    Defect(
         name="speed and height that give together are told as asked",
         file="uwopt/solvers/infeasible/joint_changes.py",
         old="if key in self.moved and value != self.moved[key]",

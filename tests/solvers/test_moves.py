@@ -19,6 +19,7 @@ from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.results.basis import Moved
 from uwopt.results.result import Certificate
+from uwopt.solvers.exact.account import Account
 from uwopt.solvers.exact.certificate import certificate
 from uwopt.solvers.infeasible import why_nothing as infeasible
 from uwopt.solvers.infeasible.joint_changes import CommonShare
@@ -361,3 +362,70 @@ def test_no_day_is_brightened_at_night_or_at_noon_or_where_days_differ(parts, su
     wanted = by_day(parts, *suns_lux, lamps=1)
     assert "sun_lux" not in {one.key.name for one in tries_of(wanted)}
     assert "sun_lux" not in {one.key.name for one in tries_of(by_day(parts, 300.0).with_changes(physics="paper"))}
+
+
+# ---------------------------------------------------------------- lamps
+
+
+def lit(parts: Any, vehicle: dict[str, Any], **asked: Any) -> Mission:
+    """A survey with all physics, its lamps so."""
+    wanted = mission(parts, min_snr_db=10.0, **asked).with_changes(physics="full")
+    return wanted.with_changes(vehicle=wanted.to_dict()["vehicle"] | vehicle)
+
+
+def test_lamps_move_as_far_as_they_must_and_no_less_will_do(parts):
+    """One lamp lights one side: what makes it even is one more, or it nearer to the port or aimed under it."""
+    wanted = lit(parts, {}, min_uniformity=0.6)
+    catalog, told = load_catalog(wanted), moves(wanted)
+    assert told["light_count"].needed == 2.0
+    assert told["light_baseline_m"].needed < 0.8 and told["light_tilt_deg"].needed < 0.0
+    at = wanted.to_dict()["vehicle"]
+    for name in ("light_count", "light_baseline_m", "light_tilt_deg"):
+        move = told[name]
+        assert move.nearest
+        assert fits(wanted.with_changes(vehicle=at | {name: move.needed}), catalog), name
+        if name != "light_count":  # nothing is between one and two
+            half = move.asked + 0.5 * (move.needed - move.asked)
+            assert not fits(wanted.with_changes(vehicle=at | {name: half}), catalog), name
+
+
+def test_lamps_farther_from_the_port_light_less_of_the_water_before_it(parts):
+    wanted = lit(parts, {"light_count": 2, "light_baseline_m": 0.1}, min_contrast=0.5)
+    catalog = load_catalog(wanted)
+    like = seek(wanted, catalog, POWER, generic="never", top=1)
+    mover = Mover(Trials(wanted, catalog, POWER, "never", like=like))
+    mover.try_lamps()
+    in_rounds([move.drawn for move in mover.helpful if move.drawn is not None], NEVER)
+    (told,) = [change.told() for change in mover.helpful]
+    assert told.name == "light_baseline_m" and 0.1 < told.needed < 0.2 and told.nearest
+    assert "light_count" in mover.useless, "twice as many lamps light the water as they light the floor"
+
+
+def test_all_moves_of_lamps_are_known_in_vain_by_one_search(parts, monkeypatch):
+    wanted = lit(parts, {"light_count": [1, 2]}, min_contrast=0.95)
+    catalog = load_catalog(wanted)
+    like = seek(wanted, catalog, POWER, generic="never", top=1)
+    mover = Mover(Trials(wanted, catalog, POWER, "never", like=like))
+    monkeypatch.setattr(mover.trials.relaxer, "seek", None)
+    mover.try_lamps()
+    assert {"light_baseline_m", "light_tilt_deg"} <= mover.useless.keys() and not mover.helpful
+
+
+def test_places_of_lamps_that_there_was_no_time_for_stay_open(parts, monkeypatch):
+    cut = SimpleNamespace(best=[], complete=False, interrupted=False, account=Account())
+    wanted = lit(parts, {"light_count": [1, 2]})
+    mover = Mover(Trials(wanted, load_catalog(wanted), POWER, "never"))
+    monkeypatch.setattr(mover.trials.relaxer, "standing_anywhere", lambda *asked: SimpleNamespace(outcome=cut))
+    mover.try_lamps()
+    assert {"light_baseline_m", "light_tilt_deg"} <= {one.key.name for one in mover.left}
+
+
+@pytest.mark.parametrize(("vehicle", "names"), [
+    ({}, {"light_baseline_m", "light_tilt_deg", "light_count"}),
+    ({"light_baseline_m": [0.3, 0.8], "light_count": [1, 4]}, {"light_tilt_deg"}),
+    ({"light_tilt_deg": [-20.0, 20.0]}, {"light_baseline_m", "light_count"}),
+    ({"light_mounts": [{"y_m": 0.5}], "light_baseline_m": None, "light_tilt_deg": None}, set()),
+])  # fmt: skip
+def test_lamps_that_the_mission_leaves_free_are_not_told(parts, vehicle, names):
+    wanted = lit(parts, vehicle)
+    assert {one.key.name for one in tries_of(wanted)} & {"light_baseline_m", "light_tilt_deg", "light_count"} == names

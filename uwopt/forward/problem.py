@@ -544,6 +544,10 @@ class Problem:
         """The same tables with lamps that stand there alone."""
         return self.having(mounts=(mount,))
 
+    def standing_as_asked(self) -> Problem:
+        """The same tables with as many lamps as the mission allows, wherever it lets them stand."""
+        return self.having(mounts=tuple(mission_mounts(self.mission)), count_range=light_counts(self.mission))
+
     def with_count(self, count: int) -> Problem:
         """The same tables with so many lamps."""
         return self.having(count_range=(count, count))

@@ -40,6 +40,8 @@ def move_texts(move: Moved) -> tuple[str, str, str]:
     name = words.key_name(move.name)
     if isinstance(move.asked, str) or isinstance(move.needed, str):
         return name, formats.one_line(move.asked, 20), formats.one_line(move.needed, 20)
+    if not move.unit:  # of pieces
+        return name, f"{move.asked:g}", f"{move.needed:g}"
     asked, needed = formats.quantities_apart(move.asked, move.needed, unit=move.unit, digits=4)
     return name, asked, needed
 

@@ -32,6 +32,8 @@ KEYS: Mapping[str, str] = {
     "altitude_m": "altitude", "altitude_tolerance_m": "tolerance of the altitude", "speed_m_s": "speed",
     "frame_interval_s": "time between images", "duration_h": "duration", "battery_wh": "battery",
     "camera_between_images": "cameras between images", "lamps_between_images": "lamps between images",
+    "light_baseline_m": "distance from port to lamps", "light_tilt_deg": "lean of the lamps outward",
+    "light_count": "number of lamps",
     "sun_lux": "sunlight at the surface", "visibility_m": "visibility", "secchi_m": "Secchi depth",
     "c_per_m": "beam attenuation", "turbidity_ntu": "turbidity", "water": "type of water",
 }  # fmt: skip
@@ -41,7 +43,7 @@ AS_WRITTEN: Mapping[str, str] = {"min_snr": "min_snr_db"}  # keys that a mission
 #: What a note is about, where that has no other name here.
 SUBJECTS: Mapping[str, str] = {
     "hardware": "parts", "generic": "parts to be made", "catalog": "catalogue", "tilt_deg": "lean of the lamps",
-    "light_baseline_m": "distance between lamps", "camera_baseline_m": "distance between cameras",
+    "light_baseline_m": "distance from port to lamps", "camera_baseline_m": "distance between cameras",
     "beam_half_angle_deg": "beam of the lamp", "practice": "good practice", "dof_at": "where depth of field holds",
     "snr_at": "where signal to noise holds",
 }  # fmt: skip

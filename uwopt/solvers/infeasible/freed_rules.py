@@ -15,6 +15,7 @@ from uwopt.solvers.exact.node_bounds import NODE_RULES
 from uwopt.solvers.recommend import Sought
 
 OTHER_WATER = "other water"  # of which no rule of an imager knows
+OTHER_LAMPS = "other lamps"  # where they stand, how they lean and how many there are: the same
 NO_REASONS = frozenset({"better_housing", "bound", "mount", "image_circle", "complete"})  # whatever is asked
 ENERGY = "energy_wh"
 BUDGETS = ("cost", "mass_kg", "power_w", ENERGY)  # rules in the order of bounds, and the limits of which they are
@@ -23,6 +24,7 @@ HOURS, OF_HOURS = "duration_h", ("run time", "rated time")  # rules of parts tha
 SETTINGS = "settings"  # that none of a design's does: a reason, though no rule of a search
 MOST_REASONS = 2  # told
 SWITCHES = ("camera_between_images", "lamps_between_images")  # that may be off, which limits of power or energy know
+LAMPS_AT, LAMPS_LEAN, LAMPS = OF_LAMPS = ("light_baseline_m", "light_tilt_deg", "light_count")
 BATTERY = "battery_wh"  # that cost and mass know, too
 OF_LARGER = frozenset(BUDGETS[:2])  # what a larger one that the system brings along takes more of
 
@@ -31,7 +33,7 @@ LIT = (
     "min_snr", "max_white_balance", "max_skew_px", "max_airy_px", "max_gain_db", "mean_level", "min_contrast",
     "min_uniformity", "min_mtf_half_nyquist", "peak_power_w",
 )  # fmt: skip
-OF_LIGHT = frozenset({*LIT, OTHER_WATER})
+OF_LIGHT = frozenset({*LIT, OTHER_WATER, OTHER_LAMPS})
 #: Those that count of imagers alone: who fits without them and not with them breaks their rule.
 OF_IMAGERS = frozenset({"max_gsd_mm", "min_swath_m", "min_common_swath_m", "max_depth_error_mm", "data_rate_mb_s"})
 STORED = frozenset({"storage_gb", "card_gb"})
@@ -53,6 +55,7 @@ MOVES_PASS: dict[str, frozenset[str]] = {
     "frame_interval_s": OF_RATE,
     HOURS: STORED,
     OTHER_WATER: frozenset(),
+    OTHER_LAMPS: frozenset(),
 }
 FREES = MAY_PASS | MOVES_PASS
 

@@ -17,6 +17,7 @@ from typing import Protocol
 
 from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import UwoptError
+from uwopt.forward.lamps import light_counts, mission_mounts
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.infeasible.reached import miss
@@ -203,7 +204,9 @@ def fitting(found: Sought, mission: Callable[[], Mission]) -> Sought | None:
 
 
 def same_hardware(found: Sought, mission: Mission) -> Sought:
-    """The best settings of a design's hardware for a mission."""
-    scenes = found.problem.scenes_for(mission)
-    problem = problem_of(found.problem, found.outcome.best[0], mission=mission, scenes=scenes)
+    """The best settings of a design's hardware for a mission; its lamps stand where that puts them if it moves them."""
+    best, scenes = found.outcome.best[0], found.problem.scenes_for(mission)
+    problem, (least, most) = problem_of(found.problem, best, mission=mission, scenes=scenes), light_counts(mission)
+    if not (least <= best.count <= most and best.lighting.mount in mission_mounts(mission)):
+        problem = problem.standing_as_asked()
     return Sought.of(found.selection, problem, Objective.of("power"), whole=True)

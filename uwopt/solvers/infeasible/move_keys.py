@@ -1,4 +1,4 @@
-"""Which keys of a mission are moved where nothing fits, and how far: water, height, speed, times, what feeds it.
+"""Which keys of a mission are moved where nothing fits, and how far: lamps, water, height, speed, times, what feeds it.
 
 A key is tried only where it can matter: what takes or holds energy where energy is counted against a limit. A battery
 that the system brings along is tried larger where energy lacks, else smaller, where its price or mass counts.
@@ -10,11 +10,13 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from uwopt.forward.lamps import LAMP_FRONT_M
 from uwopt.mission.duration import Duration
 from uwopt.mission.mission import Mission
+from uwopt.mission.sections.vehicle import MAX_LIGHTS
 from uwopt.mission.varying import Value, Varied, rounded
 from uwopt.mission.weakened import in_all_scenes
-from uwopt.solvers.infeasible.freed_rules import BATTERY, HOURS, SWITCHES
+from uwopt.solvers.infeasible.freed_rules import BATTERY, HOURS, LAMPS, LAMPS_AT, LAMPS_LEAN, SWITCHES
 from uwopt.solvers.infeasible.least_change import rounded_away
 
 FARTHEST_SPEED = 0.1  # of the speed that is asked
@@ -23,6 +25,11 @@ STEADY = "altitude_tolerance_m"
 STEADIEST = 0.25  # of the tolerance that is asked
 FARTHEST_CLARITY = (40.0, 8.0)  # times as clear, but no clearer than a mission can say
 CLEAREST = {"c_per_m": 0.055, "visibility_m": 80.0, "secchi_m": 80.0, "turbidity_ntu": 0.02}
+LAMP_PLACES = (2.0, 4.0, 0.4)  # of the distance from port to lamps that is asked
+FROM_NONE_M = (0.3, 0.6)  # the same, where they are asked at the port itself
+FARTHEST_LAMP_M = 20.0  # as a mission can say
+LEANINGS_DEG = (10.0, 25.0, -10.0, -25.0)  # more than what is asked
+MOST_LEANING_DEG = 60.0  # more of it lights the water alone
 BRIGHT_DAY_LUX = 100_000.0  # at the surface, at noon under a clear sky
 FARTHEST_TIME = 10.0  # times as long between images
 FARTHEST_ENERGY = (10.0, 100.0)  # times as short a mission, or as much in its battery
@@ -46,7 +53,8 @@ def tries_of(mission: Mission, *, for_want_of_energy: bool = False, for_want_of_
     for_want_of_energy : whether it is energy that nothing has enough of: then what takes or holds it comes first
     for_want_of_budget : whether it is money or mass: then a battery that takes of them comes first
     """
-    others = [*_waters(mission), *_day(mission), *_vehicle(mission)]  # light takes least to try: the imagers stay
+    # what light takes is least to try, as the imagers stay; lamps are tried all at once before (`Mover.try_lamps`)
+    others = [*_waters(mission), *_day(mission), *_vehicle(mission), *_lamps(mission)]
     energy = [*_energy(mission, for_want_of_energy=for_want_of_energy)]
     if for_want_of_budget and not for_want_of_energy:
         first = [one for one in energy if one.key.name == BATTERY]
@@ -62,6 +70,25 @@ def shared_keys(mission: Mission, *, for_want_of_energy: bool) -> dict[str, floa
         energy = [one for one in _energy(mission, for_want_of_energy=True) if one.key.name in (BATTERY, HOURS)]
         common |= {one.key.name: float(one.asked) for one in energy}
     return {key: value for key, value in common.items() if value}
+
+
+def _lamps(mission: Mission) -> Iterator[Try]:
+    """How far from the port lamps stand, how they lean and how many they are, where the mission leaves no choice."""
+    vehicle = mission.vehicle
+    if vehicle.light_mounts or vehicle.light_count[1] == 0:
+        return
+    (near_m, far_m), (least_deg, most_deg) = vehicle.light_baseline_range_m, vehicle.light_tilt_range_deg
+    if mission.physics != "paper":  # which has them on the axis wherever they stand
+        if near_m == far_m:
+            tried = [rounded_away(times * near_m, near_m) for times in LAMP_PLACES] if near_m else FROM_NONE_M
+            kept = tuple(one for one in tried if LAMP_FRONT_M < one <= FARTHEST_LAMP_M)
+            yield _try("vehicle", LAMPS_AT, near_m, kept)
+        if least_deg == most_deg:
+            leanings = tuple(rounded(least_deg + more) for more in LEANINGS_DEG)
+            yield _try("vehicle", LAMPS_LEAN, least_deg, tuple(n for n in leanings if abs(n) <= MOST_LEANING_DEG))
+    fewest, most = vehicle.light_count
+    if fewest == most:
+        yield _try("vehicle", LAMPS, most, tuple(n for n in (2 * most, most // 2) if 1 <= n <= MAX_LIGHTS))
 
 
 def _vehicle(mission: Mission) -> Iterator[Try]:

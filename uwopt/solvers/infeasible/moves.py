@@ -1,4 +1,4 @@
-"""Keys of a mission that nothing meets which a person would move: how high, how fast, how often, in what water.
+"""Keys of a mission that nothing meets which a person would move: how high, how fast, lit from where, in what water.
 
 They are no requirements that could be dropped; each is tried far from where it stands, and where something fits there,
 drawn back as near as something still fits (`least_change`). Whatever is told has been solved.
@@ -6,17 +6,27 @@ drawn back as near as something still fits (`least_change`). Whatever is told ha
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 
 from uwopt.deadline import Deadline
 from uwopt.errors import UwoptError
+from uwopt.forward.lamps import Mount, mission_mounts
 from uwopt.mission.keys import WATER_KEYS
 from uwopt.mission.mission import Mission
 from uwopt.mission.varying import Value, Varied, VariedMission, rounded
 from uwopt.results.basis import Moved
-from uwopt.solvers.infeasible.freed_rules import ENERGY, OTHER_WATER, SWITCHES
+from uwopt.solvers.infeasible.freed_rules import (
+    ENERGY,
+    LAMPS,
+    LAMPS_AT,
+    LAMPS_LEAN,
+    OF_LAMPS,
+    OTHER_LAMPS,
+    OTHER_WATER,
+    SWITCHES,
+)
 from uwopt.solvers.infeasible.least_change import Change, Narrowing, same_hardware
 from uwopt.solvers.infeasible.move_keys import CLEAREST_FIRST, Try, tries_of
 from uwopt.solvers.infeasible.relaxer import ANY
@@ -24,6 +34,7 @@ from uwopt.solvers.infeasible.trials import Trials
 from uwopt.solvers.recommend import Sought
 from uwopt.units import split_unit
 
+LAMP_SHARE = 0.25  # of the time left, for lamps that stand or lean otherwise
 SHARE = 0.6  # of the time, for trying all keys far from where they stand
 FEW_SHARE, FEW_TURN = 0.7, 0.4  # of the time left, for all among a few imagers, and of that for each
 FEW_S = 2.5  # at least for each of these: they take that
@@ -33,17 +44,21 @@ TURN = 0.7  # of the time left: what one key may take of it
 
 @dataclass
 class NearestType:
-    """The type of water nearest to the mission's at which something fits: between halves of what is open."""
+    """The type of water, or number of lamps, nearest to what is asked at which something fits: by halves of the rest.
 
-    asked: str
-    search: Callable[[str, Deadline], Sought | None]
-    fits: int = 0  # the clearest does
+    order : from the farthest, which fits, to what is asked at least
+    """
+
+    asked: Value
+    search: Callable[[Value, Deadline], Sought | None]
+    order: Sequence[Value] = CLEAREST_FIRST
+    fits: int = 0  # the farthest does
     steps: int = 0
     not_known: int = field(init=False)  # the first at which nothing fits; what is asked does not
-    too_long: int | None = None  # clearer than that, where a search took longer than its turn
+    too_long: int | None = None  # farther than that, where a search took longer than its turn
 
     def __post_init__(self) -> None:
-        self.not_known = CLEAREST_FIRST.index(self.asked)
+        self.not_known = self.order.index(self.asked)
 
     @property
     def is_least(self) -> bool:
@@ -53,28 +68,28 @@ class NearestType:
     @property
     def is_done(self) -> bool:
         """Whether no step is left, or many gave no more."""
-        return self.is_least or self._to_ask <= self.fits or self.steps > len(CLEAREST_FIRST)
+        return self.is_least or self._to_ask <= self.fits or self.steps > len(self.order)
 
     @property
     def gap(self) -> float:
-        """The share of the types of which it is not known whether they do."""
-        return (self.not_known - self.fits) / len(CLEAREST_FIRST)
+        """The share of them of which it is not known whether they do."""
+        return (self.not_known - self.fits) / len(self.order)
 
     @property
     def size(self) -> float:
-        """Of the change: by so large a part of all types."""
-        return (CLEAREST_FIRST.index(self.asked) - self.fits) / len(CLEAREST_FIRST)
+        """Of the change: by so large a part of all."""
+        return (self.order.index(self.asked) - self.fits) / len(self.order)
 
     @property
-    def needed(self) -> str:
-        """The murkiest that is known to do."""
-        return CLEAREST_FIRST[self.fits]
+    def needed(self) -> Value:
+        """The nearest to what is asked that is known to do."""
+        return self.order[self.fits]
 
     def step(self, turn: Deadline) -> None:
-        """Ask of the type in the middle."""
+        """Ask of the one in the middle."""
         self.steps += 1
         middle = self._to_ask
-        found = self.search(CLEAREST_FIRST[middle], turn)
+        found = self.search(self.order[middle], turn)
         if found is not None and found.outcome.best:
             self.fits = middle
         elif found is None or found.outcome.complete:
@@ -84,7 +99,7 @@ class NearestType:
 
     @property
     def _to_ask(self) -> int:
-        """In the middle of what is open, or of what is clearer than a type that took too long."""
+        """In the middle of what is open, or of what is farther than one that took too long."""
         return (self.fits + (self.not_known if self.too_long is None else self.too_long)) // 2
 
 
@@ -109,6 +124,8 @@ class Move:
             unit = split_unit(self.name)[1]
             return Moved(self.name, drawn.asked, rounded(drawn.change.limit), unit, drawn.is_least)
         needed, is_least = (self.value, True) if drawn is None else (drawn.needed, drawn.is_least)
+        if not isinstance(needed, str):
+            return Moved(self.name, float(self.tried.asked), float(needed), "", is_least)
         return Moved(self.name, str(self.tried.asked), str(needed), "", is_least)
 
 
@@ -125,6 +142,30 @@ class Mover:
     def __post_init__(self) -> None:
         self.base = VariedMission(self.trials.mission, {})
         self.useless |= self.trials.relaxer.useless_alone([one.key.name for one in self.tries])
+
+    def try_lamps(self) -> None:
+        """Let lamps stand and lean otherwise, all at once: where nothing fits even so, no such move helps.
+
+        Where something does, its place tells which does. Then another number of them, where that is open.
+        """
+        phase, places = self.trials.deadline.part(LAMP_SHARE), dict[Mount, tuple[Try, Value]]()
+        lamps = {one.key.name: one for one in self.left if one.key.name in OF_LAMPS}
+        for one in [lamps[name] for name in (LAMPS_AT, LAMPS_LEAN) if name in lamps]:
+            for value in one.values:
+                places |= dict.fromkeys(mission_mounts(self._at(one.key, value)), (one, value))
+        found = self.trials.relaxer.standing_anywhere(places, phase) if places else None
+        if found is None:
+            return
+        self.trials.interrupted |= found.outcome.interrupted
+        if found.outcome.best:
+            one, value = places[found.outcome.best[0].lighting.mount]
+            self._take(one, value, self._search(one.key, value, partial(same_hardware, found)))
+        elif found.outcome.complete:
+            names = {one.key.name for one, _ in places.values()}
+            self.useless |= {name: self.trials.relaxer.why_not(found, name) for name in names}
+        if LAMPS in lamps and not self.trials.interrupted:
+            with self.trials.until_interrupted():
+                self._try_far(lamps[LAMPS], phase)
 
     def try_few(self) -> None:
         """Move each key far and look among a few imagers, as `Singles.try_few`: first those of few values to try."""
@@ -216,10 +257,12 @@ class Mover:
         """What draws a key back towards what is asked."""
         if key.name in SWITCHES:
             return None
-        if isinstance(far, str) or isinstance(asked, str):
-            return NearestType(
-                str(asked), lambda water, turn: self._search(key, water, partial(self._seek, key, turn=turn))
-            )
+        if isinstance(far, str) or key.name == LAMPS:
+
+            def at(one: Value, turn: Deadline) -> Sought | None:
+                return self._search(key, one, partial(self._seek, key, turn=turn))
+
+            return NearestType(asked, at, CLEAREST_FIRST if isinstance(far, str) else counts_from(far, asked))
         return Narrowing(
             float(asked), Change(float(far), found), lambda value: self._at(key, value), partial(self._seek, key)
         )
@@ -243,6 +286,15 @@ class Mover:
         return self.trials.seek(mission, ANY, {what_moves(key)}, turn, enough=True, few_first=few_first)
 
 
+def counts_from(far: Value, asked: Value) -> tuple[int, ...]:
+    """All numbers of lamps from one to another."""
+    first, last = int(far), int(asked)
+    step = 1 if first < last else -1
+    return tuple(range(first, last + step, step))
+
+
 def what_moves(key: Varied) -> str:
     """What a key frees, as the searches take it: of a scene the water alone is moved."""
+    if key.name in OF_LAMPS:
+        return OTHER_LAMPS
     return OTHER_WATER if key.section == "scene" else key.name

@@ -14,6 +14,7 @@ from uwopt.catalog.choose import Selection
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.assembly import build_problem, selected
 from uwopt.forward.bars import MAY_SHOW
+from uwopt.forward.lamps import Mount
 from uwopt.forward.problem import Problem
 from uwopt.mission.mission import Mission
 from uwopt.mission.weakened import DEEP
@@ -25,6 +26,7 @@ from uwopt.solvers.infeasible.freed_rules import (
     HOURS,
     OF_HOURS,
     OF_LIGHT,
+    OTHER_LAMPS,
     OTHER_WATER,
     in_the_way,
     untouched,
@@ -62,7 +64,7 @@ class Relaxer(RelaxedImagers):
     """One mission's searches without this or that requirement, or with a key moved.
 
     A mission differs from it in what is `freed`: requirements that are dropped or ask for less, keys that are moved and
-    ask for less, `OTHER_WATER`; any other name stands for parts or scenes that may be others.
+    ask for less, `OTHER_WATER`, `OTHER_LAMPS`; any other name stands for parts or scenes that may be others.
     """
 
     def seek(
@@ -110,6 +112,14 @@ class Relaxer(RelaxedImagers):
             imagers = self.imagers_in_time(problem, freed, deadline, one_housing=mission.limits.mass_kg is None)
         return Sought.of(self.selection, problem, CHEAPEST, deadline=deadline, ceiling=ceiling, imagers=imagers)
 
+    def standing_anywhere(self, mounts: Collection[Mount], deadline: Deadline) -> Sought | None:
+        """A search of what is asked with lamps at any of these places; None of a catalogue too large for a list."""
+        known = self.known_in_best_housing
+        if known is None:
+            return None
+        problem = self.asking(self.mission).having(mounts=tuple(mounts))
+        return Sought.of(self.selection, problem, ANY, imagers=known, enough=True, deadline=deadline)
+
     # ------------------------------------------------------------ where to look
 
     def _searchable(self, mission: Mission, freed: Collection[str], depth_m: float | None = None) -> Searchable:
@@ -121,6 +131,8 @@ class Relaxer(RelaxedImagers):
         else:
             selection, pairs = self.selection, self.pairs
             problem = build_problem(mission, selection) if OTHER_WATER in freed else self.asking(mission)
+            if OTHER_LAMPS in freed:
+                problem = problem.standing_as_asked()
         if self._is_known(freed):
             few, every = partial(self._few_known, problem, freed), partial(self.imagers_in_time, problem, freed)
             return Searchable(selection, problem, few, every)

@@ -128,6 +128,7 @@ def first_that_help(trials: Trials, singles: Singles, mover: Mover, *, is_quick:
     is_quick : whether bounds tell of all imagers as soon as of a few
     """
     soon = None
+    mover.try_lamps()
     if "light" in trials.short_of and "min_snr" in singles.useless:  # nearer, slower and less asked at once will help
         soon = together_soon(trials, singles, mover)
     if is_quick:
