@@ -38,9 +38,9 @@ housing is in its order.
 
 def kind_counts() -> dict[str, dict[str, int]]:
     """Parts by kind: listed under a name, of them searched, and classes to be made."""
-    from uwopt.catalog.load import load_catalog
+    from uwopt.catalog.load import read_catalog
 
-    catalog = load_catalog()
+    catalog = read_catalog()
     left_out = {item.part_id for item in catalog.exclusions}
     counts = {}
     for kind in KINDS:

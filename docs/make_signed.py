@@ -24,7 +24,7 @@ sys.path.insert(0, str(ROOT))
 
 import uwopt  # noqa: E402
 from uwopt.api.risks.of_housings import WARMEST_C  # noqa: E402
-from uwopt.catalog.load import load_catalog  # noqa: E402
+from uwopt.catalog.load import read_catalog  # noqa: E402
 from uwopt.catalog.records import KINDS  # noqa: E402
 from uwopt.mission.mission import load_mission  # noqa: E402
 from uwopt.mission.practice import LEAST_UNIFORMITY  # noqa: E402
@@ -319,7 +319,7 @@ def page(found: list[Judged]) -> str:
 
 def uses_text(text: str) -> str:
     """How many of the page's orders each part of the catalogue stands in, as CSV, the most used first."""
-    catalog = load_catalog()
+    catalog = read_catalog()
     names = {f"{part.manufacturer} {part.model}".strip(): part.id for kind in KINDS for part in catalog.parts(kind)}
     uses = Counter(
         part_id

@@ -19,7 +19,7 @@ from uwopt.api.common import prepared
 from uwopt.api.evaluating import evaluate
 from uwopt.api.watch import STAGES, Watch
 from uwopt.cli.app import app
-from uwopt.cli.options import limit_of, time_to_answer
+from uwopt.cli.options import command_deadline, time_to_answer
 from uwopt.cli.status import result_status
 from uwopt.deadline import COSTS_S, Deadline, OutOfTimeError, UntilFound, effort_s, spend
 from uwopt.errors import RangeError
@@ -144,7 +144,7 @@ def test_what_runs_out_of_time_midway_is_left_out_and_told() -> None:
 def test_the_time_of_a_command_is_also_what_it_takes_to_load_and_to_write(
     limited: Callable[[float], Clock], loading_s: float, writes: bool, left_s: float
 ) -> None:
-    clock, limit = limited(0.0), limit_of(10.0)
+    clock, limit = limited(0.0), command_deadline(10.0)
     clock.now_s = loading_s
     assert time_to_answer(limit, writes=writes) == pytest.approx(left_s)
     assert time_to_answer(Deadline(), writes=writes) is None

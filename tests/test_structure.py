@@ -97,6 +97,24 @@ def test_class_names_occur_once():
     assert sorted({name for name in classes if classes.count(name) > 1}) == []
 
 
+def test_names_of_functions_that_others_import_occur_once():
+    """Who reads a name at its use finds one function of that name; each module may have helpers of its own."""
+    names = {"uwopt." + name_of(path): tree_of(path) for path in MODULES}
+    own = {module: {n.name for n in tree.body if isinstance(n, ast.FunctionDef)} for module, tree in names.items()}
+    offered = set()
+    for tree in names.values():
+        taken = [(n.module, name) for n in ast.walk(tree) if isinstance(n, ast.ImportFrom) for name in n.names]
+        rooms = {name.asname or name.name: f"{module}.{name.name}" for module, name in taken}
+        offered |= {(module, name.name) for module, name in taken if name.name in own.get(module or "", ())}
+        offered |= {
+            (rooms[n.value.id], n.attr) for n in ast.walk(tree)
+            if isinstance(n, ast.Attribute) and isinstance(n.value, ast.Name)
+            and n.attr in own.get(rooms.get(n.value.id, ""), ())
+        }  # fmt: skip
+    found = [name for _, name in offered]
+    assert sorted({name for name in found if found.count(name) > 1}) == []
+
+
 #: A second module for one of them, and why.
 SECOND_MODULES = {
     "pymoo": (

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from uwopt import units
 from uwopt.documents.key_types import keys_of
-from uwopt.mission.mission import sections
+from uwopt.mission.mission import mission_sections
 
 
 @pytest.mark.parametrize(
@@ -52,7 +52,7 @@ def test_a_name_splits_into_stem_and_unit(name, parts):
 
 def test_keys_of_a_mission_split_into_the_unit_that_they_end_in():
     """`c_per_m` is no length: it was told in metres."""
-    for name in (name for model in sections().values() for name in keys_of(model)):
+    for name in (name for model in mission_sections().values() for name in keys_of(model)):
         ends = [suffix for suffix in units.UNIT_SUFFIXES if name.endswith(suffix) and suffix != "_frac"]
         assert units.split_unit(name)[1] == max(ends, key=len, default="_")[1:], name
 

@@ -203,6 +203,16 @@ ROUNDING_REL = 1e-6  # of the last digit told: no more is to round an amount up 
 CENTS = -2  # power of ten of the last digit that is ever told
 
 
+def count_text(number: float | int) -> str:
+    """A whole number with blanks at the thousands; beyond 10^15 rounded."""
+    return f"{int(number):,}".replace(",", " ") if abs(number) < 1e15 else f"{float(number):.3e}"
+
+
+def counted(number: int, noun: str) -> str:
+    """`1 light`, `2 lights`."""
+    return f"{count_text(number)} {noun}" + ("" if number == 1 else "s")
+
+
 def listed(names: Iterable[str], word: str = "and") -> str:
     """`a`, `a and b`, `a, b and c`; or with another word."""
     given = list(names)

@@ -257,7 +257,7 @@ def test_a_given_focus_counts(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_what_is_best_by_central_numbers_alone_is_counted_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where nothing that was counted fits by central numbers, what does is told with its share, as by `evaluate`."""
-    monkeypatch.setattr(certainty, "chosen", lambda *_: None)
+    monkeypatch.setattr(certainty, "best_counted", lambda *_: None)
     monkeypatch.setattr(certainty, "OF_A_SYSTEM", 512)
     tank = load_mission(TANK)
     wanted = tank.with_changes(catalog=tank.to_dict()["catalog"] | FEW, doubt={"scenarios": 32}, physics="full")

@@ -17,7 +17,7 @@ import pytest
 
 import uwopt
 from uwopt.api.front_asked import checked_objectives
-from uwopt.api.front_found import check_claim, history, reference
+from uwopt.api.front_found import check_point_claim, history, reference
 from uwopt.api.trading import ParetoCall, here_alone
 from uwopt.api.watch import STAGES, Watch
 from uwopt.errors import MissionError, SolverError
@@ -370,10 +370,10 @@ def test_own_objective_is_an_axis_of_the_result():
 
 def test_claim_that_the_model_does_not_bear_out_is_a_defect(exact):
     design = exact.points[0].design
-    check_claim({"power": 10.0}, {"power": 10.0 * (1 + 1e-7)}, design)
-    check_claim({"contrast": 0.5}, {"contrast": 0.5 * (1 + 2e-6)}, design)  # veils on other grids
+    check_point_claim({"power": 10.0}, {"power": 10.0 * (1 + 1e-7)}, design)
+    check_point_claim({"contrast": 0.5}, {"contrast": 0.5 * (1 + 2e-6)}, design)  # veils on other grids
     with pytest.raises(SolverError, match="claims power = 10"):
-        check_claim({"power": 10.0}, {"power": 10.0 * (1 + 1e-5)}, design)
+        check_point_claim({"power": 10.0}, {"power": 10.0 * (1 + 1e-5)}, design)
 
 
 def test_reference_and_history_by_hand():

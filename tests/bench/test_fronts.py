@@ -45,7 +45,7 @@ def test_table_tells_every_method(rows: Sequence[BenchRow]) -> None:
     (table,) = fronts.SUITE.tables(rows)
     assert [line[1] for line in table.rows] == ["exact", "nsga2", "ctaea"]
     late = [replace(row, error=0.5) if row.method == "nsga2" and row.error else row for row in rows]
-    assert "not in" in fronts.table_of(late).rows[1][3]
+    assert "not in" in fronts.fronts_table(late).rows[1][3]
 
 
 def test_mission_without_an_exact_front_is_told_so() -> None:

@@ -169,7 +169,7 @@ def test_every_combination_is_accounted_for(name: str, size: float) -> None:
     """The account adds up to the combinations loaded, with no gap left."""
     outcome = solved(name, size)
     assert outcome.account.total == STATES * math.prod(counts_for(size))
-    assert scaling.status_of(outcome) == ("infeasible" if name == "infeasible" else "optimal")
+    assert scaling.proof_status(outcome) == ("infeasible" if name == "infeasible" else "optimal")
 
 
 def test_the_loose_mission_is_bound_by_no_budget() -> None:
@@ -242,7 +242,7 @@ def test_rows_and_table(monkeypatch: pytest.MonkeyPatch) -> None:
     """A row carries the combinations loaded, and the table has a line a size."""
     point = Point(1440.0, 0.5, 0.6, 70.0, "optimal", 12, 3.0, "camera, lens, port, 2 x light")
     monkeypatch.setattr(scaling, "apart", lambda *given, **more: point)
-    rows = list(scaling.rows_of(Budget(quick=True, seconds=ENOUGH_S), (SMALL,), "full"))
+    rows = list(scaling.size_rows(Budget(quick=True, seconds=ENOUGH_S), (SMALL,), "full"))
     assert {row.case for row in rows} == set(MISSIONS) and all(isinstance(row, BenchRow) for row in rows)
     assert rows[0].size == 1440.0 and rows[0].memory_mib == 70.0 and "12 evaluated" in rows[0].note
     seconds, memory = scaling.tables(rows)

@@ -7,7 +7,7 @@ import pytest
 
 from uwopt.catalog.catalogue import Catalog, Exclusion
 from uwopt.catalog.choose import Choice, matches, select
-from uwopt.catalog.load import assembled, build_rows, load_catalog
+from uwopt.catalog.load import assembled, build_rows, read_catalog
 from uwopt.catalog.parts.camera import Camera
 from uwopt.catalog.parts.housing import Housing
 from uwopt.catalog.parts.lens import Lens
@@ -125,7 +125,7 @@ def test_a_rating_for_short_dives_serves_no_longer_ones():
 
 def test_makers_acrylic_that_is_rated_for_two_weeks_is_left_out_of_a_season():
     # "only for short-term submersions lasting less than two weeks": the maker's page of enclosures
-    season = select(load_catalog(), Choice(generic="allow"), duration_h=2000.0)
+    season = select(read_catalog(), Choice(generic="allow"), duration_h=2000.0)
     left = {e.part_id for e in season.excluded if e.rule == "rated time"}
     assert {"blue-robotics-3-in-acrylic-tube-150", "blue-robotics-3-in-acrylic-end-cap-2026"} < left
     assert all("acrylic" in name for name in left)

@@ -9,12 +9,12 @@ import pytest
 from uwopt.catalog.changes import CellChange, log_text
 from uwopt.catalog.choose import Choice, select
 from uwopt.catalog.listing import list_parts, show_part
-from uwopt.catalog.load import build_rows, load_catalog
+from uwopt.catalog.load import build_rows, read_catalog
 from uwopt.catalog.userparts import PartRow
 from uwopt.errors import CatalogError, MissionError
 from uwopt.mission.mission import load_mission
 
-SEARCHED = [one for one in load_catalog().completes if not load_catalog().exclusions_of(one.id)]
+SEARCHED = [one for one in read_catalog().completes if not read_catalog().exclusions_of(one.id)]
 CELLS = {
     "id": "own", "family": "subsea camera", "colour": "mono", "shutter": "global", "resolution_x_px": 2000.0,
     "resolution_y_px": 1500.0, "pixel_pitch_um": 4.0, "f_number_min": 2.0, "geometry": "flat", "focal_length_mm": 8.0,
@@ -93,7 +93,7 @@ def test_only_a_signal_that_is_stated_fires_lamps(said, fires):
     ("word", "completes", "cameras"), [("none", 0, True), ("also", len(SEARCHED), True), ("only", len(SEARCHED), False)]
 )
 def test_mission_says_whether_they_are_searched(word, completes, cameras):
-    made = select(load_catalog(), Choice(complete=word))
+    made = select(read_catalog(), Choice(complete=word))
     assert (len(made.completes), bool(made.cameras)) == (completes, cameras)
     assert bool(made.lights)
 
@@ -113,7 +113,7 @@ def test_true_is_also_and_false_is_none():
 def test_battery_depth_and_patterns_leave_some_out():
     def left(**asked):
         wish = {"complete": "also", "complete_cameras": asked.pop("names", ())}
-        return {one.id for one in select(load_catalog(), Choice(**wish), **asked).completes}
+        return {one.id for one in select(read_catalog(), Choice(**wish), **asked).completes}
 
     assert left(required_depth_m=50.0) == {one.id for one in SEARCHED if one.depth_rating_m >= 50.0} != left()
     assert left(duration_h=1.9) and not left(duration_h=2.1)  # 120 min, of their family
@@ -122,13 +122,13 @@ def test_battery_depth_and_patterns_leave_some_out():
 
 
 def test_at_least_ten_are_listed_and_what_is_missing_is_told():
-    lines = [line for excluded in (False, True) for line in list_parts(load_catalog(), "complete", excluded=excluded)]
+    lines = [line for excluded in (False, True) for line in list_parts(read_catalog(), "complete", excluded=excluded)]
     assert len(lines) >= 10
     assert all("vital facts" in " ".join(line.reasons) for line in lines if not line.searchable)
 
 
 def test_show_tells_the_facts_of_the_pieces_too():
-    lines, _ = show_part(load_catalog(), "olympus-tg6-nauticam")
+    lines, _ = show_part(read_catalog(), "olympus-tg6-nauticam")
     by_name = {line.name: line.value for line in lines}
     assert {"focal_length_mm", "pixel_pitch_um", "geometry", "family"} <= set(by_name)
     assert by_name["id"] == "olympus-tg6-nauticam"
@@ -138,5 +138,5 @@ def test_quotes_and_changes_reach_the_pieces(tmp_path):
     quotes, log = tmp_path / "quotes.csv", tmp_path / "log.csv"
     quotes.write_text("id,price,currency\nsony-rx0,500,USD\n")
     log.write_text(log_text([CellChange("2026-11-22", "complete", "sony-rx0", "depth_rating_m", "10", "12", "a")]))
-    port = load_catalog([log], quotes).part("sony-rx0 port", "port")
+    port = read_catalog([log], quotes).part("sony-rx0 port", "port")
     assert (port.price.value, port.depth_rating_m) == (500.0, 12.0)

@@ -8,7 +8,7 @@ import pytest
 
 from uwopt.catalog.choose import Choice, select
 from uwopt.catalog.interfaces import does_reach, reaches_m
-from uwopt.catalog.load import load_catalog
+from uwopt.catalog.load import read_catalog
 from uwopt.catalog.tables import built_in_rows
 from uwopt.errors import MissionError
 from uwopt.forward.assembly import selected
@@ -35,7 +35,7 @@ def mission(interfaces: Any) -> Any:
 
 def test_cameras_are_chosen_by_the_interfaces_that_the_host_has(tmp_path):
     (tmp_path / "cameras.csv").write_text(CAMERAS, encoding="utf-8")
-    known = load_catalog([tmp_path / "cameras.csv"])
+    known = read_catalog([tmp_path / "cameras.csv"])
 
     def own(made: Any) -> list[str]:
         return [camera.id for camera in made.cameras if camera.id.startswith("my-")]
@@ -49,7 +49,7 @@ def test_cameras_are_chosen_by_the_interfaces_that_the_host_has(tmp_path):
 
 
 def test_every_interface_of_the_catalogue_can_be_asked_for():
-    assert {camera.interface for camera in load_catalog().cameras} - {""} <= set(INTERFACES)
+    assert {camera.interface for camera in read_catalog().cameras} - {""} <= set(INTERFACES)
 
 
 @pytest.mark.parametrize("given", ["gige", ["GigE"], ["gig-e", "GigE"]])
@@ -84,7 +84,7 @@ def test_every_reach_has_its_source_and_every_interface_its_row():
 
 def test_without_a_computer_beside_them_cameras_must_reach_over_the_cable(tmp_path):
     (tmp_path / "cameras.csv").write_text(CAMERAS, encoding="utf-8")
-    known = load_catalog([tmp_path / "cameras.csv"])
+    known = read_catalog([tmp_path / "cameras.csv"])
 
     def own(host: str) -> list[str]:
         plain = mission(None).to_dict()
@@ -97,7 +97,7 @@ def test_without_a_computer_beside_them_cameras_must_reach_over_the_cable(tmp_pa
 
 
 def test_parts_of_which_nobody_says_that_they_are_sold_can_be_left_out():
-    known = load_catalog()
+    known = read_catalog()
     told = {e.part_id: e for e in select(known, Choice(availability="known")).excluded}
     unsure = [camera.id for camera in known.cameras if camera.availability == "unknown"]
     assert unsure and all(told[name].rule == "availability" for name in unsure)

@@ -3,10 +3,10 @@
 import pytest
 
 from uwopt.catalog.listing import list_parts, show_part
-from uwopt.catalog.load import load_catalog
+from uwopt.catalog.load import read_catalog
 from uwopt.errors import CatalogError
 
-CATALOG = load_catalog()
+CATALOG = read_catalog()
 
 
 def test_list_of_a_kind_shows_only_what_can_be_searched():

@@ -5,7 +5,7 @@ from dataclasses import fields
 
 import pytest
 
-from uwopt.catalog.load import build_rows, load_catalog
+from uwopt.catalog.load import build_rows, read_catalog
 from uwopt.catalog.parts.quantity import Quantity
 from uwopt.catalog.records import KINDS, Camera, exact
 from uwopt.catalog.tables import DATA_DIR, built_in_rows, parse_table
@@ -13,7 +13,7 @@ from uwopt.catalog.userparts import typed_rows
 from uwopt.documents.faults import plain_name
 from uwopt.errors import CatalogError
 
-CATALOG = load_catalog()
+CATALOG = read_catalog()
 EVERY_PART = [part for kind in KINDS for part in CATALOG.parts(kind)]
 SEARCHABLE = [part for part in EVERY_PART if not CATALOG.exclusions_of(part.id)]
 
@@ -268,7 +268,7 @@ def test_part_is_found_in_any_spelling_and_a_wrong_id_names_near_ones():
 
 
 def test_catalogue_is_read_once():
-    assert load_catalog() is CATALOG
+    assert read_catalog() is CATALOG
 
 
 @pytest.mark.parametrize(
@@ -281,7 +281,7 @@ def test_catalogue_is_read_once():
 def test_figures_of_a_pixel_family_are_estimates_of_a_model(
     camera: str, noise_e: tuple[float, ...], saturation_e: tuple[float, ...], qe_share: tuple[float, float]
 ) -> None:
-    part = load_catalog().part(camera)
+    part = read_catalog().part(camera)
     assert isinstance(part, Camera)
     for quantity, ends in ((part.read_noise_e, noise_e), (part.saturation_e, saturation_e)):
         assert quantity is not None
@@ -304,7 +304,7 @@ def test_every_note_of_a_family_s_figures_is_graded_so() -> None:
 )
 def test_a_chip_without_figures_is_not_taken_for_as_quiet_as_the_median_of_others(camera: str, noise_e: float) -> None:
     # 2.39 e-, of rows that are mostly of one maker's 3.45 um pixel, made the older, larger pixels win orders
-    part = load_catalog().part(camera)
+    part = read_catalog().part(camera)
     assert isinstance(part, Camera) and part.read_noise_e is not None
     assert part.read_noise_e.estimated and part.read_noise_e.value == noise_e
 
@@ -312,6 +312,6 @@ def test_a_chip_without_figures_is_not_taken_for_as_quiet_as_the_median_of_other
 @pytest.mark.parametrize("camera", ["basler-aca2000-165uc", "basler-aca2040-90uc"])
 def test_dark_current_of_an_older_chip_is_its_maker_s(camera: str) -> None:
     # 1 e-/s, as of a cool chip of today, stood in for the 125 e-/s of the CMV4000's data sheet
-    part = load_catalog().part(camera)
+    part = read_catalog().part(camera)
     assert isinstance(part, Camera) and part.dark_current_e_s is not None
     assert part.dark_current_e_s.estimated and part.dark_current_e_s.value == 125.0

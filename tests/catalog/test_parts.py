@@ -13,7 +13,7 @@ from pydantic.dataclasses import dataclass
 from uwopt.catalog.checkfile import template
 from uwopt.catalog.columns import COLUMNS, CellError, column_of, parse_cell
 from uwopt.catalog.inline import part_from_inline
-from uwopt.catalog.load import load_catalog
+from uwopt.catalog.load import read_catalog
 from uwopt.catalog.parts.camera import Camera
 from uwopt.catalog.parts.cell import FROM_ZERO, POSITIVE, Cell, Inline, Range, beyond, fields_of, kept_fields
 from uwopt.catalog.parts.kinds import EITHER, FAVOURED, ORDERED_PAIRS
@@ -65,7 +65,7 @@ def own_camera(folder, **cells):
     writer.writeheader()
     writer.writerow(row)
     (folder / "cameras.csv").write_text(text.getvalue())
-    return load_catalog([folder / "cameras.csv"]).part("own-cam")
+    return read_catalog([folder / "cameras.csv"]).part("own-cam")
 
 
 # ---------------------------------------------------------------- a field and what follows from it

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from uwopt.catalog.catalogue import Catalog, Exclusion
 from uwopt.catalog.edition import AS_OF, EDITION
-from uwopt.catalog.load import load_catalog
+from uwopt.catalog.load import read_catalog
 from uwopt.catalog.parts.port import Port
 from uwopt.catalog.parts.quantity import Quantity
 from uwopt.catalog.records import exact
@@ -81,7 +81,7 @@ def test_a_part_that_is_ordered_twice_at_once_counts_as_one_order() -> None:
 
 def test_no_price_of_the_catalogue_is_younger_than_the_catalogue() -> None:
     assert re.fullmatch(r"20\d\d\.\d\d", EDITION) and AS_OF.startswith(EDITION.replace(".", "-"))
-    catalog = load_catalog()
+    catalog = read_catalog()
     dated = [part for kind in ("camera", "lens", "port", "light") for part in catalog.parts(kind) if part.price_date]
     assert [part.id for part in dated if age_months(part.price_date, AS_OF) < 0] == []
 

@@ -11,7 +11,7 @@ import pytest
 from uwopt.catalog.choose import Choice, Selection, select
 from uwopt.catalog.compatibility import explain_pair
 from uwopt.catalog.estimates import class_table
-from uwopt.catalog.load import load_catalog
+from uwopt.catalog.load import read_catalog
 from uwopt.catalog.parts.kinds import FAVOURED
 from uwopt.catalog.records import Camera, Lens, Light
 from uwopt.errors import MissionError
@@ -45,7 +45,7 @@ def catalog(folder: Path, lamps: str = LAMPS) -> Any:
     """The built-in catalogue with these lamps."""
     file = folder / "lights.csv"
     file.write_text(HEADER + lamps, encoding="utf-8")
-    return load_catalog([file])
+    return read_catalog([file])
 
 
 def own(selection: Selection) -> list[str]:
@@ -127,7 +127,7 @@ def test_of_other_lamps_nothing_is_told(light):
 
 
 def test_every_built_in_torch_is_fed_by_its_own_battery_and_every_strobe_is_fired():
-    lights = load_catalog().lights
+    lights = read_catalog().lights
     assert {light.id for light in lights if light.trigger == "none"} == {
         light.id for light in lights if light.supply == "battery" and light.kind == "continuous"
     }
@@ -136,7 +136,7 @@ def test_every_built_in_torch_is_fed_by_its_own_battery_and_every_strobe_is_fire
 
 
 def test_no_built_in_lamp_without_a_beam_is_searched():
-    known = load_catalog()
+    known = read_catalog()
     searched = {light.id for light in select(known, Choice(generic="allow")).lights}
     assert "deepsea-power-light-led-multi-sealite" not in searched
     assert "deepsea-power-light-led-sealite-lsl-flood" in searched  # its measured profile tells the beam
@@ -144,7 +144,7 @@ def test_no_built_in_lamp_without_a_beam_is_searched():
 
 def test_options_of_a_strobe_are_lamps_of_their_own():
     # The sheet: 2 Hz and 100 degrees as standard, 10 Hz and 65 degrees as options.
-    known = load_catalog()
+    known = read_catalog()
     found = {
         (light.max_rate_hz.value, light.beam_angle_deg.value)
         for light in known.lights

@@ -9,9 +9,9 @@ import pytest
 from typer.testing import CliRunner
 
 from uwopt.catalog.changes import CellChange, built_in_cells, is_change_table, log_text
-from uwopt.catalog.checkfile import check_file
+from uwopt.catalog.checkfile import file_report
 from uwopt.catalog.choose import Choice, select
-from uwopt.catalog.load import built_in_catalog, load_catalog
+from uwopt.catalog.load import built_in_catalog, read_catalog
 from uwopt.catalog.records import KINDS
 from uwopt.catalog.tables import parse_table
 from uwopt.catalog.update import Update, planned
@@ -75,17 +75,17 @@ def test_a_quote_takes_the_place_of_an_estimate_and_its_ends(tmp_path: Path) -> 
 def test_the_log_is_a_file_of_parts_that_leaves_all_other_facts(tmp_path: Path) -> None:
     text = f"id,price,currency,date,note\n{LAMP},210,EUR,2026-11-20,quote 77\n"
     log = kept(tmp_path, brought(tmp_path, text, "q.csv"))
-    before, after = built_in_catalog().part(LAMP), load_catalog([log]).part(LAMP)
+    before, after = built_in_catalog().part(LAMP), read_catalog([log]).part(LAMP)
     assert (after.price.value, after.price.low, after.price.high, after.price.status) == (210, 210, 210, "quoted")
     assert (after.currency, after.price_date) == ("EUR", "2026-11-20")
     assert after.depth_rating_m == before.depth_rating_m == 950  # type: ignore[attr-defined]
-    assert load_catalog([log]).ids() == built_in_catalog().ids()  # in its place, so that indices stay
+    assert read_catalog([log]).ids() == built_in_catalog().ids()  # in its place, so that indices stay
 
 
 def test_a_filled_gap_frees_a_part_for_the_search(tmp_path: Path) -> None:
     text = "id,beam_angle_deg,beam_medium\ndeepsea-power-light-led-multi-sealite,80,water\n"
     log = kept(tmp_path, brought(tmp_path, text, source="maker's sheet"))
-    found = {light.id for light in select(load_catalog([log]), Choice()).lights}
+    found = {light.id for light in select(read_catalog([log]), Choice()).lights}
     assert "deepsea-power-light-led-multi-sealite" in found
     assert "deepsea-power-light-led-multi-sealite" not in {light.id for light in select(built_in_catalog()).lights}
 
@@ -93,7 +93,7 @@ def test_a_filled_gap_frees_a_part_for_the_search(tmp_path: Path) -> None:
 def test_a_new_part_is_added_and_later_changed_and_cleared(tmp_path: Path) -> None:
     kept(tmp_path, brought(tmp_path, NEW_LAMP))
     log = kept(tmp_path, brought(tmp_path, "id,depth_rating_m,power_w\nACME_lamp,600,-\n", source="letter"))
-    lamp = load_catalog([log]).part("acme-lamp")
+    lamp = read_catalog([log]).part("acme-lamp")
     assert lamp.depth_rating_m == 600  # type: ignore[attr-defined]
     assert lamp.power_w.status == "estimated"  # type: ignore[attr-defined]  # cleared: the class stands in
     rows = list(csv.DictReader(line for line in log.read_text().splitlines() if not line.startswith("#")))
@@ -103,7 +103,7 @@ def test_a_new_part_is_added_and_later_changed_and_cleared(tmp_path: Path) -> No
 
 def test_a_cleared_price_takes_its_ends_its_date_and_its_status_along(tmp_path: Path) -> None:
     log = kept(tmp_path, brought(tmp_path, f"id,kind,price,source_url\n{LAMP},continuous,-,letter\n"))
-    lamp = load_catalog([log]).part(LAMP)
+    lamp = read_catalog([log]).part(LAMP)
     assert (lamp.price.status, lamp.price_date) == ("estimated", "")
     cells = load_cells(log)
     assert (cells["price"], cells["price_date"], cells["price_status"]) == ("", "", "")
@@ -170,8 +170,8 @@ def test_a_dry_run_writes_nothing_and_a_folder_is_taken_whole(tmp_path: Path) ->
     assert not log.exists()
     assert CliRunner().invoke(app, asked).exit_code == 0
     assert is_change_table(parse_table(log.read_text(), "log.csv"))
-    assert load_catalog([log]).part("acme-lamp").price.value == 900
-    assert load_catalog([log]).part(LAMP).price.value == 210
+    assert read_catalog([log]).part("acme-lamp").price.value == 900
+    assert read_catalog([log]).part(LAMP).price.value == 210
     assert [path.name for path in tmp_path.iterdir() if path.name.startswith(".")] == []
 
 
@@ -186,19 +186,19 @@ def test_two_logs_are_read_one_after_the_other(tmp_path: Path) -> None:
     first, second = tmp_path / "a.csv", tmp_path / "b.csv"
     first.write_text(log_text([CellChange(DAY, "light", LAMP, "depth_rating_m", "950", "500", "a")]))
     second.write_text(log_text([CellChange(DAY, "light", LAMP, "flux_lm", "1500", "1400", "b")]))
-    lamp = load_catalog([first, second]).part(LAMP)
+    lamp = read_catalog([first, second]).part(LAMP)
     assert (lamp.depth_rating_m, lamp.flux_lm.value) == (500, 1400)  # type: ignore[attr-defined]
 
 
 def test_the_check_of_a_log_tells_what_has_moved_on_beneath_it(tmp_path: Path) -> None:
     log = tmp_path / "log.csv"
     log.write_text(log_text([CellChange(DAY, "light", LAMP, "depth_rating_m", "900", "500", "a")]))
-    report = check_file(log)
+    report = file_report(log)
     assert report.ok
     assert report.content == "changes"
     assert report.notes == (f"{LAMP}: depth_rating_m was 900 when it was changed, it is 950 now.",)
     log.write_text(log_text([CellChange(DAY, "light", LAMP, "beauty", "", "much", "a")]))
-    assert not check_file(log).ok
+    assert not file_report(log).ok
 
 
 def test_every_built_in_row_stands_as_it_is_written() -> None:

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from uwopt.catalog.checkfile import check_file
+from uwopt.catalog.checkfile import file_report
 from uwopt.cli.app import app
 from uwopt.documents.files import MOST_BYTES
 from uwopt.errors import OutputError, ResultError
@@ -111,13 +111,13 @@ def test_aliases_that_multiply_are_no_cells(tmp_path: Path) -> None:
     lines = ["id: &a0 [x, x, x, x, x, x, x, x, x]"]
     lines += [f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 9)}]" for i in range(1, 20)]
     (tmp_path / "parts.yaml").write_text("- part: camera\n" + "".join(f"  {line}\n" for line in lines))
-    assert not check_file(tmp_path / "parts.yaml").ok
+    assert not file_report(tmp_path / "parts.yaml").ok
 
 
 def test_aliases_that_repeat_a_long_text_are_refused(tmp_path: Path) -> None:
     rows = ["- part: &long " + "x" * 1_000_000, *["- part: *long"] * 200]
     (tmp_path / "parts.yaml").write_text("\n".join(rows))
-    assert "aliases stand for more than" in "\n".join(check_file(tmp_path / "parts.yaml").faults)
+    assert "aliases stand for more than" in "\n".join(file_report(tmp_path / "parts.yaml").faults)
 
 
 @pytest.mark.parametrize(
@@ -125,7 +125,7 @@ def test_aliases_that_repeat_a_long_text_are_refused(tmp_path: Path) -> None:
 )
 def test_deep_parts_and_parts_that_hold_themselves_are_refused(text: str, tmp_path: Path) -> None:
     (tmp_path / "parts.yaml").write_text(text)
-    assert not check_file(tmp_path / "parts.yaml").ok
+    assert not file_report(tmp_path / "parts.yaml").ok
 
 
 # ---------------------------------------------------------------- streams and outputs

@@ -70,7 +70,7 @@ def turn(page: Any, control: Control, text: str) -> None:
 def opened(page: Any) -> str:
     """The page as it opens; what is seen there."""
     page.evaluate("hash => { location.hash = hash; }", "")
-    page.evaluate("hash => { location.hash = hash; }", f"#s={state.packed(FULL)}")
+    page.evaluate("hash => { location.hash = hash; }", f"#s={state.address_of(FULL)}")
     page.evaluate("document.querySelectorAll('details').forEach(one => { one.open = true; })")
     page.locator(f"#c-{CONTROLS[2].id}").wait_for(state="visible")
     page.wait_for_timeout(1500)

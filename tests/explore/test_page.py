@@ -20,7 +20,7 @@ from uwopt.explore.outcome import SHOWN, shown_figures, shown_rig
 
 pytestmark = only_with_browser
 PROBLEMS = Path(__file__).parents[2] / "problems"
-OPENING = state.packed(state.OPENING)
+OPENING = state.address_of(state.OPENING)
 NO_CURVES = '"value":"dof"', '"value":"rig"'  # of the plot that is chosen at first
 #: A mission of which the search is short: two cameras, two lenses, one port, one lamp.
 SMALL: dict[str, Any] = {
@@ -249,7 +249,7 @@ TWO_LAMPS = state.with_texts(state.OPENING, {"s-light_count": "2", "m-physics": 
 
 
 def test_lamps_are_moved_by_hand_by_keys_and_by_numbers(page: Any) -> None:
-    opened_at = page.evaluate("address => { location.hash = address; }", f"#s={state.packed(TWO_LAMPS)}")
+    opened_at = page.evaluate("address => { location.hash = address; }", f"#s={state.address_of(TWO_LAMPS)}")
     assert opened_at is None
     at = page.locator("[data-lamp='0'][data-view='behind'] circle")
     page.locator("#lamp-1-y_m").wait_for()
@@ -300,7 +300,7 @@ def test_every_figure_has_its_cell(page: Any) -> None:
 
 
 def test_a_ceiling_is_drawn_above_the_lamps(page: Any) -> None:
-    page.evaluate("address => { location.hash = address; }", f"#s={state.packed(TWO_LAMPS)}")
+    page.evaluate("address => { location.hash = address; }", f"#s={state.address_of(TWO_LAMPS)}")
     page.locator("#lamp-1-y_m").wait_for()
     place = {"x_m": 0.0, "y_m": 0.5, "z_m": 0.2, "tilt_x_deg": 0.0, "tilt_y_deg": 0.0}
     rig = {"places": [place], "altitude_m": 2.0, "along_m": 1.0, "across_m": 1.5}

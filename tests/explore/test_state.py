@@ -188,14 +188,14 @@ def test_controls_act_on_the_scene_that_is_shown(outcomes: KeptResults) -> None:
 
 def test_address_brings_the_state_back() -> None:
     two = turned(state.with_copy(state.OPENING), **{"s-lens-focal_length_mm": "16"})
-    again = state.unpacked(state.packed(two))
+    again = state.unpacked(state.address_of(two))
     assert again["mission"]["scenes"][0].pop("name") == "scene 1"  # as every mission has it
     assert again == two
 
 
 @pytest.mark.parametrize(
     "text",
-    ["", "x", "eJw=", state.packed(state.OPENING)[:-9],
+    ["", "x", "eJw=", state.address_of(state.OPENING)[:-9],
      base64.urlsafe_b64encode(zlib.compress(json.dumps({"mission": {}, "systems": [], "shown": 3}).encode())).decode()],
     ids=["empty", "letter", "cut", "shorter", "nothing"],
 )  # fmt: skip
@@ -205,7 +205,7 @@ def test_broken_addresses_are_refused(text: str) -> None:
 
 
 def test_an_address_that_would_fill_the_memory_is_refused() -> None:
-    plain = zlib.decompress(base64.urlsafe_b64decode(state.packed(state.OPENING)))
+    plain = zlib.decompress(base64.urlsafe_b64decode(state.address_of(state.OPENING)))
 
     def padded(count: int) -> str:
         return base64.urlsafe_b64encode(zlib.compress(b" " * count + plain)).decode()

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from uwopt.catalog.choose import select
-from uwopt.catalog.load import load_catalog
+from uwopt.catalog.load import read_catalog
 from uwopt.catalog.parts.doubts import taken_as
 from uwopt.catalog.records import Camera, Curve, Housing, Lens, Light, Port, Quantity, exact
 from uwopt.errors import MissionError
@@ -32,7 +32,7 @@ from uwopt.mission.practice import with_practice
 from uwopt.report.order.tender_lines import room_at_limits
 from uwopt.solvers.explain.specification import PropertyLimit
 
-CATALOG = load_catalog()
+CATALOG = read_catalog()
 MISSION: dict[str, Any] = {
     "practice": "bare", "physics": "paper", "scene": {"water": "II", "seafloor": 0.2, "depth_m": 100.0},
     "vehicle": {"altitude_m": 2.0, "speed_m_s": 0.5, "camera_count": 2}, "requirements": {"overlap": 0.3},

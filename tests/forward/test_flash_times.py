@@ -38,7 +38,7 @@ def test_no_more_of_a_flash_comes_than_its_bound_says() -> None:
     # by the shutter: 1 - exp(-t / tau) of it; by the blur: what is out when the flash has blurred so long
     by_shutter = np.minimum(TAU_S * (1.0 - np.exp(-longest_s / TAU_S)) / whole, 1.0)
     tried = np.linspace(0.0, TAU_S * np.log(100.0), 20_001)[1:]
-    smeared = flash.blur_time_s(tried, decay_s=TAU_S)
+    smeared = flash.fading_blur_time_s(tried, decay_s=TAU_S)
     last = np.searchsorted(smeared, longest_s, side="right") - 1
     by_blur = np.where(last >= 0, TAU_S * (1.0 - np.exp(-tried[np.maximum(last, 0)] / TAU_S)) / whole, 0.0)
     assert (bound >= by_shutter - 1e-12).all() and (bound >= by_blur - 1e-12).all()

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from uwopt.catalog.load import load_catalog
+from uwopt.catalog.load import read_catalog
 from uwopt.catalog.parts.camera import Camera
 from uwopt.catalog.parts.lens import Lens
 from uwopt.catalog.parts.light import Light
@@ -158,6 +158,6 @@ def test_lamp_measured_in_candela_gives_the_lumens_of_its_profile() -> None:
 @pytest.mark.parametrize(("lamp", "lumens"), [("flood", 7030.0), ("spot", 4684.0)])
 def test_catalogue_lamps_give_the_lumens_that_were_measured(lamp: str, lumens: float) -> None:
     # The maker's photometric file, integrated by the source of the row; the nameplate says 10 000 lm
-    part = load_catalog().part(f"deepsea-power-light-led-sealite-lsl-{lamp}", "light")
+    part = read_catalog().part(f"deepsea-power-light-led-sealite-lsl-{lamp}", "light")
     rows = rows_of(part)
     assert float(rows.full_light[0] * rows.output_factor[0]) == pytest.approx(lumens, rel=1e-9)

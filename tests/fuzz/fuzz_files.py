@@ -28,9 +28,9 @@ from uwopt.catalog.parts.kinds import ALL_FIELDS
 from uwopt.documents.key_types import keys_of
 from uwopt.mission.checks import HARDWARE_KEYS
 from uwopt.mission.keys import JERLOV_TYPES, OBJECTIVES, SEAFLOORS
-from uwopt.mission.mission import sections as mission_sections
+from uwopt.mission.mission import mission_sections
 from uwopt.mission.sections.vehicle import LightMount
-from uwopt.mission.system import sections as system_sections
+from uwopt.mission.system import system_sections
 
 MISSION, SYSTEM = mission_sections(), system_sections()
 PHYSICS = ("auto", "full", "paper")

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import uwopt
-from uwopt.catalog.load import load_catalog
+from uwopt.catalog.load import read_catalog
 from uwopt.errors import CatalogError, MissionError, UwoptError
 from uwopt.mission.mission import load_mission
 from uwopt.mission.system import load_system
@@ -69,7 +69,7 @@ def test_a_broken_table_of_parts_is_told_in_clean_words(folder: Path, data: Any)
         name = data.draw(st.sampled_from([*row, "colour", "focal_lenght_mm", ""]))
         row[name] = data.draw(st.sampled_from([v for v in files.HOSTILE if not isinstance(v, (list, dict))]))
     files.write_parts(folder, {kind: parts[kind]})
-    found = judge.outcome(lambda: load_catalog([f"{kind}s.csv"], None, folder))
+    found = judge.outcome(lambda: read_catalog([f"{kind}s.csv"], None, folder))
     if isinstance(found, UwoptError):
         assert isinstance(found, CatalogError)
         judge.assert_clean(found, name=f"{kind}s.csv")

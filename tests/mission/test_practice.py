@@ -9,7 +9,7 @@ import pytest
 
 from uwopt.errors import MissionError
 from uwopt.mission.keys import Refusal
-from uwopt.mission.mission import Mission, load_mission, sections
+from uwopt.mission.mission import Mission, load_mission, mission_sections
 from uwopt.mission.practice import RECOMMENDED_KEYS, with_practice
 from uwopt.mission.reserves import RECOMMENDED_RESERVE, Reserve
 from uwopt.mission.yielding import with_yields, yields_of
@@ -133,7 +133,7 @@ def test_a_loaded_mission_can_be_asked_for_good_practice() -> None:
 def test_each_key_that_is_filled_in_says_that_it_is_recommended() -> None:
     for section, keys in RECOMMENDED_KEYS.items():
         for key in keys:
-            assert "recommended" in (sections()[section].model_fields[key].description or ""), key
+            assert "recommended" in (mission_sections()[section].model_fields[key].description or ""), key
 
 
 def test_another_word_is_told_with_those_there_are() -> None:

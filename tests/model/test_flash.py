@@ -46,7 +46,7 @@ def test_a_flash_is_over_with_a_hundredth_left() -> None:
 
 def test_light_that_stays_as_bright_as_it_begins_is_its_own_time() -> None:
     assert flash.decay_s(2e-3, at_frac=1.0) == np.inf and flash.whole_s(2e-3, at_frac=1.0) == 2e-3
-    for formula in (flash.light_time_s, flash.open_time_s, flash.blur_time_s, flash.open_time_of_blur_s):
+    for formula in (flash.light_time_s, flash.open_time_s, flash.fading_blur_time_s, flash.open_time_of_blur_s):
         assert formula(0.7e-3, decay_s=np.inf) == 0.7e-3
         both = formula(np.full(2, 0.7e-3), decay_s=np.array([np.inf, 1e3]))
         assert both == pytest.approx(0.7e-3, rel=1e-6)  # of a very slow one: nearly
@@ -55,7 +55,7 @@ def test_light_that_stays_as_bright_as_it_begins_is_its_own_time() -> None:
 @pytest.mark.parametrize("of_tau", OF_TAU)
 def test_the_blur_is_that_of_steady_light_of_the_same_variance(of_tau: float) -> None:
     if of_tau < 0.01:
-        assert flash.blur_time_s(of_tau * TAU_S, decay_s=TAU_S) == pytest.approx(of_tau * TAU_S, rel=1e-6)
+        assert flash.fading_blur_time_s(of_tau * TAU_S, decay_s=TAU_S) == pytest.approx(of_tau * TAU_S, rel=1e-6)
         return
 
     def moment(n: int) -> float:
@@ -63,12 +63,12 @@ def test_the_blur_is_that_of_steady_light_of_the_same_variance(of_tau: float) ->
 
     variance = moment(2) / moment(0) - (moment(1) / moment(0)) ** 2
     expected = TAU_S * np.sqrt(12.0 * variance)
-    assert flash.blur_time_s(of_tau * TAU_S, decay_s=TAU_S) == pytest.approx(expected, rel=1e-9)
+    assert flash.fading_blur_time_s(of_tau * TAU_S, decay_s=TAU_S) == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize("of_tau", [0.2, 1.0, 2.3, np.log(100.0)])
 def test_the_transfer_of_the_flash_is_nowhere_below_that_of_its_blur(of_tau: float) -> None:
-    blur = flash.blur_time_s(of_tau * TAU_S, decay_s=TAU_S) / TAU_S
+    blur = flash.fading_blur_time_s(of_tau * TAU_S, decay_s=TAU_S) / TAU_S
     frequency = np.linspace(1e-3, 1.0 / blur, 200)  # to the box's first null
     # |integral of e^(-t - i w t)| from 0 to x over that without w, in closed form
     w = 2.0 * np.pi * frequency
@@ -78,11 +78,11 @@ def test_the_transfer_of_the_flash_is_nowhere_below_that_of_its_blur(of_tau: flo
 
 def test_the_inverses_are_those_of_bisection() -> None:
     times, taus = OF_TAU * TAU_S, np.full(len(OF_TAU), TAU_S)
-    light, blur = flash.light_time_s(times, decay_s=taus), flash.blur_time_s(times, decay_s=taus)
+    light, blur = flash.light_time_s(times, decay_s=taus), flash.fading_blur_time_s(times, decay_s=taus)
     assert flash.open_time_s(light, decay_s=taus) == pytest.approx(times, rel=1e-9)
     assert flash.open_time_of_blur_s(blur, decay_s=taus) == pytest.approx(times, rel=1e-9)
     for wanted in (0.3e-3, 2e-3, 3e-3):
-        found = brentq(lambda t, b: float(flash.blur_time_s(t, decay_s=TAU_S)) - b, 1e-6, 8e-3, args=(wanted,))
+        found = brentq(lambda t, b: float(flash.fading_blur_time_s(t, decay_s=TAU_S)) - b, 1e-6, 8e-3, args=(wanted,))
         assert flash.open_time_of_blur_s(wanted, decay_s=TAU_S) == pytest.approx(found, rel=1e-6)
     assert flash.open_time_of_blur_s(4e-3, decay_s=TAU_S) == np.inf  # more than 2 sqrt(3) tau
     assert flash.open_time_s(TAU_S, decay_s=TAU_S) == np.inf
@@ -92,7 +92,7 @@ def test_the_logarithm_of_the_blur_is_convex_in_that_of_the_light() -> None:
     """What bounds over cells of times rest on, with the slope that they take."""
     times = TAU_S * np.geomspace(1e-3, np.log(100.0), 4000)
     taus = np.full(len(times), TAU_S)
-    log_s, log_b = (np.log(f(times, decay_s=taus)) for f in (flash.light_time_s, flash.blur_time_s))
+    log_s, log_b = (np.log(f(times, decay_s=taus)) for f in (flash.light_time_s, flash.fading_blur_time_s))
     slope = flash.blur_elasticity(times, decay_s=taus)
     assert (slope >= 1.0 - 1e-9).all() and (np.diff(slope) > -1e-9).all()
     assert slope[1:-1] == pytest.approx(np.gradient(log_b, log_s)[1:-1], rel=1e-4)

@@ -676,7 +676,7 @@ DEFECTS = (
     Defect(
         name="a limit is told as far off as it was tried",
         file=f"{ROOM}/eased.py",
-        old="far if coarse else nearest(ease.asked, far, holds)",
+        old="far if coarse else nearest_that_holds(ease.asked, far, holds)",
         new="far",
         test="tests/solvers/test_confidence_deciding.py::test_a_limit_is_moved_as_far_as_its_number_reaches",
     ),

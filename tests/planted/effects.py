@@ -82,8 +82,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="the sun's few pixels are those of another question",
         file="uwopt/forward/sun_light.py",
-        old="grid = likely_places(view, pixels)",
-        new='grid = likely_places(view, "darkest")',
+        old="grid = likely_dark_places(view, pixels)",
+        new='grid = likely_dark_places(view, "darkest")',
         test="tests/forward/test_remembered.py::test_few_pixels_of_the_sun_alone_decide_as_all_do",
     ),
     Defect(

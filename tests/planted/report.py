@@ -224,8 +224,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="owned pieces are paid in the printed bill",
         file="uwopt/report/text/formats.py",
-        old="price(ends[0] * row.to_buy, ends[1] * row.to_buy, row.currency)",
-        new="price(ends[0] * row.count, ends[1] * row.count, row.currency)",
+        old="price_text(ends[0] * row.to_buy, ends[1] * row.to_buy, row.currency)",
+        new="price_text(ends[0] * row.count, ends[1] * row.count, row.currency)",
         test="tests/report/test_tables.py::test_estimates_are_marked_with_a_legend",
     ),
     Defect(

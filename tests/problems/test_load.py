@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from uwopt.catalog.inline import part_from_inline
-from uwopt.catalog.load import load_catalog
+from uwopt.catalog.load import read_catalog
 from uwopt.mission.mission import Mission, load_mission
 from uwopt.mission.system import load_system
 
@@ -115,7 +115,7 @@ PUBLISHED_SYSTEMS: dict[str, dict[str, Any]] = {
 @cache
 def catalogue_parts() -> dict[str, Any]:
     """Every part that ships, by id."""
-    catalog = load_catalog()
+    catalog = read_catalog()
     return {p.id: p for kind in ("cameras", "lenses", "ports", "lights") for p in getattr(catalog, kind)}
 
 

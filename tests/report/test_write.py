@@ -146,7 +146,7 @@ def test_a_folder_that_cannot_be_made_is_refused_beforehand(tmp_path: Path, name
     with pytest.raises(OutputError, match="choose another --out"):
         write.check_folder(tmp_path / name)
     with pytest.raises(OutputError, match="choose another --out"):
-        write.check_file(tmp_path / name / "page.html")
+        write.checked_out_file(tmp_path / name / "page.html")
     assert list(tmp_path.iterdir()) == []
 
 

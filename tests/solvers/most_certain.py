@@ -13,4 +13,4 @@ def most_certain(
 ) -> Certain | None:
     """The best that holds in the share of scenarios asked for; else that which holds most often."""
     looked = search.look(sought, asked, deadline, report)
-    return search.chosen(looked, deadline, report)
+    return search.best_counted(looked, deadline, report)

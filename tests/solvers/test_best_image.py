@@ -21,7 +21,7 @@ from uwopt.evaluation.design_model import DesignModel
 from uwopt.objectives.goal import goal_of
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.attack import Spread, missed_share
-from uwopt.solvers.exact.joint_bounds import joint_bound
+from uwopt.solvers.exact.joint_bounds import joint_bound_of_imagers
 from uwopt.solvers.explain import knee
 from uwopt.solvers.recommend import Sought
 from uwopt.units import ratio_to_db
@@ -152,7 +152,8 @@ def test_quality_and_price_together_hold_all_that_is_drawn(name: str) -> None:
     value = each.power_w * math.log1p(per_w) + each.cost / 100.0 * math.log1p(per_100_usd) - np.log(each.information)
     search = case.searcher(top=1)
     imagers = search.prepare()
-    joint = [joint_bound(search.bounds, k, np.arange(len(imagers))) for k in range(len(search.tables.lightings))]
+    every, lightings = np.arange(len(imagers)), range(len(search.tables.lightings))
+    joint = [joint_bound_of_imagers(search.bounds, k, every) for k in lightings]
     camera = np.array([made.camera for made in brute.buildable(case.problem())])
     for row, (own, bound) in enumerate(zip(imagers.camera, np.min(joint, axis=0), strict=True)):
         drawn_of = value[np.isin(each.hardware, np.nonzero(camera == own)[0])]

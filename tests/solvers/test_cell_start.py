@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from uwopt.solvers.settings.cell_start import likely_places
+from uwopt.solvers.settings.cell_start import likely_settings
 
 LOW, HIGH = np.log([1.4, 1e-4]), np.log([16.0, 1e-2])  # f-number, time
 
@@ -18,7 +18,7 @@ def places_of(top, fits=lambda place: np.ones(len(place), bool)):
         which = np.nonzero(fits(place))[0]
         return which, np.square(place[which] - np.log(top)).sum(axis=1)
 
-    return np.exp(likely_places(2, np.array([0]), LOW[None], HIGH[None], [0], bowl))
+    return np.exp(likely_settings(2, np.array([0]), LOW[None], HIGH[None], [0], bowl))
 
 
 @pytest.mark.parametrize("f_number", [1.4, 2.0, 3.3, 5.7, 11.0, 16.0])

@@ -22,7 +22,7 @@ from uwopt.solvers.confidence.changes import MOST_WIDENED, drawn_in, needed, oth
 from uwopt.solvers.confidence.counted import Looked
 from uwopt.solvers.confidence.eased import Ease, MovedKeys, would_hold
 from uwopt.solvers.confidence.search import Certain
-from uwopt.solvers.confidence.summary import counted as told_of
+from uwopt.solvers.confidence.summary import counted_confidence as told_of
 from uwopt.solvers.recommend import Sought
 
 FLOOR = [0.4, 1.6]

@@ -35,7 +35,7 @@ from uwopt.solvers.confidence.search import (
     Certain,
     Counted,
     at_its_stop,
-    chosen,
+    best_counted,
     count_in_time,
     judged_anew,
     look,
@@ -47,7 +47,7 @@ from uwopt.solvers.confidence.waters import BANDS
 from uwopt.solvers.confidence.worst_case import worse_problem
 from uwopt.solvers.exact import evaluation
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.one_hardware import ids_of_pieces, imagers_of, problem_of
+from uwopt.solvers.one_hardware import ids_of_pieces, only_imager, problem_of
 from uwopt.solvers.recommend import Sought
 from uwopt.solvers.settable.rounding import given_of
 from uwopt.solvers.settings.best import best_settings
@@ -319,7 +319,7 @@ def worked_out(sought: Sought, scenarios: Scenarios, index: int, f_number: float
     scenes = scenarios.waters.at(scenarios.states[index])
     problem = problem_of(base, found, lists=lists, scenes=scenes).at_f_number(f_number)
     problem = problem.focused_at(scenarios.focus[[index]])
-    imagers = imagers_of(problem, found.landscape)
+    imagers = only_imager(problem, found.landscape)
     best = Search(problem, sought.search.objective, top=1, imagers=imagers).run().best if len(imagers) else []
     return best[0].minimised if best else np.inf
 
@@ -476,7 +476,7 @@ def test_where_known_hardware_holds_the_proof_alone_brings_up_what_is_better(mon
     monkeypatch.setattr(roomy, "worse_problem", counted_search)
     seen = look(sought, 0.5, NEVER, unheard, known=[found["camera-0"]])
     assert [cameras[one.found.camera] for one in seen.tried] == ["camera-0"] and searched == []
-    best = chosen(seen, NEVER, unheard)
+    best = best_counted(seen, NEVER, unheard)
     assert best is not None and best.proven and cameras[best.best.found.camera] == "camera"
     look(sought, 0.97, NEVER, unheard, known=[found["camera"]])
     assert searched

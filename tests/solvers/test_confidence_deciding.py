@@ -22,7 +22,7 @@ from uwopt.solvers.confidence.eased import (
     MovedKeys,
     eases,
     light_with,
-    nearest,
+    nearest_that_holds,
     would_hold,
 )
 from uwopt.solvers.confidence.outcomes import outcomes, outcomes_of_each
@@ -241,10 +241,10 @@ def test_where_time_runs_out_the_nearest_that_was_counted_is_told() -> None:
         counts.append(value)
         return value >= 6.9
 
-    told = nearest(4.0, 16.0, holds)
+    told = nearest_that_holds(4.0, 16.0, holds)
     assert told == counts[-1] >= 6.9 and all(value < 6.9 for value in counts[:-1])
     counts[:] = [0.0] * 4
-    assert nearest(4.0, 16.0, holds) == 16.0
+    assert nearest_that_holds(4.0, 16.0, holds) == 16.0
 
 
 def test_numbers_of_one_lamp_count_together_as_alone() -> None:

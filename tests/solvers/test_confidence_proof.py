@@ -33,7 +33,7 @@ from uwopt.solvers.confidence.proof import Prover, bounds_of
 from uwopt.solvers.confidence.scenarios import Scenarios, SomeScenarios, loss
 from uwopt.solvers.confidence.search import Certain, can_be_proven
 from uwopt.solvers.confidence.states import Together
-from uwopt.solvers.confidence.summary import counted, proof_told, wilson
+from uwopt.solvers.confidence.summary import counted_confidence, proof_told, wilson
 from uwopt.solvers.exact.imagers import fitting_pairs
 from uwopt.solvers.exact.lightings import Lighting
 from uwopt.solvers.exact.ranking import Found
@@ -421,7 +421,7 @@ def test_what_fresh_scenarios_refute_is_not_certain_enough() -> None:
     seen = min(stops, key=lambda one: one.held)
     assert wilson(seen.held, 48)[1] < 1.0
     for asked, enough in ((0.5 * (1.0 + wilson(seen.held, 48)[1]), False), (seen.held, True)):
-        told = counted(sought.problem, objective, seen, asked=asked, share=asked, in_choice=flattering)  # type: ignore[arg-type]
+        told = counted_confidence(sought.problem, objective, seen, asked=asked, share=asked, in_choice=flattering)  # type: ignore[arg-type]
         assert told.enough is enough
 
 

@@ -286,13 +286,13 @@ def test_time_limit_ends_the_search_with_an_honest_status(method: str) -> None:
 def test_point_that_misses_the_optimum_is_not_called_optimal(monkeypatch: pytest.MonkeyPatch) -> None:
     from uwopt.solvers.continuous import casadi_ipopt
 
-    honest = casadi_ipopt.solve
+    honest = casadi_ipopt.solve_by_ipopt
 
     def early(program: Program, start: Any, *, max_seconds: float = np.inf) -> Any:
         found = honest(program, start, max_seconds=max_seconds)
         return replace(found, x=0.5 * (found.x + program.middle()), kkt_residual=1.0)
 
-    monkeypatch.setattr(casadi_ipopt, "solve", early)
+    monkeypatch.setattr(casadi_ipopt, "solve_by_ipopt", early)
     assert solved([scene()]).status in ("feasible", "failed")
 
 

@@ -129,14 +129,14 @@ def dear(parts: Path, catalog: Catalog, cost: float) -> Relaxer:
 
 def test_pairs_that_a_limit_of_cost_allows_by_no_port_are_not_looked_at_and_no_others(parts, catalog, monkeypatch):
     """zz-cam 500, zz-other up to 2000, each lens 300, ports 200 and 900: 1000, 2500, 1700, 3200 USD."""
-    relaxer, listed = dear(parts, catalog, 100.0), relaxed_imagers.imagers_of
+    relaxer, listed = dear(parts, catalog, 100.0), relaxed_imagers.imagers_of_pairs
     looked_at = list[int]()
 
     def counted(problem: Any, some: Any, *more: Any) -> Any:
         looked_at.append(sum(len(camera) for camera, _ in some.values()))
         return listed(problem, some, *more)
 
-    monkeypatch.setattr(relaxed_imagers, "imagers_of", counted)
+    monkeypatch.setattr(relaxed_imagers, "imagers_of_pairs", counted)
     found = []
     for limit in (999.0, 1000.0, 1699.0, 2499.0, 2500.0, 9999.0):
         problem = relaxer.asking(relaxer.mission.with_changes(limits={"cost": limit}))

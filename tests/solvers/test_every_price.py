@@ -14,7 +14,7 @@ from uwopt.deadline import NEVER
 from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import Mission
 from uwopt.objectives.goal import goal_of
-from uwopt.report.text.prices import price_text
+from uwopt.report.text.prices import requirement_price_text
 from uwopt.results.basis import Price
 from uwopt.results.result import Result
 from uwopt.solvers.explain.prices import prices
@@ -85,12 +85,12 @@ def test_a_figure_that_the_system_barely_reaches_is_told_on_the_side_that_it_rea
 
 def test_sentences_tell_what_is_free_and_what_would_be_best_without(solved):
     free = Price("max_blur_px", "px", 1.0, -0.1, 0.0, 0.0, free_until=0.226, without=solved.objective.value)
-    assert price_text(solved, free) == (
+    assert requirement_price_text(solved, free) == (
         "0.100 px less motion blur (max_blur_px, now 1.00 px): nothing, up to 0.226 px; nothing would be better "
         "without it"
     )
     dear = Price("min_snr_db", "db", 30.0, 1.0, 0.4, 0.4, without=1.38)
-    assert price_text(solved, dear).endswith("+0.400 W; without it 1.38 W in all")
+    assert requirement_price_text(solved, dear).endswith("+0.400 W; without it 1.38 W in all")
 
 
 @pytest.mark.parametrize(("less_db", "frame_binds"), [(1.0, False), (0.3, True)])

@@ -71,7 +71,7 @@ def best_of(rows: SceneRows, objective: Objective) -> float:
 @pytest.mark.parametrize("case", CASES)
 def test_no_settings_beat_the_bound_and_it_is_near(case: str) -> None:
     rows = lit(**{"sharpness": slow(), **CASES[case]})
-    bound, best = joint.joint_bound([rows], DEAR, np.array([np.inf]), 0.0)[0], best_of(rows, DEAR)
+    bound, best = joint.joint_bound_of_designs([rows], DEAR, np.array([np.inf]), 0.0)[0], best_of(rows, DEAR)
     assert bound <= best
     assert best - bound < 0.85  # of ln information: the intervals of the f-number are that wide
 
@@ -79,13 +79,14 @@ def test_no_settings_beat_the_bound_and_it_is_near(case: str) -> None:
 def test_of_signal_to_noise_too() -> None:
     objective = Objective.best_image("snr_db", per_w=0.03, per_money=0.0)
     rows = lit(slow(), kind=PULSED)
-    bound = joint.joint_bound([rows], objective, np.array([np.inf]), 0.0)[0]
+    bound = joint.joint_bound_of_designs([rows], objective, np.array([np.inf]), 0.0)[0]
     assert best_of(rows, objective) - 0.2 < bound <= best_of(rows, objective)
 
 
 def test_a_limit_of_power_is_kept() -> None:
     free, held, none = (
-        joint.joint_bound([lit(slow())], DEAR, np.array([limit_w]), 0.0)[0] for limit_w in (np.inf, 2.0, 1e-9)
+        joint.joint_bound_of_designs([lit(slow())], DEAR, np.array([limit_w]), 0.0)[0]
+        for limit_w in (np.inf, 2.0, 1e-9)
     )
     assert free < held and np.isinf(none)
 
@@ -109,7 +110,7 @@ def test_the_table_holds_every_transfer_of_the_model(shows: bool) -> None:
     )
     ends = np.stack([n, n], axis=1)
     level = np.searchsorted(joint.LEVELS_DB, snr_db)
-    most = joint.most_information(rows, 1.3 * one, ends, joint.snr_in_levels(snr_db))
+    most = joint.information_by_level(rows, 1.3 * one, ends, joint.snr_in_levels(snr_db))
     share = exact / most[np.arange(count), 0, level]
     assert share.max() <= 1.0
     assert np.median(share) > 0.85

@@ -17,7 +17,7 @@ from uwopt.mission.mission import Mission
 from uwopt.mission.varying import VariedMission
 from uwopt.objectives.goal import goal_of
 from uwopt.objectives.objective import Objective
-from uwopt.report.text.prices import price_text, short_price_sentence
+from uwopt.report.text.prices import requirement_price_text, short_price_sentence
 from uwopt.results.basis import Price
 from uwopt.results.result import Result
 from uwopt.solvers.explain.prices import priced_keys, step_of, what_it_costs
@@ -139,7 +139,7 @@ def test_steps_are_such_as_a_person_takes(key, asked, step):
 
 def test_sentences_tell_step_change_and_what_takes_over(solved):
     price = Price("min_snr_db", "db", 30.0, 1.0, 0.4, until=31.2, then="a + b + c + 2 x d")
-    text = price_text(solved, price)
+    text = requirement_price_text(solved, price)
     assert text.startswith("1.00 dB more signal to noise (min_snr_db, now 30.0 dB): +0.400 W")
     assert "beyond 31.2 dB another system: a + b + c + 2 x d" in text
-    assert "nothing fits" in price_text(solved, Price("min_snr_db", "db", 30.0, 1.0, None, until=30.4))
+    assert "nothing fits" in requirement_price_text(solved, Price("min_snr_db", "db", 30.0, 1.0, None, until=30.4))

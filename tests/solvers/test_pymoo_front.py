@@ -16,7 +16,7 @@ from thorough import drawn
 from uwopt.catalog.records import exact
 from uwopt.errors import MissionError
 from uwopt.objectives.axes import Axes, Frame
-from uwopt.objectives.dominance import distinct, hypervolume, near, nondominated
+from uwopt.objectives.dominance import hypervolume, near, nondominated, unlike_rows
 from uwopt.objectives.objective import Objective
 from uwopt.objectives.own import OwnObjective
 from uwopt.solvers.exact.search import Search
@@ -281,7 +281,7 @@ def test_own_objective_has_a_known_direction():
 )
 def test_distinct_points_stand_for_all_that_were_left_out(points):
     values = np.array(points)
-    kept = distinct(values, np.array([True, True, False]))
+    kept = unlike_rows(values, np.array([True, True, False]))
     for row in range(len(values)):
         alike = near(values[kept], values[row], 1e-3).all(axis=1)
         assert alike.sum() == 1 if row in kept else alike.any()

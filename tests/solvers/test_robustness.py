@@ -19,7 +19,7 @@ from uwopt.deadline import NEVER
 from uwopt.forward.assembly import load_catalog
 from uwopt.mission.mission import load_mission
 from uwopt.objectives.objective import Objective
-from uwopt.solvers.explain.assumptions import assumptions, unit_of
+from uwopt.solvers.explain.assumptions import assumptions, field_unit
 from uwopt.solvers.explain.lamp_places import missed_when_leaning
 from uwopt.solvers.explain.robustness import at_worst, doubtful, mixed_problem, robustness
 from uwopt.solvers.one_hardware import among, at_end, best_of_each, problem_of
@@ -227,5 +227,5 @@ def test_lamps_may_lean_until_the_reserve_is_used_up() -> None:
 def test_every_doubtful_number_of_a_lens_has_its_unit() -> None:
     """The pixel that a lens serves stood without one: what to ask the maker for was "2.80"."""
     lens = load_catalog().lenses[0]
-    told = {name: unit_of(name, lens) for name in ("aberration_pitch_um", "pupil_mm", "transmission_frac", "price")}
+    told = {name: field_unit(name, lens) for name in ("aberration_pitch_um", "pupil_mm", "transmission_frac", "price")}
     assert told == {"aberration_pitch_um": "µm", "pupil_mm": "mm", "transmission_frac": "", "price": lens.currency}

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from uwopt.api.choosing import chosen_of, held_by_yielding
 from uwopt.api.counting import Counts
-from uwopt.api.recommending import status_of
+from uwopt.api.recommending import solve_status
 from uwopt.api.searching import SETTINGS_SHARE, Searches
 from uwopt.api.solving import with_less_practice
 from uwopt.api.varied import Systems
@@ -66,10 +66,11 @@ class CertainPoints:
             return WhatIfPoint(list(values), "infeasible", figures={"held": counted.held})
         proof = certificate(made.sought.selection, made.sought.problem, made.proven, goal)
         exact = design.is_settable and made.is_best and (proof.gap_rel or 0.0) <= PROVEN_GAP_REL
-        status = "optimal" if status_of(proven=made.sought.outcome.complete, exact=exact) == "optimal" else "feasible"
+        status = solve_status(proven=made.sought.outcome.complete, exact=exact)
+        status = "optimal" if status == "optimal" else "feasible"
         return WhatIfPoint(
             list(values), status, self.systems.place_of(system_of(design)), counted.objective_p50,
-            figures=figures_of(counted, design),
+            figures=certain_figures(counted, design),
         )  # fmt: skip
 
 
@@ -100,7 +101,7 @@ def system_of(design: Design) -> WinningSystem:
     return WinningSystem(**ids, light_count=design.hardware.light_count, generic=generic)
 
 
-def figures_of(counted: Confidence, design: Design) -> dict[str, float]:
+def certain_figures(counted: Confidence, design: Design) -> dict[str, float]:
     """In how many fresh scenarios it holds, and what it costs and draws at likeliest values."""
     made = {
         "held": counted.held, "power_w": design.totals.power_w, "cost": design.totals.cost.value,

@@ -28,8 +28,8 @@ from uwopt.solvers.confidence.outcomes import outcomes_of_each
 from uwopt.solvers.confidence.search import (
     Certain,
     at_its_stop,
+    best_counted,
     check_fixed,
-    chosen,
     judged_anew,
     scenarios_of,
 )
@@ -60,7 +60,7 @@ def with_confidence(
     counts, certain = counts_of(sought, patient, before, deadline), None
     if counts is not None:
         with watch.stage("certainty"):
-            certain = chosen(counts.seen, patient.deadline, watch.progress)
+            certain = best_counted(counts.seen, patient.deadline, watch.progress)
     if counts is None or certain is None:
         why = "no time was left to count other hardware; --seconds gives more"
         if not patient.deadline.left_out:
@@ -207,7 +207,7 @@ def confidence_of(
     """
     from uwopt.solvers.confidence.deciding import decided_by
     from uwopt.solvers.confidence.outcomes import outcomes
-    from uwopt.solvers.confidence.summary import counted
+    from uwopt.solvers.confidence.summary import counted_confidence
 
     check_fixed(problem, goal)
     scenarios = scenarios_of(problem, asked, problem.mission.seed, OF_A_SYSTEM)
@@ -225,7 +225,7 @@ def confidence_of(
     share = 1.0 if asked == ENDS else float(asked)
     seen = Counted(found, made, made.best(share))
     by = [] if asked == ENDS else decided_by(problem, goal, seen, scenarios)
-    known = counted(problem, goal, seen, asked=asked, share=share, decided_by=by)
+    known = counted_confidence(problem, goal, seen, asked=asked, share=share, decided_by=by)
     if known.enough or asked == ENDS:
         return known
     few = scenarios_of(problem, share, problem.mission.seed, problem.mission.doubt.scenarios, scenarios)

@@ -51,7 +51,7 @@ def is_empty(sought: FrontSearched) -> bool:
     return all(len(peer.values) == 0 and peer.status == "complete" for peer in sought.peers)
 
 
-def certificate(sought: FrontSearched, front: Front) -> dict[str, Any]:
+def front_proof(sought: FrontSearched, front: Front) -> dict[str, Any]:
     """What the exact front proves, and where every combination went."""
     by_rule = {rule: count for rule, count in front.account.items() if rule != "evaluated"}
     gap = front.hypervolume_bound - front.hypervolume
@@ -93,7 +93,7 @@ def methods_of(sought: FrontSearched, frame: Frame) -> list[FrontMethod]:
     return out
 
 
-def status_of(sought: FrontSearched, *, limited: bool) -> str:
+def front_search_status(sought: FrontSearched, *, limited: bool) -> str:
     """In one word, how the search ended; `limited`: the call set a time."""
     if sought.front is not None:
         empty = len(sought.front.values) == 0
@@ -112,7 +112,7 @@ def front_status(front: Front) -> str:
     return "interrupted" if front.interrupted else "complete" if front.complete else "stopped"
 
 
-def figures_of(problem: Problem, founds: Sequence[Found]) -> list[Design]:
+def points_evaluated(problem: Problem, founds: Sequence[Found]) -> list[Design]:
     """Designs evaluated again through the forward model: figures and margins."""
     asked = [
         (hardware := found.hardware, given_of(problem, hardware, found.settings)) for found in founds
@@ -124,7 +124,7 @@ def figures_of(problem: Problem, founds: Sequence[Found]) -> list[Design]:
     ]
 
 
-def check_claim(claimed: dict[str, float], reported: dict[str, float], design: Design) -> None:
+def check_point_claim(claimed: dict[str, float], reported: dict[str, float], design: Design) -> None:
     """The forward model must agree with the search, and every requirement must hold."""
     for name, value in claimed.items():
         rel = VEILED_REL if name in VEILED else AGREES_REL

@@ -38,7 +38,7 @@ def recommended(chosen: Recommendation) -> Result:
         physics=replace(base.physics, effects=[item.used() for item in proven_in_full(influences)]),
         confidence=chosen.counted,
         mission_as_solved=as_solved(mission, chosen.given_way) if chosen.given_way else None,
-        status=status_of(proven=chosen.is_proven, exact=exact),
+        status=solve_status(proven=chosen.is_proven, exact=exact),
         recommendation=winner,
         certificate=proof,
         assumptions=assumptions(problem, best),
@@ -56,7 +56,7 @@ def recommended(chosen: Recommendation) -> Result:
     )
 
 
-def status_of(*, proven: bool, exact: bool) -> str:
+def solve_status(*, proven: bool, exact: bool) -> str:
     """The status of a result with a recommendation."""
     if not proven:
         return "stopped"

@@ -24,13 +24,13 @@ from uwopt.api.front_asked import (
 )
 from uwopt.api.front_found import (
     FrontSearched,
-    certificate,
-    check_claim,
-    figures_of,
+    check_point_claim,
+    front_proof,
+    front_search_status,
     is_empty,
     methods_of,
+    points_evaluated,
     reference,
-    status_of,
 )
 from uwopt.api.practice_known import PracticeKnown
 from uwopt.api.recommending import proven_in_full
@@ -281,14 +281,14 @@ class ParetoCall:
         """Everything found, as a result."""
         base = base_result("pareto", self.mission, self.builtin, sought.problem)
         front = sought.front
-        status = status_of(sought, limited=self.limited)
+        status = front_search_status(sought, limited=self.limited)
         made = FrontResult(
             status=status, mission=base.mission, physics=base.physics, objectives=self.axes_of_result(),
             uwopt_version=base.uwopt_version, seed=self.seed, versions=base.versions, mission_file=base.mission_file,
             warnings=selection_warnings(sought.selection),
         )  # fmt: skip
         if front is not None:
-            made = replace(made, certificate=certificate(sought, front))
+            made = replace(made, certificate=front_proof(sought, front))
         values, founds, method = self.shown(sought)
         if len(values) == 0:
             return self.without_points(made)
@@ -363,7 +363,7 @@ class ParetoCall:
             hardware = found.hardware
             claimed = {o.name: float(v) for o, v in zip(objectives, values[n] * signs, strict=True)}
             reported = {**claimed, **values_of(design, objectives)}
-            check_claim(claimed, reported, design)
+            check_point_claim(claimed, reported, design)
             curve = curves.setdefault(hardware, f"c{len(curves) + 1}")
             points.append(FrontPoint(f"p{n + 1}", reported, curve, methods[n], design))
         return points
@@ -375,7 +375,7 @@ class ParetoCall:
         def told(number: int) -> None:
             self.progress(0.9 + 0.1 * number / len(batches), "figures of the front")
 
-        works = [partial(figures_of, problem, batch) for batch in batches]
+        works = [partial(points_evaluated, problem, batch) for batch in batches]
         return [design for batch in side_by_side(works, begins=told) for design in batch]
 
     def rounded(self, sought: FrontSearched, point: FrontPoint, found: Found) -> FrontPoint:

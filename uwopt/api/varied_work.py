@@ -69,7 +69,7 @@ class Work:
         for number, at in enumerate(order):
             if self.deadline.passed():
                 break
-            values = ", ".join(f"{key.name} {shown(value)}" for key, value in zip(grid.keys, at, strict=True))
+            values = ", ".join(f"{key.name} {key_value_text(value)}" for key, value in zip(grid.keys, at, strict=True))
             self.say(number / len(order), f"point {number + 1} of {len(order)}: {values}")
             point = grid.solve(at)
             self.told(grid, at)
@@ -167,15 +167,15 @@ class Work:
             answer = warm.best(mission, ahead=factor == 1.0 or sign * (factor - 1.0) < 0.0)
             points.append(self.systems.point((factor,), answer))
         points.sort(key=lambda point: float(point.values[0]))
-        return SpiderLine(f"{key.section}.{key.name}", unit_of(key, self.base.base), float(key.values[0]), points)
+        return SpiderLine(f"{key.section}.{key.name}", key_unit(key, self.base.base), float(key.values[0]), points)
 
 
-def shown(value: Value) -> str:
+def key_value_text(value: Value) -> str:
     """A value in a line."""
     return value if isinstance(value, str) else f"{value:.6g}"
 
 
-def unit_of(key: Varied, mission: Mission) -> str:
+def key_unit(key: Varied, mission: Mission) -> str:
     """The unit of a key's values."""
     if not key.is_numeric:
         return ""

@@ -9,7 +9,7 @@ from uwopt.api.common import Source, central_notes, given, time_warnings
 from uwopt.api.floats import own_float_rules
 from uwopt.api.varied import Systems, VariedGrid
 from uwopt.api.varied_lines import Lines
-from uwopt.api.varied_work import Work, shown, unit_of
+from uwopt.api.varied_work import Work, key_unit, key_value_text
 from uwopt.api.watch import Watch
 from uwopt.api.yielding import yield_notes
 from uwopt.deadline import Progress
@@ -102,7 +102,7 @@ def whatif(
         objective=ObjectiveValue(goal.name, goal.direction, None, goal.unit(base.base.limits.currency)),
         uwopt_version=__version__,
         keys=[
-            VariedKey(key.key, unit_of(key, base.base), list(key.values), sign)
+            VariedKey(key.key, key_unit(key, base.base), list(key.values), sign)
             for key, sign in zip(keys, grid.signs, strict=True)
         ],
         points=points,
@@ -191,7 +191,7 @@ def check_points(grid: VariedGrid) -> list[Note]:
             alone = f"{key.name} = {value!r} "  # of what no mission takes the fault says all there is to say
             if alone in fault and not (key.is_numeric and grid.base.is_allowed(key, value)):
                 raise MissionError(f"whatif: vary {key.key}: {value!r} {fault.partition(alone)[2]}")
-    values = ", ".join(f"{key.key} = {shown(value)}" for key, value in zip(grid.keys, at, strict=True))
+    values = ", ".join(f"{key.key} = {key_value_text(value)}" for key, value in zip(grid.keys, at, strict=True))
     count = len(grid.refused)
     more = f" ({count} of {len(every)} points are like that)" if count > 1 else ""
     told = f"at {values} the mission contradicts itself{more}: {why}"

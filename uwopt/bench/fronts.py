@@ -47,7 +47,7 @@ def gap_of(values: Array, front: Front) -> float | None:
     return 1.0 - reached / front.hypervolume_bound if reached > 0.0 else None
 
 
-def rows_of(
+def front_rows(
     case: str, method: str, seed: int | None, history: Sequence[tuple[float, Array]], front: Front, last: BenchRow
 ) -> Iterator[BenchRow]:  # fmt: skip
     """Some of the archives of a run, evenly spread in the logarithm of time, then its end."""
@@ -83,7 +83,7 @@ def run_exact(
         return front, [BenchRow("pareto", case, EXACT, 0.0, None, front.seconds, status=why)]
     gap = 1.0 - front.hypervolume / front.hypervolume_bound
     last = BenchRow("pareto", case, EXACT, float(len(front.values)), None, front.seconds, gap, status=status)
-    return front, list(rows_of(case, EXACT, None, front.history, front, last))
+    return front, list(front_rows(case, EXACT, None, front.history, front, last))
 
 
 def run_population(
@@ -106,7 +106,7 @@ def run_population(
     gap = gap_of(history[-1][1], front) if history else None
     last = BenchRow("pareto", case, algorithm, float(len(history[-1][1])) if history else 0.0, seed, took_s, gap,
                status=found.status, note=f"{found.evaluations} evaluations within {seconds:.3g} s")  # fmt: skip
-    return list(rows_of(case, algorithm, seed, history, front, last))
+    return list(front_rows(case, algorithm, seed, history, front, last))
 
 
 def measure(budget: Budget, algorithms: Sequence[str] | None = None) -> Iterator[BenchRow]:
@@ -161,7 +161,7 @@ def runs_of(rows: Sequence[BenchRow], case: str, method: str) -> list[list[Bench
     return [run for run in runs if run]
 
 
-def table_of(rows: Sequence[BenchRow]) -> BenchTable:
+def fronts_table(rows: Sequence[BenchRow]) -> BenchTable:
     """Seconds to the target and the gap at the end, by mission and method."""
     body = []
     for case in dict.fromkeys(row.case for row in rows):
@@ -209,5 +209,5 @@ SUITE = Suite(
     size_name="points",
     time_name="elapsed time, s",
     error_name="hypervolume gap",
-    tables=lambda rows: (table_of(rows),),
+    tables=lambda rows: (fronts_table(rows),),
 )

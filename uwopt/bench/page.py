@@ -11,7 +11,7 @@ from uwopt.bench.charts import charts
 from uwopt.bench.run import MODULES, Bench
 from uwopt.bench.suite import COLUMNS, BenchTable, Suite
 from uwopt.documents.files import csv_text
-from uwopt.report.page.html_file import compact_json, packed, rendered
+from uwopt.report.page.html_file import compact_json, gzip_text, rendered
 from uwopt.report.text import formats
 from uwopt.report.text.cells import defused
 from uwopt.report.text.layout import Block, Grid, Text, block, columns, sentence
@@ -136,5 +136,5 @@ def bench_html(bench: Bench) -> str:
         "bench.html", ("page.js",), {"figures": figures, "front": None}, name="Error against run time",
         title="Benchmark",
         version=facts["uwopt"], facts=facts, sections=sections, interrupted=bench.interrupted, quick=bench.quick,
-        raw=packed(compact_json(bench.as_dict())), raw_name=DATA,
+        raw=gzip_text(compact_json(bench.as_dict())), raw_name=DATA,
     )  # fmt: skip

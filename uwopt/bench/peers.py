@@ -243,7 +243,7 @@ def run_exact(contest: Contest) -> list[BenchRow]:
     referee = Referee(contest, np.inf, contest.problem())
     status = exact(referee)
     took_s = referee.time_s
-    return rows_of(
+    return run_rows(
         contest, EXACT, None, referee.seen, Snapshot(took_s, referee.evaluations, referee.gap), status
     )
 
@@ -255,21 +255,21 @@ def run_peer(contest: Contest, method: str, seed: int, seconds: float) -> list[B
         PEERS[method](referee, seed)
     except NotApplicableError as why:
         nothing = Snapshot(0.0, 0, None)
-        return rows_of(contest, method, seed, [], nothing, "not applicable", str(why))
+        return run_rows(contest, method, seed, [], nothing, "not applicable", str(why))
     except UwoptError as fault:
         end = Snapshot(referee.time_s, referee.evaluations, referee.gap)
-        return rows_of(contest, method, seed, referee.seen, end, "failed", str(fault).splitlines()[0])
+        return run_rows(contest, method, seed, referee.seen, end, "failed", str(fault).splitlines()[0])
     took_s, gap = referee.time_s, referee.gap
     status = "reached" if gap is not None and gap <= TARGET else "stopped"
     note = f"within {seconds:.3g} s"
     if referee.refused:
         note += f"; {referee.refused} claims that the forward model does not confirm"
-    return rows_of(
+    return run_rows(
         contest, method, seed, referee.seen, Snapshot(took_s, referee.evaluations, gap), status, note
     )
 
 
-def rows_of(
+def run_rows(
     contest: Contest,
     method: str,
     seed: int | None,

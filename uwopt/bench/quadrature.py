@@ -274,10 +274,10 @@ def measure(budget: Budget) -> Iterator[BenchRow]:
 
 def tables(rows: Sequence[BenchRow]) -> Sequence[BenchTable]:
     """By case: the default's error and time, and the least order that reaches 1e-4."""
-    return [table_of(target, [row for row in rows if row.method.startswith(target)]) for target in TARGETS]
+    return [target_table(target, [row for row in rows if row.method.startswith(target)]) for target in TARGETS]
 
 
-def table_of(target: str, rows: Sequence[BenchRow]) -> BenchTable:
+def target_table(target: str, rows: Sequence[BenchRow]) -> BenchTable:
     """One target."""
     lines = []
     for case in dict.fromkeys(row.case for row in rows):

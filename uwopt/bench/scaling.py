@@ -81,7 +81,7 @@ def search_of(mission: Mission, parts: Parts, *, deadline: Deadline = NEVER) -> 
     return Search(problem, goal_of(mission), top=1, deadline=deadline)
 
 
-def status_of(outcome: Outcome) -> str:
+def proof_status(outcome: Outcome) -> str:
     """What was proven: an optimum with no gap, or that there is none, with every combination accounted for."""
     if not outcome.complete:
         return "stopped"
@@ -103,7 +103,7 @@ def measured(name: str, size: float, *, physics: str = PHYSICS, deadline: Deadli
     ids = [] if found is None else [part.id for part in parts.of(found).values()]
     ids[3:] = [] if found is None else [f"{found.count} x {ids[3]}"]
     return Point(
-        float(outcome.account.total), took_s, elapsed_s, peak_mib(), status_of(outcome), outcome.account.evaluated,
+        float(outcome.account.total), took_s, elapsed_s, peak_mib(), proof_status(outcome), outcome.account.evaluated,
         None if found is None else found.minimised, ", ".join(ids),
     )  # fmt: skip
 
@@ -136,10 +136,10 @@ def apart(name: str, size: float, *, physics: str = PHYSICS, seconds: float) -> 
 def measure(budget: Budget) -> Iterator[BenchRow]:
     """All missions by rising size, while time is left: a mission that was stopped is not asked for more."""
     sizes = QUICK_SIZES if budget.quick else FULL_SIZES
-    yield from rows_of(budget, sizes, PHYSICS)
+    yield from size_rows(budget, sizes, PHYSICS)
 
 
-def rows_of(budget: Budget, sizes: Sequence[float], physics: str) -> Iterator[BenchRow]:
+def size_rows(budget: Budget, sizes: Sequence[float], physics: str) -> Iterator[BenchRow]:
     """Rows of these sizes, smallest first."""
     steps, stopped = [(size, name) for size in sizes for name in MISSIONS], set()
     for step, (size, name) in enumerate(steps):

@@ -98,7 +98,7 @@ def built_in_cells(origin: str = "published") -> dict[str, tuple[Kind, Row]]:
     }
 
 
-def replayed(changes: Sequence[CellChange], file: str) -> dict[str, tuple[Kind, Row]]:
+def rows_after_changes(changes: Sequence[CellChange], file: str) -> dict[str, tuple[Kind, Row]]:
     """Rows that a log changes or adds, as they stand after its last line, by their plain names."""
     rows: dict[str, tuple[Kind, Row]] = {}
     for line, change in enumerate(changes, start=1):

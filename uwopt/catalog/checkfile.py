@@ -38,7 +38,7 @@ class FileReport:
         return not self.faults
 
 
-def check_file(path: Path, beside: Sequence[Path] = ()) -> FileReport:
+def file_report(path: Path, beside: Sequence[Path] = ()) -> FileReport:
     """Check a parts file, a price list or a curve; never raises for what the file holds.
 
     beside : files of parts of which a price list may name some
@@ -71,12 +71,12 @@ def _checked(path: Path, beside: Sequence[Path]) -> FileReport:
 
 def _checked_changes(path: Path, table: Table) -> FileReport:
     """A log of changes: its lines, the parts that it leaves, and what has moved on beneath it."""
-    from uwopt.catalog.load import load_catalog
+    from uwopt.catalog.load import read_catalog
 
     changes, faults = changes_of(table)
     if not faults:
         try:
-            load_catalog([path])
+            read_catalog([path])
         except CatalogError as fault:
             faults = list(fault.faults)
     return FileReport(path, "changes", len(table.rows), tuple(faults), tuple(moved_on(changes)))
@@ -85,10 +85,10 @@ def _checked_changes(path: Path, table: Table) -> FileReport:
 def _built(path: Path) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Faults that only show when the parts are built, and what is estimated or missing."""
     from uwopt.catalog.listing import estimated_fields
-    from uwopt.catalog.load import load_catalog
+    from uwopt.catalog.load import read_catalog
 
     try:
-        catalog = load_catalog([path])
+        catalog = read_catalog([path])
     except CatalogError as fault:
         return tuple(fault.faults), ()
     rows, _ = check_parts(path)
@@ -105,12 +105,12 @@ def _built(path: Path) -> tuple[tuple[str, ...], tuple[str, ...]]:
 def _unknown_ids(quotes: list[PriceQuote], beside: Sequence[Path]) -> list[str]:
     """Quotes of parts that neither the catalogue nor a file beside has, which no mission takes."""
     from uwopt.catalog.catalogue import unknown_part
-    from uwopt.catalog.load import load_catalog
+    from uwopt.catalog.load import read_catalog
 
-    ids = {*load_catalog().ids()}
+    ids = {*read_catalog().ids()}
     for path in beside:
         with contextlib.suppress(CatalogError):  # told of itself, or no file of parts
-            ids |= {*load_catalog([path]).ids()}
+            ids |= {*read_catalog([path]).ids()}
     known = {part_id.casefold() for part_id in ids}
     return [
         f"{quote.where}: {unknown_part(quote.part_id, ids)} Of an own part, check the file that has it beside this one."

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from uwopt.catalog.catalogue import Catalog, Exclusion, unknown_part
-from uwopt.catalog.changes import CellChange, checked_rows, read_changes, replayed
+from uwopt.catalog.changes import CellChange, checked_rows, read_changes, rows_after_changes
 from uwopt.catalog.parts.kinds import PARTS
 from uwopt.catalog.readers.readers import READERS
 from uwopt.catalog.readers.reading import Built, Origin
@@ -24,7 +24,7 @@ PathLike = str | Path
 P = TypeVar("P", bound=Part)
 
 
-def load_catalog(
+def read_catalog(
     user_files: Sequence[PathLike] = (), prices: PathLike | None = None, base_dir: PathLike | None = None
 ) -> Catalog:
     """The whole catalogue; users' files are looked for in `base_dir` (the mission file's folder).
@@ -110,7 +110,7 @@ def assembled(built: Iterable[tuple[Kind, Built]]) -> Catalog:
 
 def with_changes(catalog: Catalog, log: Sequence[CellChange], path: Path) -> Catalog:
     """The catalogue after a log of changes: changed parts in their places, new ones behind."""
-    rows, faults = checked_rows(replayed(log, path.name).values(), path.parent)
+    rows, faults = checked_rows(rows_after_changes(log, path.name).values(), path.parent)
     if faults:
         raise CatalogError(faults)
     changed = assembled(build_rows(rows, "published"))

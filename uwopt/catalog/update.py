@@ -15,7 +15,7 @@ from uwopt.catalog.changes import (
     checked_rows,
     is_change_table,
     kind_named,
-    replayed,
+    rows_after_changes,
 )
 from uwopt.catalog.columns import COLUMNS
 from uwopt.catalog.money import known_rates
@@ -54,7 +54,7 @@ def planned(sources: Sequence[Path], log: Path, *, date: str, source: str = "") 
     faults += wrong
     if faults:
         raise CatalogError(faults)
-    standing = built_in_cells() | replayed(before, log.name)
+    standing = built_in_cells() | rows_after_changes(before, log.name)
     changes: list[CellChange] = []
     seen: dict[str, Row] = {}
     for kind, row in _brought([path for path in _files(sources, faults) if path != log], standing, faults):
@@ -205,7 +205,7 @@ def _faults_after(
     touched = {plain_name(change.id) for change in changes}
     rows = [
         (kind, Row(brought[key].file, brought[key].line, row.cells))
-        for key, (kind, row) in replayed([*before, *changes], log.name).items()
+        for key, (kind, row) in rows_after_changes([*before, *changes], log.name).items()
         if key in touched
     ]
     typed, faults = checked_rows(rows, log.parent)

@@ -34,8 +34,8 @@ from uwopt.cli.options import (
     PhysicsOption,
     QuietOption,
     ToleranceOption,
+    command_deadline,
     folder_as,
-    limit_of,
     objective_as,
     parsed_objective,
     seconds_as,
@@ -160,7 +160,7 @@ def solve_command(
     from uwopt.report.write import check_folder
     from uwopt.solvers.beside import cores
 
-    deadline = limit_of(seconds)
+    deadline = command_deadline(seconds)
     wanted = None if objective is None else parsed_objective(objective)
     if out is not None:
         check_folder(out)
@@ -222,7 +222,7 @@ def evaluate_command(
     """Say what a given system would do in a mission: figures and margins."""
     from uwopt.report.write import check_folder
 
-    deadline = limit_of(seconds)
+    deadline = command_deadline(seconds)
     if out is not None:
         check_folder(out)
     from uwopt.api.evaluating import evaluate

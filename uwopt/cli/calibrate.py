@@ -55,10 +55,10 @@ def calibrate_command(
     """Fit test shots of a system: light, floor and water as they are, and what that changes."""
     from uwopt.report.order.calibrated import calibration_blocks
     from uwopt.report.text.console import ProgressBar
-    from uwopt.report.write import check_file, made_folder, write_files
+    from uwopt.report.write import checked_out_file, made_folder, write_files
 
     limit_s = checked_seconds(seconds)
-    target = None if out is None else check_file(out)
+    target = None if out is None else checked_out_file(out)
     if target is not None and target.absolute() in (Path(mission).absolute(), Path(system).absolute()):
         raise OutputError(f"{out}: is what is calibrated, with your comments in it; name another file for --out.")
     written: list[Path] = []

@@ -104,12 +104,12 @@ def check_command(
     ],
 ) -> int:
     """Check own files row by row; exit with status 2 when one has a fault."""
-    from uwopt.catalog.checkfile import check_file
+    from uwopt.catalog.checkfile import file_report
     from uwopt.report.text.console import print_blocks
     from uwopt.report.text.parts import check_blocks
 
     paths = [*map(Path, files)]
-    reports = [check_file(path, [other for other in paths if other != path]) for path in paths]
+    reports = [file_report(path, [other for other in paths if other != path]) for path in paths]
     for report in reports:
         if report.content == "unreadable":
             print_notice("\n".join(report.faults), BAD_INPUT)
@@ -222,9 +222,9 @@ def template_command(
 
 def loaded_catalog(files: list[str] | None) -> Any:
     """The built-in catalogue, with own parts."""
-    from uwopt.catalog.load import load_catalog
+    from uwopt.catalog.load import read_catalog
 
-    return load_catalog(files or ())
+    return read_catalog(files or ())
 
 
 def raise_unknown(pattern: str, catalog: Any, kind: Any) -> NoReturn:

@@ -10,8 +10,8 @@ from uwopt.cli.options import (
     MissionArgument,
     PhysicsOption,
     QuietOption,
+    command_deadline,
     folder_as,
-    limit_of,
     seconds_as,
     time_to_answer,
 )
@@ -36,7 +36,7 @@ def compare_command(
     from uwopt.report.text.console import ProgressBar
     from uwopt.report.write import check_folder, made_folder, write_files
 
-    deadline = limit_of(seconds)
+    deadline = command_deadline(seconds)
     folder = None if out is None else check_folder(out)
     with ProgressBar(quiet=quiet) as bar:
         from uwopt.api.comparing import compare

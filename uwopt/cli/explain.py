@@ -9,7 +9,7 @@ from uwopt.cli.options import (
     MissionArgument,
     PhysicsOption,
     QuietOption,
-    limit_of,
+    command_deadline,
     seconds_as,
     time_to_answer,
 )
@@ -33,7 +33,7 @@ def explain_command(
     from uwopt.report.text.console import ProgressBar
     from uwopt.report.text.explanation import explanation_blocks
 
-    deadline = limit_of(seconds)
+    deadline = command_deadline(seconds)
     with ProgressBar(quiet=quiet) as bar:
         from uwopt.api.solving import solve
 

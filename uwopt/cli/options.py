@@ -69,7 +69,7 @@ WRITE_S, PRINT_S = 2.0, 0.3  # at most, of a time that is given: for what follow
 AFTER_SHARE = 0.25  # of a short time, instead
 
 
-def limit_of(seconds: float | None) -> Deadline:
+def command_deadline(seconds: float | None) -> Deadline:
     """When a command's time is over, which runs from now on: what it takes to load a program is of it."""
     return Deadline.after(checked_seconds(seconds))
 

@@ -12,8 +12,8 @@ from uwopt.cli.options import (
     MissionArgument,
     PhysicsOption,
     QuietOption,
+    command_deadline,
     folder_as,
-    limit_of,
     seconds_as,
     time_to_answer,
 )
@@ -57,7 +57,7 @@ def pareto_command(
     from uwopt.report.write import check_folder
     from uwopt.solvers.beside import cores
 
-    deadline = limit_of(seconds)
+    deadline = command_deadline(seconds)
     if out is not None:
         check_folder(out)
     with ProgressBar(quiet=quiet, of_all=True) as bar, cores():

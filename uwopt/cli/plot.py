@@ -52,13 +52,13 @@ def plot_command(
 ) -> int:
     """Draw one plot of a system in a mission: sharpness, operation, spectra, light, or any figure over two inputs."""
     from uwopt.report.text.console import ProgressBar
-    from uwopt.report.write import check_file
+    from uwopt.report.write import checked_out_file
 
     if not out:
         raise RangeError(f"plot {name}: names no file to write; add such as -o {name}.html, or .png, .svg, .csv")
     from uwopt.explore.plotting import checked_suffix, plot
 
-    check_file(checked_suffix(out))
+    checked_out_file(checked_suffix(out))
     inputs = by_key([word for word in (x, y) if word is not None], "--x, --y")
     with ProgressBar(quiet=quiet, of_all=system is not None) as bar:
         more = {} if figure is None else {"figure": figure}

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from uwopt.cli.options import limit_of, seconds_as
+from uwopt.cli.options import command_deadline, seconds_as
 from uwopt.cli.output import tell_written
 from uwopt.cli.status import DONE, command
 
@@ -33,7 +33,7 @@ def report_command(
     from uwopt.report.write import PAGE_FILE, check_page, page_in, write_page
     from uwopt.results.reading import read_result
 
-    deadline = limit_of(seconds)
+    deadline = command_deadline(seconds)
     target = check_page(page_in(str(Path(result).parent) if out is None else out, PAGE_FILE))
     with ProgressBar(quiet=quiet) as bar:
         if bar.report is not None:

@@ -38,12 +38,12 @@ def command(work: Callable[..., int | None]) -> Callable[..., None]:
 
     @functools.wraps(work)
     def guarded(*args: Any, **kwargs: Any) -> None:
-        raise typer.Exit(status_of(lambda: work(*args, **kwargs)))
+        raise typer.Exit(exit_status(lambda: work(*args, **kwargs)))
 
     return guarded
 
 
-def status_of(work: Callable[[], int | None]) -> int:
+def exit_status(work: Callable[[], int | None]) -> int:
     """Run a command; what goes wrong is told on the error stream."""
     try:
         return work() or DONE

@@ -7,7 +7,14 @@ from typing import Annotated
 
 import typer
 
-from uwopt.cli.options import MissionArgument, PhysicsOption, QuietOption, folder_as, limit_of, seconds_as
+from uwopt.cli.options import (
+    MissionArgument,
+    PhysicsOption,
+    QuietOption,
+    command_deadline,
+    folder_as,
+    seconds_as,
+)
 from uwopt.cli.output import print_made, tell_written
 from uwopt.cli.status import DONE, command, print_notice, result_status
 
@@ -35,7 +42,7 @@ def tender_command(
     from uwopt.report.write import check_folder, made_folder, write_files
     from uwopt.results.reading import read_solved
 
-    deadline = limit_of(seconds)
+    deadline = command_deadline(seconds)
     folder = check_folder(out)
     held = read_solved(result)
     with ProgressBar(quiet=quiet) as bar:

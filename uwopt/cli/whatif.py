@@ -12,8 +12,8 @@ from uwopt.cli.options import (
     MissionArgument,
     PhysicsOption,
     QuietOption,
+    command_deadline,
     folder_as,
-    limit_of,
     objective_as,
     parsed_objective,
     seconds_as,
@@ -55,7 +55,7 @@ def whatif_command(
     from uwopt.report.write import check_folder, write_whatif
     from uwopt.solvers.beside import cores
 
-    deadline = limit_of(seconds)
+    deadline = command_deadline(seconds)
     wanted = None if objective is None else parsed_objective(objective)
     varied = by_key(vary or [])
     if out is not None:

@@ -33,7 +33,7 @@ class WholeFile(Section):
         return resolve_path(text, self._base_dir)
 
 
-def placed(made: AnyFile, document: Document, base_dir: Path | None = None) -> AnyFile:
+def with_origin(made: AnyFile, document: Document, base_dir: Path | None = None) -> AnyFile:
     """What was made of a document, with where that came from; a mapping's files are looked for in `base_dir`."""
     made._base_dir, made._source_name = document.base_dir or base_dir, document.name
     made._source_text = document.text

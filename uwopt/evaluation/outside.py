@@ -16,7 +16,7 @@ from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import Choice
 from uwopt.evaluation.design_model import DesignModel, design_model
 from uwopt.evaluation.focus_marks import stands_at_mark
-from uwopt.forward.assembly import bare_cable_m, chosen
+from uwopt.forward.assembly import bare_cable_m, selection_of
 from uwopt.forward.designs import Hardware, SceneSettings
 from uwopt.forward.figures import SettingRows
 from uwopt.forward.lamps import mission_mounts
@@ -75,7 +75,7 @@ def other_parts(mission: Mission, catalog: Catalog, system: System) -> Iterator[
     wanted = {name: getattr(mission.catalog, name) for name in names}
     choice = Choice(**wanted, generic=mission.catalog.generic_at_last)
     vehicle = mission.vehicle
-    selection = chosen(
+    selection = selection_of(
         catalog, choice, required_depth_m=mission.required_depth_m, lamp_supply=vehicle.lamp_supply,
         duration_h=vehicle.duration_h, cable_m=bare_cable_m(mission),
     )  # fmt: skip

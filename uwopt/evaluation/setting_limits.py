@@ -63,9 +63,9 @@ def setting_limits(model: DesignModel, index: int, settings: SettingRows) -> lis
     tried = NearSettings(model, index, settings)
     asked = [(name, sign, aside) for name in names for sign in (-1, 1) for aside in (False, True)]
     ends = dict(zip(asked, tried.ends(asked), strict=True))
-    found = [limit_of(name, ends) for name in names]
+    found = [setting_limit(name, ends) for name in names]
     focus = {("focus_distance_m", sign, aside): tried.focus_end(sign, aside) for _, sign, aside in asked[:4]}
-    return [limit_of("focus_distance_m", focus), *found]
+    return [setting_limit("focus_distance_m", focus), *found]
 
 
 def applies(name: str, kind: int, *, unlit: bool) -> bool:
@@ -75,7 +75,7 @@ def applies(name: str, kind: int, *, unlit: bool) -> bool:
     return name != "dim_frac" or not unlit
 
 
-def limit_of(name: str, ends: dict[tuple[str, int, bool], SettingEnd]) -> SettingLimit:
+def setting_limit(name: str, ends: dict[tuple[str, int, bool], SettingEnd]) -> SettingLimit:
     """Both sides of one setting, with and without the brightness."""
     low, high = (ends[name, sign, False] for sign in (-1, 1))
     return SettingLimit(name, low, high, ends[name, -1, True], ends[name, 1, True])

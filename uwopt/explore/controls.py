@@ -14,8 +14,8 @@ from uwopt.catalog.curves.spectra import light_spectrum_names
 from uwopt.catalog.records import OF_A_DESIGN
 from uwopt.documents.key_types import keys_of
 from uwopt.mission.keys import JERLOV_TYPES, OBJECTIVES, SEAFLOORS
-from uwopt.mission.mission import sections as mission_sections
-from uwopt.mission.system import sections as system_sections
+from uwopt.mission.mission import mission_sections
+from uwopt.mission.system import system_sections
 from uwopt.units import split_unit, symbol
 
 OWN = "own numbers"  # in place of a part's id: the record that the controls below it state

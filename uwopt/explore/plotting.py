@@ -54,9 +54,9 @@ class DesignPlot:
 
     def write(self, file: str | Path) -> Path:
         """Write it, in the form that the file's name ends in: .html, .png, .svg or .csv."""
-        from uwopt.report.write import check_file, made_folder, write_files
+        from uwopt.report.write import checked_out_file, made_folder, write_files
 
-        target = check_file(checked_suffix(file))
+        target = checked_out_file(checked_suffix(file))
         made = self.content(target.suffix.casefold())
         return write_files(made_folder(target.parent), {target.name: made})[0]
 

@@ -151,7 +151,7 @@ class Explorer:
         held = f"Own files in this tab: {', '.join(files)}. The address does not hold them." if files else ""
         name = printable(str(made["mission"].get("name") or "mission"))[:120]
         return (
-            no_update if made == state else made, *shown, faults, marks, states.packed(made), name, extra, held,
+            no_update if made == state else made, *shown, faults, marks, states.address_of(made), name, extra, held,
         )  # fmt: skip
 
     def own_parts(self, state: states.State) -> dict[str, list[str]]:

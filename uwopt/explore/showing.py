@@ -11,7 +11,7 @@ from uwopt.explore.controls import CONTROLS
 from uwopt.explore.dash_door import dcc, html
 from uwopt.explore.outcome import SHOWN, KeptResults, shown_figures, shown_margins, shown_rig
 from uwopt.explore.state import State
-from uwopt.report.notebook import objective_text
+from uwopt.report.notebook import goal_and_value
 from uwopt.report.pictures.design_pictures import Picture
 from uwopt.results.result import Result
 
@@ -82,7 +82,7 @@ def figure_table(state: State, found: list[Result | UwoptError]) -> Any:
         )
         for name, label in SHOWN.items()
     ]
-    goals = [objective_text(one) if isinstance(one, Result) else "not known" for one in found]
+    goals = [goal_and_value(one) if isinstance(one, Result) else "not known" for one in found]
     rows.append(html.Tr([html.Th("What is to be best", scope="row"), *map(html.Td, goals)]))
     return html.Table([html.Thead(head), html.Tbody(rows)])
 

@@ -276,7 +276,7 @@ def named_files(value: Any) -> set[str]:
     return {value} if isinstance(value, str) and value.strip().casefold().endswith(FILE_ENDINGS) else set()
 
 
-def packed(state: State) -> str:
+def address_of(state: State) -> str:
     """The state for an address, own files left out; "" where it would be too long for one."""
     plain = json.dumps({key: state[key] for key in ("mission", "systems", "shown", "scene")}, separators=(",", ":"))
     text = base64.urlsafe_b64encode(zlib.compress(plain.encode(), 9)).decode()

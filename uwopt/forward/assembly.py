@@ -11,7 +11,7 @@ import numpy as np
 
 from uwopt.catalog.catalogue import Catalog
 from uwopt.catalog.choose import PATTERN_KEYS, Choice, Selection, ToBeMade, matches, select
-from uwopt.catalog.load import load_catalog as _load_catalog
+from uwopt.catalog.load import read_catalog as _load_catalog
 from uwopt.catalog.parts.light import NO_LAMP
 from uwopt.catalog.records import Port
 from uwopt.errors import CatalogError, MissionError
@@ -59,7 +59,7 @@ def wish(requirements: Requirements, key: str) -> str:
 SELECTIONS: Once[Selection] = Once(64)
 
 
-def chosen(catalog: Catalog, choice: Choice, *, fixed: Fixed | None = None, **asked: Any) -> Selection:
+def selection_of(catalog: Catalog, choice: Choice, *, fixed: Fixed | None = None, **asked: Any) -> Selection:
     """What `select` makes of a catalogue, once for all that choose alike.
 
     fixed : settings that every part must be able to take
@@ -81,7 +81,7 @@ def selected(
     wanted = {name: getattr(mission.catalog, name) for name in names if name != "generic"}
     wanted["lights"] = light_patterns(mission)
     choice = Choice(**wanted, generic=generic)
-    made = chosen(
+    made = selection_of(
         catalog,
         choice,
         required_depth_m=mission.required_depth_m if depth_m is None else depth_m,
@@ -163,7 +163,7 @@ def system_problem(mission: Mission, system: System) -> tuple[Problem, Hardware]
     """Tables of one system: its parts from the catalogue or inline."""
     from uwopt.catalog.inline import part_from_inline
 
-    selection = chosen(
+    selection = selection_of(
         load_catalog(mission), Choice(owned=mission.catalog.owned), camera_count=mission.vehicle.camera_count
     )
 

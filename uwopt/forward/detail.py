@@ -49,7 +49,7 @@ def shows_detail(contraction: Contraction, *, forward_veil: bool) -> bool:
     return forward_veil and contraction.multiple and particles_of(contraction.scene) is not None
 
 
-def table_of(scene: SceneOptics) -> DetailTable:
+def detail_table_of(scene: SceneOptics) -> DetailTable:
     """chi of the scene's particles."""
     particles = particles_of(scene)
     assert particles is not None and particles.table is not None
@@ -65,7 +65,7 @@ def detail_rows(scene: SceneOptics, view: Views, *, pixels: Array, scattering_pe
         texture_gain=texture_gain(
             scene, area_m2=view.area_m2[:, 1], pixels=pixels, scattering_per_m=scattering_per_m
         ),
-        table=table_of(scene),
+        table=detail_table_of(scene),
     )
 
 
@@ -79,7 +79,7 @@ def texture_gain(scene: SceneOptics, *, area_m2: Array, pixels: Array, scatterin
     range_m = float(scene.range_m[scene.nominal])
     pixel_m = np.sqrt(area_m2 / pixels)
     cycles_per_rad, scattered = HALF_NYQUIST_CYC_PER_PX * range_m / pixel_m, np.asarray(scattering_per_m) * range_m
-    return detail_gain(cycles_per_rad, scattered=scattered, table=table_of(scene))
+    return detail_gain(cycles_per_rad, scattered=scattered, table=detail_table_of(scene))
 
 
 def most_scattering_per_m(scene: SceneOptics) -> float:

@@ -54,7 +54,7 @@ class FlashTimes(Columns):
         """Steady light that blurs as much as the flash by the time that it has given so much."""
         if not self.fade:
             return light_s
-        return np.asarray(flash.blur_time_s(self.open_s(light_s), decay_s=self.decay_s))
+        return np.asarray(flash.fading_blur_time_s(self.open_s(light_s), decay_s=self.decay_s))
 
     def within_blur_s(self, blur_s: Array) -> Array:
         """The most light that blurs no more than this."""

@@ -349,7 +349,8 @@ class LampField:
 
     def likely_veiled(self, view: Views, pixels: Pixels) -> tuple[Array, Array]:
         """Signal and veil there, (n, 1, n_pixels), of the pixels that may decide."""
-        signal, over = self.at_pixels(view, *likely_places(view, pixels), veils=True, ranges_m=self.scene.range_m[-1:])
+        places, farthest_m = likely_dark_places(view, pixels), self.scene.range_m[-1:]
+        signal, over = self.at_pixels(view, *places, veils=True, ranges_m=farthest_m)
         veil_there = np.zeros_like(signal) if over is None else over
         if self.sunlit:  # which decide depends on lamps and sun together
             return signal, veil_there
@@ -357,7 +358,7 @@ class LampField:
 
     def likely_gain(self, view: Views, pixels: Pixels, lamps: Lamps) -> Array:
         """`local_gain` of some lamps there, (n, n_pixels) [1/m^2]."""
-        places = likely_places(view, pixels)
+        places = likely_dark_places(view, pixels)
         return local_gain(
             *places, table=self.loss_table(), lamps=lamps, **self.common(float(self.scene.range_m[-1]))
         )
@@ -463,7 +464,7 @@ def kind_of_field(problem: Problem, optics: int, of_lamps: type[LampField] = Lam
     return NoLampField if problem.is_dark(optics) else of_lamps
 
 
-def likely_places(view: Views, pixels: Pixels) -> tuple[Array, Array]:
+def likely_dark_places(view: Views, pixels: Pixels) -> tuple[Array, Array]:
     """Pixels, of those that an SNR is asked of, that are likely to be darkest: tangents (n, n_pixels)."""
     if pixels == "darkest":
         return pixel_grid(view.tan_along, view.tan_across, n_points=LIKELY_A_SIDE)

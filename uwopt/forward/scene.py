@@ -281,7 +281,7 @@ def scene_optics(
     """
     scene = view.scene
     grid = wavelength_grid_nm(SPAN_NM / round(SPAN_NM / GRID_STEP_NM * fineness.spectrum))
-    table = water_table or table_of(scene, paper=paper)
+    table = water_table or jerlov_table_of(scene, paper=paper)
     known = clarity_of(scene, table)
     profile = known.profiles[water_end] if known else water_of(scene, table, base_dir)
     scattering: tuple[Scattering, ...] = ()
@@ -358,7 +358,7 @@ def without_reserve(known: SceneOptics, *keys: str) -> SceneOptics:
     return replace(known, view=replace(view, requirements=view.requirements.model_copy(update=asked)))
 
 
-def table_of(scene: Scene, *, paper: bool) -> str | None:
+def jerlov_table_of(scene: Scene, *, paper: bool) -> str | None:
     """The table of Jerlov types that a scene's water is from; None: measured where that has the type."""
     return scene.water_table or ("solonenko-mobley" if paper else None)
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from uwopt.errors import CatalogError, MissionError
 from uwopt.forward.lamps import LAMP_FRONT_M
-from uwopt.forward.scene import clarity_of, table_of
+from uwopt.forward.scene import clarity_of, jerlov_table_of
 from uwopt.mission.best_image import BestImageGoal, why_no_information
 from uwopt.mission.keys import TARGET_WORDS
 from uwopt.mission.mission import Mission, SceneView
@@ -99,7 +99,7 @@ def scattering_faults(view: SceneView) -> Iterator[str]:
 def clarity_faults(view: SceneView, *, paper: bool) -> Iterator[str]:
     """A reading that no water of the wanted type has."""
     try:
-        clarity_of(view.scene, table_of(view.scene, paper=paper))
+        clarity_of(view.scene, jerlov_table_of(view.scene, paper=paper))
     except CatalogError as fault:
         yield f"scene {view.scene.name!r}: {fault}"
 

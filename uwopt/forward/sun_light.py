@@ -16,7 +16,7 @@ from numpy.polynomial import chebyshev
 
 from uwopt.arrays import Array
 from uwopt.catalog.curves import spectra
-from uwopt.forward.lamp_light import SunLight, likely_places
+from uwopt.forward.lamp_light import SunLight, likely_dark_places
 from uwopt.forward.lamps import Mount
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import Pixels
@@ -73,7 +73,7 @@ class SunField:
         if pixels is None:
             return SunLight(signal, forward, path)
         if few:
-            grid = likely_places(view, pixels)
+            grid = likely_dark_places(view, pixels)
         elif pixels == "frame":
             grid = frame_places(view.tan_along, view.tan_across, few=self.scene.fineness.few_places)
         else:

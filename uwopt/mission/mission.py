@@ -15,14 +15,14 @@ from pydantic_core import PydanticCustomError
 from uwopt.documents.key_types import CHOICE, NUMBER, WHOLE, Section, Text, all_optional, given_values
 from uwopt.documents.reading import Document, read_document
 from uwopt.documents.validation import validated
-from uwopt.documents.whole_file import WholeFile, placed
+from uwopt.documents.whole_file import WholeFile, with_origin
 from uwopt.mission import checks
 from uwopt.mission.best_image import NAME, BestImageGoal, to_goal
 from uwopt.mission.doubt import Confidence, Doubt
 from uwopt.mission.fixed import Fixed
 from uwopt.mission.keys import OBJECTIVES
 from uwopt.mission.practice import DEFAULT_PRACTICE, Practice, with_practice
-from uwopt.mission.reserves import Reserve, ReserveOrWord, asked_of, depth_factor, held_of, kept_of
+from uwopt.mission.reserves import Reserve, ReserveOrWord, depth_factor, held_of, kept_of, with_refusals
 from uwopt.mission.sections.catalog_choice import CatalogChoice
 from uwopt.mission.sections.limits import Limits
 from uwopt.mission.sections.requirements import Requirements
@@ -179,7 +179,7 @@ class Mission(WholeFile):
         if self.physics != "paper" and wanted.get("circle_of_confusion_px") is None:
             wanted["circle_of_confusion_px"] = PIXELS_PER_CIRCLE
         carried = Vehicle.model_validate(vehicle)
-        asked = asked_of(Requirements.model_validate(wanted), carried)
+        asked = with_refusals(Requirements.model_validate(wanted), carried)
         return SceneView(
             index, scene, carried, held_of(asked, self.reserve), self.time_shares[index], asked
         )
@@ -194,7 +194,7 @@ class Mission(WholeFile):
             self._source_name, {**given, **changes}, base_dir=self._base_dir, text=self._source_text,
             changed=frozenset(changes),
         )  # fmt: skip
-        made = placed(_checked(document), document).stating(self.stated)
+        made = with_origin(_checked(document), document).stating(self.stated)
         if not {"vehicle", "practice"} & changes.keys():  # what its file states binds a system, defaults do not
             made.__dict__["vehicle"] = self.vehicle
         return made
@@ -251,7 +251,7 @@ def load_mission(
     if isinstance(source, Mission):
         return source
     document = read_document(source, "mission")
-    made = placed(_checked(document), document, base_dir)
+    made = with_origin(_checked(document), document, base_dir)
     own = {name: document.data.get(name) for name in ("requirements", "reserve")}
     return made.stating(
         f"{name}.{key}" for name, keys in own.items() if isinstance(keys, Mapping)
@@ -259,7 +259,7 @@ def load_mission(
     )  # fmt: skip
 
 
-def sections() -> dict[str, type[Section]]:
+def mission_sections() -> dict[str, type[Section]]:
     """The sections of a mission file by name; "" is its top level."""
     return {
         "": Mission,
@@ -280,7 +280,7 @@ def _checked(document: Document) -> Mission:
         Mission,
         document,
         data,
-        sections=sections(),
+        sections=mission_sections(),
         origin=checks.origins,
         early=[*early, *checks.missing_waters(data.get("scenes"))],
         cross_faults=lambda raw: checks.cross_faults(_valid_parts(raw)),

@@ -86,7 +86,7 @@ REFUSED: Mapping[str, tuple[str, float]] = {
 }  # fmt: skip
 
 
-def asked_of(wanted: Requirements, vehicle: Vehicle) -> Requirements:
+def with_refusals(wanted: Requirements, vehicle: Vehicle) -> Requirements:
     """Requirements with the default of each refusal in place; a key that the mission gives stays as it is.
 
     Area per hour is swath x (1 - sidelap) x speed, so that it asks for a swath, of a stereo pair for the strip that

@@ -40,7 +40,7 @@ from uwopt.documents.key_types import (
 )
 from uwopt.documents.reading import read_document
 from uwopt.documents.validation import validated
-from uwopt.documents.whole_file import WholeFile, placed
+from uwopt.documents.whole_file import WholeFile, with_origin
 from uwopt.errors import CatalogError, MissionError
 from uwopt.mission.checks import Fault, valid_values
 from uwopt.mission.mission import Mission
@@ -245,15 +245,15 @@ def load_system(source: str | Path | Mapping[str, Any] | System, catalog: Catalo
         System,
         document,
         _in_one_form(document.data),
-        sections=sections(),
+        sections=system_sections(),
         origin=_origins,
         cross_faults=lambda raw: _cross_faults(_valid_parts(raw)),
         early=[] if catalog is None else _unknown_parts(document.data, catalog),
     )
-    return placed(made, document)
+    return with_origin(made, document)
 
 
-def sections() -> dict[str, type[Section]]:
+def system_sections() -> dict[str, type[Section]]:
     """The sections of a system file by name; "" is its top level."""
     return {"": System, "settings": Settings, **INLINE_MODELS}
 

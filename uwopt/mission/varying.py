@@ -21,7 +21,7 @@ from uwopt.documents.reading import read_document
 from uwopt.errors import MissionError
 from uwopt.mission.checks import in_one_form
 from uwopt.mission.keys import CLARITY_KEYS, OTHER_NAMES
-from uwopt.mission.mission import Mission, load_mission, sections
+from uwopt.mission.mission import Mission, load_mission, mission_sections
 from uwopt.mission.strictness import sign_of
 
 MOST_VALUES = 1000
@@ -108,7 +108,7 @@ class VariedMission:
     def is_allowed(varied: Varied, value: Value) -> bool:
         """Whether a key may have a value, whatever else a mission says, and whether or not anything can meet it."""
         try:
-            sections()[varied.section].model_validate({varied.name: value})
+            mission_sections()[varied.section].model_validate({varied.name: value})
         except ValidationError as error:
             faults = [one["type"] for one in error.errors(include_url=False) if one["loc"][:1] == (varied.name,)]
             return all(kind == OUT_OF_REACH for kind in faults)
@@ -147,7 +147,7 @@ class VariedMission:
         """The keys that can be varied, by section."""
         return {
             section: tuple(name for name in keys_of(model) if name not in NOT_VARIED)
-            for section, model in sections().items()
+            for section, model in mission_sections().items()
             if section
         }
 

@@ -76,7 +76,7 @@ def open_time_s(light_s: Numeric, *, decay_s: Numeric) -> Numeric:
         )
 
 
-def blur_time_s(open_s: Numeric, *, decay_s: Numeric) -> Numeric:
+def fading_blur_time_s(open_s: Numeric, *, decay_s: Numeric) -> Numeric:
     """Time of steady light that blurs what moves as much as a fading flash does.
 
         b = 2 sqrt(3) sigma,   sigma = tau sqrt(1 - (u / sinh u)^2),   u = t / (2 tau)
@@ -108,7 +108,7 @@ def blur_time_s(open_s: Numeric, *, decay_s: Numeric) -> Numeric:
 
 
 def open_time_of_blur_s(blur_s: Numeric, *, decay_s: Numeric) -> Numeric:
-    """Time from its start in which a flash blurs so much: inverse of `blur_time_s`.
+    """Time from its start in which a flash blurs so much: inverse of `fading_blur_time_s`.
 
     blur_s : (...,) [s], b >= 0; decay_s : broadcast [s]. Returns (...,) [s], inf from b = 2 sqrt(3) tau on.
     """

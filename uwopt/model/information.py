@@ -26,7 +26,7 @@ from uwopt.model.sharpness import (
     as_columns,
     common_shape,
     round_mtf,
-    rows_of,
+    sharpness_rows,
     sinc_mtf,
 )
 
@@ -307,7 +307,7 @@ def _ruled(
             for start in range(0, rows.size, block):
                 some = rows[start : start + block]
                 nodes = rule(int(kind), ends.round_cyc_per_px[some], ends.motion_cyc_per_px[some], wanted)
-                yield some, rows_of(table, some, spread=spread), nodes
+                yield some, sharpness_rows(table, some, spread=spread), nodes
 
 
 def _sum_bit(gain: Array, sharpness: Sharpness, nodes: Rule) -> Array:

@@ -370,9 +370,9 @@ def as_columns(sharpness: Sharpness, shape: tuple[int, ...], into: tuple[int, ..
 def _some(table: Sharpness, rows: Array) -> Sharpness:
     """Some designs of a table of columns; spreads of rows are taken with them."""
     spread = table.spread
-    return rows_of(table, rows, spread=spread.take(rows) if isinstance(spread, SpreadRows) else spread)
+    return sharpness_rows(table, rows, spread=spread.take(rows) if isinstance(spread, SpreadRows) else spread)
 
 
-def rows_of(table: Sharpness, rows: Array, *, spread: SpreadTable | SpreadRows | None) -> Sharpness:
+def sharpness_rows(table: Sharpness, rows: Array, *, spread: SpreadTable | SpreadRows | None) -> Sharpness:
     """Some designs of a table of columns, by their rows (m,) [numbers]."""
     return Sharpness(**{name: getattr(table, name)[rows] for name in NUMBERS}, spread=spread)

@@ -217,7 +217,7 @@ def three(values: Array) -> Array:
 MARGIN = 1.1  # of a front's range, where the box ends that volumes are measured in
 
 
-def distinct(values: Array, log: Array, alike_rel: float = NEAR) -> Array:
+def unlike_rows(values: Array, log: Array, alike_rel: float = NEAR) -> Array:
     """Indices of rows of which no two are alike in every column, in the order of the columns.
 
     Those that dominate most by themselves stay first: the ends of curves, without which a whole slab is lost

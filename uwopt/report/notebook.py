@@ -33,10 +33,10 @@ def short_text(result: AnyResult) -> str:
     head = f"<Result {result.command} {name!r}: {result.status}"
     if result.best is None:
         return head + ">"
-    return f"{head}, {objective_text(result)}, {parts_text(result.best)}>"
+    return f"{head}, {goal_and_value(result)}, {parts_text(result.best)}>"
 
 
-def objective_text(result: Result) -> str:
+def goal_and_value(result: Result) -> str:
     """Name and value of the objective, with its unit."""
     from uwopt.report.text import formats
 

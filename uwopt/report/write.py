@@ -117,7 +117,7 @@ def page_in(out: str, name: str) -> str:
 
 def check_page(file: str | Path) -> Path:
     """The file if a page can be written there, and its name does not promise something else; raises OutputError."""
-    path = check_file(file)
+    path = checked_out_file(file)
     if path.suffix.casefold() not in ("", ".html", ".htm"):
         raise OutputError(f"{file}: its name must end in .html, for a page is written; a browser prints it as PDF.")
     return path
@@ -125,7 +125,7 @@ def check_page(file: str | Path) -> Path:
 
 def write_text(text: str, file: str | Path) -> Path:
     """Write a text to a file, whole or not at all; one that stands there is replaced."""
-    target = check_file(file)
+    target = checked_out_file(file)
     return write_files(made_folder(target.parent), {target.name: text})[0]
 
 
@@ -156,7 +156,7 @@ def made_folder(folder: Path) -> Path:
     return folder
 
 
-def check_file(file: str | Path) -> Path:
+def checked_out_file(file: str | Path) -> Path:
     """The file if it can be written, now or once its folder is made; raises OutputError."""
     path = Path(file)
     if not str(file).strip():

@@ -69,10 +69,10 @@ def as_set(
     problem = problem_of(base, found).focused_on(meant_m)
     if f_number is not None:
         problem = problem.at_f_number(f_number)
-    return problem, imagers_of(problem, found.landscape)
+    return problem, only_imager(problem, found.landscape)
 
 
-def imagers_of(problem: Problem, landscape: bool) -> Imagers:
+def only_imager(problem: Problem, landscape: bool) -> Imagers:
     """The imager of a problem of one part of each kind in one orientation, or none."""
     only = np.array([0])
     return imagers_in(problem, [Behind(only, only, only, landscape)])

@@ -34,7 +34,7 @@ from uwopt.solvers.exact.account import Outcome
 from uwopt.solvers.exact.lightings import Under
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.one_hardware import imagers_of, problem_of
+from uwopt.solvers.one_hardware import only_imager, problem_of
 from uwopt.solvers.settable.rounding import given_of, rounded_design
 from uwopt.solvers.settable.scene import Near
 from uwopt.solvers.settable.steps import printed
@@ -141,7 +141,7 @@ def of_fewest_lamps(problem: Problem, goal: Objective, found: Found, deadline: D
         if mount.is_lopsided(count) and not mount.is_lopsided(found.count):
             continue
         alone = problem_of(problem, replace(found, count=count))
-        made = Search(alone, goal, top=1, imagers=imagers_of(alone, found.landscape)).whole().best
+        made = Search(alone, goal, top=1, imagers=only_imager(alone, found.landscape)).whole().best
         if made and made[0].minimised <= found.minimised + AGREES_REL * abs(found.minimised):
             names = ("camera", "lens", "port", "light", "imager", "lighting")
             return replace(made[0], **{name: getattr(found, name) for name in names})

@@ -31,8 +31,8 @@ def portfolios(served: Array, prices: Sequence[float]) -> Iterator[tuple[list[in
     for size in range(1, served.shape[1] + 1):
         if not most:
             return
-        reached = round(chosen(patterns, counts, size, -counts, np.zeros(len(prices)))[1])
-        kits, _ = chosen(
+        reached = round(cheapest_kits(patterns, counts, size, -counts, np.zeros(len(prices)))[1])
+        kits, _ = cheapest_kits(
             patterns, counts, size, np.zeros(len(counts)), np.asarray(prices, dtype=float), reached
         )
         yield kits, reached
@@ -40,7 +40,7 @@ def portfolios(served: Array, prices: Sequence[float]) -> Iterator[tuple[list[in
             return
 
 
-def chosen(
+def cheapest_kits(
     patterns: Array, counts: Array, size: int, cost_of_pattern: Array, cost_of_kit: Array, least: int = 0
 ) -> tuple[list[int], float]:
     """Kits of a choice of least cost that serves so many missions at least, and how many it serves."""

@@ -89,7 +89,7 @@ class SweepStore:
         """Keep rows; raises OutputError where they cannot be written, and then what stood there still stands."""
         if not rows:
             return
-        table = table_of(rows)
+        table = arrow_table(rows)
         self._small[self._write(table)] = table
         self._keys |= keys_in(table)
         if len(self._small) >= MOST_SMALL:
@@ -228,7 +228,7 @@ def locked(path: Path) -> int | None:
 # ---------------------------------------------------------------- tables
 
 
-def table_of(rows: Sequence[Row]) -> pa.Table:
+def arrow_table(rows: Sequence[Row]) -> pa.Table:
     """Rows as a table; a column of which nothing is known is left out, but for the keys."""
     import pyarrow as pa
 

@@ -30,7 +30,7 @@ from uwopt.objectives.goal import goal_of  # noqa: E402
 from uwopt.report.order import tender_lines  # noqa: E402
 from uwopt.report.order.answers import answer_blocks, certainty_sentences, change_sentences  # noqa: E402
 from uwopt.report.order.bom_book import bom_book  # noqa: E402
-from uwopt.report.order.tender_book import FIRST_ANSWER, asked_of, kept_back, letter, tender_book  # noqa: E402
+from uwopt.report.order.tender_book import FIRST_ANSWER, enough_text, kept_back, letter, tender_book  # noqa: E402
 from uwopt.report.order.tender_lines import end_text, falls_short, lines_of, needed_beside  # noqa: E402
 from uwopt.report.text.layout import Text  # noqa: E402
 from uwopt.results.design import Margin  # noqa: E402
@@ -379,4 +379,4 @@ def test_a_maker_is_told_where_a_beam_is_measured(medium: str, told: str) -> Non
         tender_lines.AskedFact("beam_medium", "where it is measured", "", "", "", "", medium, "published"),
     )  # fmt: skip
     line = tender_lines.TenderLine("light", "acme", "Acme flash", True, 2, (), "", facts)
-    assert asked_of(line) == f"Light:\n{told}"
+    assert enough_text(line) == f"Light:\n{told}"

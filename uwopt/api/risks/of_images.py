@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from uwopt.api.risks.worst import Weighed, in_scene, worst
+from uwopt.api.risks.worst import Weighed, in_which_scene, worst
 from uwopt.mission.reserves import RECOMMENDED_RESERVE, REFUSED
 from uwopt.model.sharpness import RESOLVED_CONTRAST
 from uwopt.results.basis import Risk
@@ -31,7 +31,7 @@ def seen_in_the_image(result: Result, design: Design) -> Weighed:
         scene, value = worst(design, name)
         if scene is not None and value > SEEN_PX and name not in told:
             weight = 40.0 + min(35.0, value)
-            yield weight, Risk(what, because + in_scene(design, scene), f"{format_quantity(value, 'px')}")
+            yield weight, Risk(what, because + in_which_scene(design, scene), f"{format_quantity(value, 'px')}")
 
 
 #: What takes the detail of the corners, by how far it spreads a point.
@@ -48,7 +48,7 @@ def lost_in_corners(result: Result, design: Design) -> Weighed:
         return
     known = [(told, scene.figures.get(name) or 0.0) for name, told in BLURS]
     causes = listed([f"{told} {format_quantity(value, 'px')}" for told, value in known if value >= TELLING_PX])
-    because = (causes or "lens, diffraction and motion blur them") + in_scene(design, scene)
+    because = (causes or "lens, diffraction and motion blur them") + in_which_scene(design, scene)
     share = f"{100.0 * kept:.2g} %" if kept > 0.0 else "none"
     figure = f"two-pixel bars keep {share} of their contrast"
     yield 78.0 - 20.0 * kept / RESOLVED_CONTRAST, Risk("fine detail is lost in the corners", because, figure)
@@ -61,7 +61,7 @@ def smeared_subjects(result: Result, design: Design) -> Weighed:
         return
     scene, value = worst(design, "blur_px")
     if scene is not None and value > SEEN_PX:
-        because = f"no limit of motion blur is asked for{in_scene(design, scene)}"
+        because = f"no limit of motion blur is asked for{in_which_scene(design, scene)}"
         yield 44.0, Risk("what moves is smeared", because, format_quantity(value, "px"))
 
 
@@ -76,8 +76,8 @@ def must_stand_still(result: Result, design: Design) -> Weighed:
     if drift_mm_s < STILL_MM_S:
         because = (
             f"{format_quantity(1e3 * lit_s, 'ms')} of light smear by a pixel at a drift of "
-            f"{format_quantity(drift_mm_s, 'mm/s')}{in_scene(design, scene)}, and the mission says that nothing moves; "
-            "speed_m_s or limits.max_exposure_ms asks for less"
+            f"{format_quantity(drift_mm_s, 'mm/s')}{in_which_scene(design, scene)}, and the mission says that "
+            "nothing moves; speed_m_s or limits.max_exposure_ms asks for less"
         )
         yield 58.0, Risk("camera and scene must stand still", because, "")
 

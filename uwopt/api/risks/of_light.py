@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from uwopt.api.risks.margins import in_words
-from uwopt.api.risks.worst import Weighed, in_scene, worst
+from uwopt.api.risks.worst import Weighed, in_which_scene, worst
 from uwopt.mission.practice import ACCEPTABLE_SNR_DB
 from uwopt.mission.weakened import LEAST_SNR_DB
 from uwopt.results.basis import Risk
@@ -51,7 +51,7 @@ def noisy(result: Result, design: Design) -> Weighed:
     if scene is None or snr_db >= ACCEPTABLE_SNR_DB:
         return
     what = "the images show nothing but noise" if snr_db < LEAST_SNR_DB else "the images are noisy"
-    because = "no signal to noise is asked for, so light is saved on" + in_scene(design, scene)
+    because = "no signal to noise is asked for, so light is saved on" + in_which_scene(design, scene)
     because += f"; requirements.min_snr_db: {ACCEPTABLE_SNR_DB:g} asks for images that can be used"
     figure = f"signal to noise {format_quantity(snr_db, 'dB')}"
     yield (96.0 if snr_db < LEAST_SNR_DB else 60.0), Risk(what, because, figure)
@@ -62,7 +62,7 @@ def uneven(result: Result, design: Design) -> Weighed:
     scene, value = worst(design, "uniformity", least=True)
     if scene is None or value >= EVEN:
         return
-    because = f"the darkest place of the floor{in_scene(design, scene)} gets so much less light than the mean"
+    because = f"the darkest place of the floor{in_which_scene(design, scene)} gets so much less light than the mean"
     figure = f"{100 * value:.2g} % of the mean light"
     if (snr_db := scene.figures.get("snr_db_min")) is not None:
         figure += f", signal to noise there {format_quantity(snr_db, 'dB')}"

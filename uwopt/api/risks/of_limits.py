@@ -12,11 +12,11 @@ from uwopt.api.risks.margins import (
     tight,
     tight_figure,
 )
-from uwopt.api.risks.worst import Weighed, counted
+from uwopt.api.risks.worst import Weighed
 from uwopt.results.basis import MISSED, MISSED_OF_PRACTICE, Risk
 from uwopt.results.design import PRACTICE_MISSED, Design
 from uwopt.results.result import Result
-from uwopt.units import percent
+from uwopt.units import counted, percent
 
 
 def missed(result: Result, design: Design) -> Weighed:

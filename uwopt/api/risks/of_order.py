@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from uwopt.api.risks.worst import Weighed, counted
+from uwopt.api.risks.worst import Weighed
 from uwopt.results.basis import Risk
 from uwopt.results.design import Design
 from uwopt.results.result import Result
-from uwopt.units import format_at_most, format_money, format_price, format_quantity, listed
+from uwopt.units import counted, format_at_most, format_money, format_price, format_quantity, listed
 
 UNNOTICED = 0.01  # of a goal: its estimated numbers leave far more open
 MUCH_ESTIMATED = 0.3  # of the price
 
 
-def price(result: Result, design: Design) -> Weighed:
+def unsure_price(result: Result, design: Design) -> Weighed:
     """A price above the limit at its high end, or one that nobody has quoted."""
     cost = design.totals.cost
     limit = (result.mission.get("limits") or {}).get("cost")

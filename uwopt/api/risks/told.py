@@ -57,6 +57,6 @@ RULES: Sequence[Callable[[Result, Design], Weighed]] = (
     of_housings.drained, of_housings.overheated, of_housings.floats, of_light.in_other_water, of_light.lamps_off,
     of_light.noisy, of_light.uneven, of_images.lost_in_corners, of_images.seen_in_the_image,
     of_images.smeared_subjects, of_images.must_stand_still, of_images.weak_colours, of_images.wide_open,
-    of_images.high_gain, of_order.held_back, of_order.dearer_than_it_must, of_order.price, of_order.to_be_made,
+    of_images.high_gain, of_order.held_back, of_order.dearer_than_it_must, of_order.unsure_price, of_order.to_be_made,
     of_order.maybe_withdrawn, of_order.idle_lamps, of_order.better_elsewhere, noted,
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""What rules on risks share: the scene that is worst in a figure, and how many of a thing there are."""
+"""What rules on risks share: the scene that is worst in a figure."""
 
 from __future__ import annotations
 
@@ -23,11 +23,6 @@ def worst(design: Design, figure: str, *, least: bool = False) -> tuple[SceneRes
     return scene, value
 
 
-def in_scene(design: Design, scene: SceneResult) -> str:
+def in_which_scene(design: Design, scene: SceneResult) -> str:
     """Which scene, where there are several."""
     return f" in {scene.name}" if len(design.scenes) > 1 else ""
-
-
-def counted(number: int, noun: str) -> str:
-    """`1 part`, `2 parts`."""
-    return f"{number} {noun}" + ("" if number == 1 else "s")

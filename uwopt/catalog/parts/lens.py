@@ -7,7 +7,7 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from uwopt.catalog.parts.cell import FROM_ZERO, NEEDED, POSITIVE, POSITIVE_SHARE, UNSEEN, Cell, Inline, Range
-from uwopt.catalog.parts.part import FORMAT, MOUNTS, Part, PartKind, shown
+from uwopt.catalog.parts.part import FORMAT, MOUNTS, Part, PartKind, marked_number
 from uwopt.catalog.parts.quantity import Known, Quantity, Status
 from uwopt.documents.key_types import NUMBER
 
@@ -135,7 +135,7 @@ class Lens(Part):
 
 def _summary(lens: Lens) -> tuple[str, ...]:
     circle = "" if lens.image_circle_mm is None else f"circle {lens.image_circle_mm:g} mm"
-    return (f"{lens.focal_length_mm:g} mm", shown("F", lens.f_number_min, ""), circle, "/".join(lens.mounts))
+    return (f"{lens.focal_length_mm:g} mm", marked_number("F", lens.f_number_min, ""), circle, "/".join(lens.mounts))
 
 
 KIND = PartKind(

@@ -18,7 +18,7 @@ from uwopt.catalog.parts.cell import (
     Inline,
     Range,
 )
-from uwopt.catalog.parts.part import Part, PartKind, shown, shown_depth
+from uwopt.catalog.parts.part import Part, PartKind, marked_number, shown_depth
 from uwopt.catalog.parts.quantity import Curve, Known, Status, exact
 from uwopt.documents.key_types import NUMBER
 
@@ -266,10 +266,10 @@ class Light(Part):
 
 def _summary(light: Light) -> tuple[str, ...]:
     is_flash = light.kind == "flash"
-    output = shown("", light.flash_energy_j, " J") if is_flash else shown("", light.flux_lm, " lm")
-    power = "" if is_flash else shown("", light.power_w, " W")
+    output = marked_number("", light.flash_energy_j, " J") if is_flash else marked_number("", light.flux_lm, " lm")
+    power = "" if is_flash else marked_number("", light.power_w, " W")
     medium = "(medium not stated)" if light.beam_medium == "not stated" else f"in {light.beam_medium}"
-    angle = shown("", light.beam_angle_deg, f" deg {medium}")
+    angle = marked_number("", light.beam_angle_deg, f" deg {medium}")
     supply = {"battery": "own battery", "unknown": "supply unknown"}.get(light.supply, "")
     return (light.kind, output, power, angle, shown_depth(light.depth_rating_m), supply)
 

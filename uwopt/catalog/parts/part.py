@@ -74,7 +74,7 @@ class PartKind:
     pieces: Mapping[type[Part], frozenset[str]] = field(default_factory=dict)  # whose columns rows have, but for some
 
 
-def shown(before: str, quantity: Quantity | None, after: str) -> str:
+def marked_number(before: str, quantity: Quantity | None, after: str) -> str:
     """A quantity with its unit; `~` marks an estimate; empty when unknown."""
     if quantity is None:
         return ""

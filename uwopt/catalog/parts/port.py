@@ -7,7 +7,7 @@ from pydantic.dataclasses import dataclass
 
 from uwopt.catalog.parts.cell import FROM_ZERO, NEEDED, POSITIVE, SMALLEST, UNSEEN, Cell, Inline, Range
 from uwopt.catalog.parts.housing import Housing
-from uwopt.catalog.parts.part import RATED_TIME, Part, PartKind, shown, shown_depth
+from uwopt.catalog.parts.part import RATED_TIME, Part, PartKind, marked_number, shown_depth
 from uwopt.catalog.parts.quantity import Known, Quantity
 
 Purpose = Literal[
@@ -129,7 +129,7 @@ class Port(Part):
 
 
 def _summary(port: Port) -> tuple[str, ...]:
-    size = shown("radius ", port.outer_radius_mm, " mm")
+    size = marked_number("radius ", port.outer_radius_mm, " mm")
     return (port.geometry, port.material, size, shown_depth(port.depth_rating_m, port.rated_time_h))
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from uwopt.documents.files import csv_text
-from uwopt.report.compare.rows import ComparedRow, facts, figure_rows, requirement_rows, sentences
+from uwopt.report.compare.rows import ComparedRow, compared_figures, facts, requirement_rows, sentences
 from uwopt.report.page.html_file import rendered
 from uwopt.report.text import formats
 from uwopt.report.text.cells import defused
@@ -26,7 +26,7 @@ def comparison_blocks(comparison: Comparison) -> list[Block]:
     made += by_scene("Requirements", names, rows, scenes)
     lines: list[Line] = [sentence(text) for text in sentences(comparison)]
     made.append(block("In words", lines))
-    return made + by_scene("Figures at the nominal altitude", names, [*figure_rows(comparison)], scenes)
+    return made + by_scene("Figures at the nominal altitude", names, [*compared_figures(comparison)], scenes)
 
 
 def by_scene(title: str, names: Sequence[str], rows: Sequence[ComparedRow], scenes: int) -> list[Block]:
@@ -75,7 +75,7 @@ def comparison_csv(comparison: Comparison) -> str:
     """The comparison as CSV: a row a line, of each system the value and whether it is met."""
     heads = [head for one in comparison.systems for head in (one.name, f"{one.name}: met")]
     made: list[tuple[Any, ...]] = [("table", "scene", "key", "what", "asked", "unit", *heads)]
-    tables = {"system": facts, "requirement": requirement_rows, "figure": figure_rows}
+    tables = {"system": facts, "requirement": requirement_rows, "figure": compared_figures}
     for table, rows in tables.items():
         for row in rows(comparison):
             values = [

@@ -10,6 +10,7 @@ from uwopt.report.text import formats, words
 from uwopt.report.text.tables import has_no_limit
 from uwopt.results.comparison import Comparison, SideBySide
 from uwopt.results.design import PRACTICE_MISSED, Design, Margin
+from uwopt.units import counted
 
 #: Limits of the parts themselves, told only where one is missed.
 OF_PARTS = (
@@ -58,7 +59,7 @@ def facts(comparison: Comparison) -> Iterator[ComparedRow]:
     missed = [{margin.requirement for margin in d.missed} for d in designs]
     verdicts = tuple(Reached(float(len(m)), f"{len(m)} missed" if m else "all met", not m) for m in missed)
     yield ComparedRow("", "requirements", "requirements", "all met", "", verdicts)
-    prices = tuple(Reached(d.totals.cost.value, price_text(d)) for d in designs)
+    prices = tuple(Reached(d.totals.cost.value, design_price_text(d)) for d in designs)
     yield ComparedRow("", "price", "price", "", designs[0].totals.cost.currency, prices)
     known = [d.totals.mass_kg or None for d in designs]
     masses = tuple(Reached(mass, "unknown" if mass is None else formats.quantity(mass, "kg")) for mass in known)
@@ -69,12 +70,12 @@ def facts(comparison: Comparison) -> Iterator[ComparedRow]:
         yield ComparedRow("", kind, kind, "", "", tuple(Reached(None, part_text(d, kind)) for d in designs))
 
 
-def price_text(design: Design) -> str:
+def design_price_text(design: Design) -> str:
     """A price, and whether parts of it are not known."""
     unknown = words.n_unpriced(design.bom)
     if unknown and unknown == sum(row.to_buy for row in design.bom):
         return "unknown"
-    return formats.cost_text(design.totals.cost) + (f" without {words.counted(unknown, 'part')}" if unknown else "")
+    return formats.cost_text(design.totals.cost) + (f" without {counted(unknown, 'part')}" if unknown else "")
 
 
 def part_text(design: Design, kind: str) -> str:
@@ -138,7 +139,7 @@ def cell_of(margin: Margin | None, sample: Margin) -> Reached:
     return Reached(margin.value, "infinite" if endless else formats.margin_ends(margin)[0], margin.satisfied)
 
 
-def figure_rows(comparison: Comparison) -> Iterator[ComparedRow]:
+def compared_figures(comparison: Comparison) -> Iterator[ComparedRow]:
     """Figures at the nominal altitude that are worth a look beside the requirements."""
     designs = [one.design for one in comparison.systems]
     for index, first in enumerate(designs[0].scenes):

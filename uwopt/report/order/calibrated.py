@@ -10,7 +10,7 @@ from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, se
 from uwopt.solvers.calibration.fit import Fitted
 from uwopt.solvers.calibration.summary import Calibrated
 from uwopt.solvers.explain.solved_again import SolvedAgain
-from uwopt.units import format_number
+from uwopt.units import counted, format_number
 
 HELD = {"light": "light", "water": "attenuation", "back": "backscatter"}
 MOST_ROWS = 60  # of a table of shots
@@ -19,7 +19,7 @@ MOST_ROWS = 60  # of a table of shots
 def calibration_blocks(made: Calibrated) -> list[Block]:
     """Factors, shots, what was left out, and what it changes."""
     blocks = [
-        block(f"What {words.counted(len(made.shots), 'shot')} tell of {formats.one_line(made.scene, 60)}",
+        block(f"What {counted(len(made.shots), 'shot')} tell of {formats.one_line(made.scene, 60)}",
               [factor_grid(made), *map(sentence, fit_sentences(made))]),
         block("Shots against the fit", [shot_grid(made)]),
     ]  # fmt: skip

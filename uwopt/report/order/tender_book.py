@@ -110,7 +110,7 @@ def letter(result: Result, lines: Sequence[TenderLine]) -> str:
         + (" (to be made)" if line.generic else "")
         for line in lines
     )
-    hard = "\n\n".join(filter(None, map(asked_of, lines)))
+    hard = "\n\n".join(filter(None, map(enough_text, lines)))
     short = falls_short(result)
     first = f"[{short}. {MAKERS_ARE_NOT_TOLD}]\n\n" if short else ""
     return first + LETTER.format(name=name, wanted=wanted, hard=hard)
@@ -119,7 +119,7 @@ def letter(result: Result, lines: Sequence[TenderLine]) -> str:
 MEDIA = ("air", "water")
 
 
-def asked_of(line: TenderLine) -> str:
+def enough_text(line: TenderLine) -> str:
     """What is enough of one part, below its name; empty where nothing is asked that parts of its kind do not have."""
     medium = next((fact.named for fact in line.facts if fact.key == "beam_medium" and fact.named in MEDIA), "")
     where = {"beam_angle_deg": f", measured in {medium}"} if medium else {}  # behind a flat window water narrows it

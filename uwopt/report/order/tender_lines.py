@@ -200,7 +200,7 @@ def facts_of(
         if beside := needed_beside(result, kind, key, room_mm):
             needed = together = beside
         loose = bool(ends) and all(one.together is None or may_be_far(one.together / one.value) for one in ends)
-        yield AskedFact(key, words_for(column), unit_of(column), needed, best, together, value, known, loose)
+        yield AskedFact(key, words_for(column), column_unit(column), needed, best, together, value, known, loose)
 
 
 def may_be_far(ratio: float) -> bool:
@@ -250,7 +250,7 @@ def asked_words(result: Result, key: str) -> set[str]:
     return {str(word) for word in asked - {None, "any"}}
 
 
-def unit_of(column: Column) -> str:
+def column_unit(column: Column) -> str:
     """The unit of a column's numbers; of words what may stand there."""
     if column.form != "number":
         return column.allowed() if column.form == "choice" else ""
@@ -279,4 +279,4 @@ def end_text(end: float | None, limit: PropertyLimit, column: Column) -> str:
     if column.whole:
         safe = float(outward(end))
     way = "at least" if limit.more_is_better else "at most"
-    return f"{way} {format_difference(safe, unit_of(column))}"
+    return f"{way} {format_difference(safe, column_unit(column))}"

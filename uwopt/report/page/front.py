@@ -18,7 +18,7 @@ from uwopt.report.text.tables import has_no_limit, kinds_by_id, scenes_to_set, s
 from uwopt.report.text.verdict import axis_name, best_and_worst
 from uwopt.results.design import Design, SceneResult, UsedHardware
 from uwopt.results.front import FrontPoint, FrontResult
-from uwopt.units import symbol
+from uwopt.units import count_text, counted, symbol
 
 #: Figures beside the objectives, unless an objective shows the same.
 BESIDE = ("cost", "power_w", "gsd_mm", "snr_db", "dof_m", "frame_rate_hz", "f_number")
@@ -245,8 +245,8 @@ def front_cards(front: FrontResult) -> list[Card]:
     made = [
         Card(
             "Systems",
-            formats.count_text(len(front.points)),
-            f"of {words.counted(curves, 'choice')} of hardware",
+            count_text(len(front.points)),
+            f"of {counted(curves, 'choice')} of hardware",
         )
     ]
     for objective in front.objectives:

@@ -15,7 +15,7 @@ from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import UwoptError
 from uwopt.report.page import sections as page_parts
 from uwopt.report.page.front import front_cards, front_data, goal_texts, history_figure
-from uwopt.report.page.html_file import compact_json, packed, rendered, safe_id, slim
+from uwopt.report.page.html_file import compact_json, gzip_text, rendered, safe_id, slim
 from uwopt.report.page.sections import DesignPart
 from uwopt.report.page.svg import clean_svg
 from uwopt.report.text import doubts, exactness, formats, nothing_fits, tables, words
@@ -106,7 +106,7 @@ def report_html(result: Result | FrontResult, deadline: Deadline = NEVER) -> str
         alternatives=page_parts.alternatives(result), why=why_block(result), trust=list(trust_blocks(result)),
         others=list(tables.runner_up_blocks(result)) if isinstance(result, Result) else [],
         stages=page_parts.stages(result.timing_s), run_time=words.run_time_sentence(result.timing_s),
-        mission_text=mission_text(result), raw=packed(compact_json(result.to_dict())),
+        mission_text=mission_text(result), raw=gzip_text(compact_json(result.to_dict())),
         raw_name="front.json" if front else "result.json", status=status_words(result),
     )  # fmt: skip
     return in_page(page, said)

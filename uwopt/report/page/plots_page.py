@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from uwopt.report.page.html_file import compact_json, packed, rendered, slim
+from uwopt.report.page.html_file import compact_json, gzip_text, rendered, slim
 from uwopt.report.text.layout import Block, Text
 from uwopt.results.sweep import SweepSummary
 from uwopt.results.whatif import WhatIf
@@ -25,6 +25,6 @@ def plots_page(
     data = {"figures": {f"{kind}-{name}": slim(plot) for name, plot in plots.items()}, "front": None}
     return rendered(
         "whatif.html", ("page.js",), data, version=made.uwopt_version, pictures=pictures,
-        blocks=[one for one in blocks if isinstance(one, Block)][1:], raw=packed(compact_json(made.to_dict())),
+        blocks=[one for one in blocks if isinstance(one, Block)][1:], raw=gzip_text(compact_json(made.to_dict())),
         raw_name=f"{kind}.json", made_by=f"uwopt {kind}", **values,
     )  # fmt: skip

@@ -28,7 +28,7 @@ from uwopt.results.basis import OtherMaker
 from uwopt.results.design import BillRow, Cost, Design, Margin
 from uwopt.results.front import FrontResult
 from uwopt.results.result import Result
-from uwopt.units import format_number, is_number, unit_suffix
+from uwopt.units import counted, format_number, is_number, unit_suffix
 
 #: Key figures.
 FIGURES = ("snr_db", "gsd_mm", "dof_m", "frame_rate_hz", "swath_m")
@@ -133,7 +133,7 @@ def design_part(
         hardware=hardware_block(design, "Hardware"), settings=settings_block(result, design), bom=rows,
         legend=ESTIMATED_LEGEND if doubtful else "",
         total=words.as_sentence(words.cost_sentence(design)),
-        scenes=list(scene_bars(design)), figures=figure_rows(design.as_set),
+        scenes=list(scene_bars(design)), figures=figures_in_words(design.as_set),
         scene_names=[formats.one_line(scene.name, 60) for scene in design.scenes], goals=goals,
     )  # fmt: skip
 
@@ -146,7 +146,7 @@ def cards(design: Design) -> list[Card]:
     totals, cost = design.totals, design.totals.cost
     notes = [words.quoted_share(cost)]
     if unpriced := words.n_unpriced(design.bom):
-        notes.append(f"without {words.counted(unpriced, 'part')} of unknown price")
+        notes.append(f"without {counted(unpriced, 'part')} of unknown price")
     shown = [
         Card("Cost", formats.cost_text(cost), ", ".join(notes)),
         Card("Power", formats.quantity(design.power_as_set_w, "W"), words.burning_text(design)),
@@ -180,7 +180,7 @@ def scene_value(figures: Mapping[str, Any], settings: Mapping[str, Any], name: s
     return float(value) if is_number(value) else None
 
 
-def figure_rows(design: Design) -> list[tuple[str, list[str]]]:
+def figures_in_words(design: Design) -> list[tuple[str, list[str]]]:
     """Every figure in words, one column a scene; what no scene has is left out."""
     names = dict.fromkeys(name for scene in design.scenes for name in scene.figures)
     rows = []

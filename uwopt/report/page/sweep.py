@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from uwopt.report.page.plots_page import plots_page
 from uwopt.report.pictures.sweep_plots import sweep_figures
-from uwopt.report.text import words
 from uwopt.report.text.sweep_tables import pace_text, sweep_blocks, sweep_opening
 from uwopt.results.sweep import SweepSummary
+from uwopt.units import counted
 
 PICTURES = {
     "wins": (
@@ -24,7 +24,7 @@ def sweep_html(made: SweepSummary) -> str:
     """The page."""
     return plots_page(
         made, "sweep", sweep_figures(made), PICTURES, sweep_blocks(made), title="Sweep",
-        name=words.counted(made.missions, "mission"), opening=sweep_opening(made),
+        name=counted(made.missions, "mission"), opening=sweep_opening(made),
         status=(made.status, "good" if made.status == "complete" else "warn"),
         run_time=pace_text(made).removeprefix("Took ").removesuffix("."),
     )  # fmt: skip

@@ -55,7 +55,7 @@ class PageFrame:
         return self.offset_y_px + (down_m - self.top_m) * self.scale_px_per_m
 
 
-def fitted(left_m: float, right_m: float, top_m: float, bottom_m: float) -> PageFrame:
+def page_frame(left_m: float, right_m: float, top_m: float, bottom_m: float) -> PageFrame:
     """The largest even scale that shows a rectangle, in the middle of the page."""
     room_x, room_y = WIDTH_PX - 2 * SIDE_PX, HEIGHT_PX - TOP_PX - BOTTOM_PX
     scale = min(room_x / (right_m - left_m), room_y / (bottom_m - top_m))
@@ -78,7 +78,7 @@ def view_from_behind(rig: RigMeasures, *, title: str, description: str) -> str:
     seen_m = max((rig.half_across_m, *(abs(end) for camera in rig.pair_m for end in camera)))
     half_m = max(seen_m * 1.12, max(map(abs, lamps_y), default=0.0) * 1.12)
     top_m = min([-0.12 * floor_m, *(lamp.z_m for lamp in rig.lamps)]) - 0.02 * floor_m
-    frame = fitted(-half_m, half_m, top_m, floor_m + tolerance_m + 0.02 * floor_m)
+    frame = page_frame(-half_m, half_m, top_m, floor_m + tolerance_m + 0.02 * floor_m)
     floor_y, right_x = frame.y(floor_m), frame.x(half_m)
     parts = [clip("behind", 0.0, 0.0, WIDTH_PX, floor_y)]
     parts += [beam_across(frame, rig, lamp) for lamp in rig.lamps]
@@ -126,7 +126,7 @@ def view_from_above(rig: RigMeasures, *, title: str, description: str) -> str:
     ahead = along + (advance or 0.0)
     ahead = max([ahead, *(lamp.x_m for lamp in rig.lamps)]) * 1.06
     behind = max([along, *(-lamp.x_m for lamp in rig.lamps)]) * 1.06
-    frame = fitted(-reach_x, reach_x, -ahead, behind)
+    frame = page_frame(-reach_x, reach_x, -ahead, behind)
     parts = [clip("above", frame.x(-reach_x), frame.y(-ahead), frame.x(reach_x), frame.y(behind))]
     for lamp in rig.lamps:
         ring = [(frame.x(y), frame.y(-x)) for x, y in beam_ring(rig, lamp)]

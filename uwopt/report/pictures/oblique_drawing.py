@@ -16,11 +16,11 @@ from uwopt.report.pictures.drawing import (
     as_it_looks,
     camera_symbol,
     clip,
-    fitted,
     level_dimension,
     line,
     metres,
     motion_arrow,
+    page_frame,
     polygon,
     scale_bar,
     svg,
@@ -44,7 +44,7 @@ def view_from_side(rig: RigMeasures, *, title: str, description: str) -> str:
     lamps = [(*turned(rig, lamp.x_m, lamp.z_m), atan2(*turned(rig, lamp.aim[0], lamp.aim[2]))) for lamp in rig.lamps]
     left = min([-0.15 * floor_m, near_m, *(x for x, *_ in lamps)]) - 0.05 * floor_m
     top = min([-0.2 * floor_m, *(y - 0.05 * floor_m for _, y, _ in lamps)])
-    frame = fitted(left, far_m * 1.04, top, floor_m)
+    frame = page_frame(left, far_m * 1.04, top, floor_m)
     floor_y = frame.y(floor_m)
     parts = [clip("side", 0.0, 0.0, WIDTH_PX, floor_y)]
     for x, y, leaning in lamps:
@@ -67,7 +67,7 @@ def trapezoid_from_above(rig: RigMeasures, *, title: str, description: str) -> s
     """The footprint of a view that looks ahead, and the next one; the port is the dot, forward is up."""
     (near_m, near_half), (far_m, far_half) = rig.edges_m
     wide, deep, advance = 1.1 * far_half, far_m - near_m, rig.shown_advance_m
-    frame = fitted(-wide, wide, -(far_m + (advance or 0.0)) - 0.05 * deep, max(0.0, -near_m) + 0.05 * deep)
+    frame = page_frame(-wide, wide, -(far_m + (advance or 0.0)) - 0.05 * deep, max(0.0, -near_m) + 0.05 * deep)
 
     def outline(moved_m: float) -> list[Place]:
         corners = ((-near_half, near_m), (near_half, near_m), (far_half, far_m), (-far_half, far_m))

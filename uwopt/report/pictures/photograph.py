@@ -120,7 +120,7 @@ def whole_view(design: Replay, scene_index: int = 0) -> View:
         detail=detail_at(design, scene_index),
     )  # fmt: skip
     middle = channel_fields(design, np.zeros((1, 1)), np.zeros((1, 1)), scene_index)
-    return shown(
+    return exposed_view(
         design, scene_index, chart, blurred, lit, list(middle.values()), at, unit_mm=unit_mm,
         width_mm=width * step_mm, pixels_across=full_x, block_px=block_px,
     )  # fmt: skip
@@ -157,7 +157,7 @@ def detail_view(
         share = max(0.0, 1.0 - width / float(cam.resolution_x_px[0]))
     here = channel_fields(design, np.full((1, 1), share), np.full((1, 1), share), scene_index)
     lit = list(here.values())
-    made = shown(
+    made = exposed_view(
         design, scene_index, chart, image, lit, lit, at, unit_mm=unit_mm, width_mm=covered_mm,
         pixels_across=width, block_px=1.0,
     )  # fmt: skip
@@ -185,7 +185,7 @@ def rendered(width: int, height: int, step_mm: float, unit_mm: float, fine: int)
     return made
 
 
-def shown(
+def exposed_view(
     design: Replay, scene_index: int, chart: Array, image: Array, lit: list[ImageField], middle: list[ImageField],
     at: Sharpness, *, unit_mm: float, width_mm: float, pixels_across: float, block_px: float,
 ) -> View:  # fmt: skip

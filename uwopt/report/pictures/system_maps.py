@@ -14,7 +14,7 @@ from typing import Any
 
 from uwopt.report.pictures.plots import BLUE, GREEN, GREY, PURPLE, VERMILLION, Plot, axis, layout
 from uwopt.report.text import formats
-from uwopt.report.text.whatif_tables import short_system, value_text
+from uwopt.report.text.whatif_tables import short_system, varied_value_text
 from uwopt.results.whatif import KeyValue, Switch, WhatIf, WhatIfPoint
 from uwopt.units import symbol
 
@@ -135,7 +135,7 @@ def stretches(table: WhatIf, along: int, other: KeyValue | None) -> list[Stretch
 def strip_map(table: WhatIf, along: int) -> Plot:
     """A strip for each value of the key of words, in the colours of the systems that win there."""
     others: list[KeyValue | None] = [None] if len(table.keys) == 1 else list(table.keys[1 - along].values)
-    names = ["" if other is None else value_text(other, table.keys[1 - along].unit) for other in others]
+    names = ["" if other is None else varied_value_text(other, table.keys[1 - along].unit) for other in others]
     by_system: dict[int | None, list[tuple[str, Stretch]]] = {}
     for name, other in zip(names, others, strict=True):
         for one in stretches(table, along, other):

@@ -24,7 +24,7 @@ from uwopt.report.pictures.system_maps import (
     titled,
 )
 from uwopt.report.text import formats
-from uwopt.report.text.whatif_tables import change_text, spread, value_text
+from uwopt.report.text.whatif_tables import change_text, moved_by, varied_value_text
 from uwopt.results.whatif import KeyValue, SpiderLine, Switch, WhatIf, WhatIfPoint
 from uwopt.units import symbol
 
@@ -77,7 +77,7 @@ def line_plot(table: WhatIf) -> Plot:
         if is_numeric(table, along):
             own.sort(key=lambda p: float(p.values[along]))
         name = "optimum" if value is None or other is None else (
-            f"{formats.one_line(table.keys[other].key, 30)} {value_text(value, table.keys[other].unit)}"
+            f"{formats.one_line(table.keys[other].key, 30)} {varied_value_text(value, table.keys[other].unit)}"
         )  # fmt: skip
         data.append({
             "type": "scatter", "mode": "lines+markers", "name": markup_free(name), "showlegend": False,
@@ -184,7 +184,7 @@ def spider_plot(table: WhatIf) -> Plot:
 
     Marks are open where another system wins than as the mission stands. Quantities that move nothing share a line.
     """
-    lines = sorted(table.spider, key=lambda line: -spread(line))
+    lines = sorted(table.spider, key=lambda line: -moved_by(line))
     moving, less = first_of(line for line in lines if moves(line))
     data: list[dict[str, Any]] = [
         {
@@ -241,4 +241,4 @@ def system_as_stated(line: SpiderLine) -> int | None:
 
 def moves(line: SpiderLine) -> bool:
     """Whether a quantity moves the optimum by more than a mark."""
-    return spread(line) > MOVES * max((abs(p.objective) for p in line.points if p.objective is not None), default=0.0)
+    return moved_by(line) > MOVES * max((abs(p.objective) for p in line.points if p.objective is not None), default=0.0)

@@ -15,7 +15,7 @@ from uwopt.report.text.layout import Text as Cell
 from uwopt.results.certainty import CertaintyProof, Confidence, Decides, WorthKnowing
 from uwopt.results.result import Result
 from uwopt.tolerances import TIED_MEDIANS_REL
-from uwopt.units import format_within, percent
+from uwopt.units import count_text, format_within, percent
 
 LOST_TO = {
     "light": "no exposure, gain and light level give enough signal without saturating",
@@ -41,7 +41,7 @@ def held_text(known: Confidence) -> str:
         return f"holds {share_of_ends(known)}"
     between = f"{percent(known.held_low)} to {percent(known.held_high)}"
     return (
-        f"holds in {percent(known.held)} of {formats.count_text(known.scenarios)} scenarios of what is uncertain "
+        f"holds in {percent(known.held)} of {count_text(known.scenarios)} scenarios of what is uncertain "
         f"({between}); {percent(float(known.asked))} asked{unrefuted(known)}"
     )
 
@@ -65,7 +65,7 @@ def status_text(known: Confidence, status: str) -> str:
         said = f"does what is asked {share_of_ends(known)}"
     else:
         said = (
-            f"does what is asked in {percent(known.held)} of {formats.count_text(known.scenarios)} scenarios "
+            f"does what is asked in {percent(known.held)} of {count_text(known.scenarios)} scenarios "
             f"({percent(float(known.asked))} wanted{unrefuted(known)})"
         )
     if not known.enough:
@@ -177,7 +177,7 @@ def central_text(result: Result, known: Confidence) -> str:
     beside = f", with medians of {' and '.join(medians)}" if len(medians) > 1 else ""
     return (
         f"best is {value} with {parts}; that holds in {percent(known.central_held or 0.0)} of the "
-        f"{formats.count_text(known.scenarios_in_choice)} scenarios of the choice, what is recommended in "
+        f"{count_text(known.scenarios_in_choice)} scenarios of the choice, what is recommended in "
         f"{percent(known.held_in_choice)}{beside}"
     )
 
@@ -198,11 +198,11 @@ def proof_text(result: Result, proof: CertaintyProof) -> str:
     if proof.best_possible is not None:
         best = words.objective_text(result, proof.best_possible)
         what = f"no hardware that holds so often does better than {best} in half of the scenarios"
-    gone = [f"{formats.count_text(proof.by_panel)} fail or are no better where nothing is worse than in most of them"]
-    gone += [f"{formats.count_text(proof.by_bounds)} by bounds in groups of them"] if proof.by_bounds else []
-    gone += [f"{formats.count_text(proof.counted)} counted in all of them"]
-    gone += [f"{formats.count_text(proof.left)} not looked at further"] if proof.left else []
-    text = f"{what}; of {formats.count_text(proof.combinations)} combinations " + ", ".join(gone)
+    gone = [f"{count_text(proof.by_panel)} fail or are no better where nothing is worse than in most of them"]
+    gone += [f"{count_text(proof.by_bounds)} by bounds in groups of them"] if proof.by_bounds else []
+    gone += [f"{count_text(proof.counted)} counted in all of them"]
+    gone += [f"{count_text(proof.left)} not looked at further"] if proof.left else []
+    text = f"{what}; of {count_text(proof.combinations)} combinations " + ", ".join(gone)
     if proof.argued:
         text += f". Argued and held against counts, but not strictly proven, is {words.listed(proof.argued)}"
     return text
@@ -236,7 +236,7 @@ def tied_text(result: Result, known: Confidence) -> str:
         for point in known.curve
         if point.confidence >= asked and set(point.hardware) - set(design.hardware.ids)
     }
-    scenarios = formats.count_text(known.scenarios_in_choice)
+    scenarios = count_text(known.scenarios_in_choice)
     said = f"In these {scenarios} scenarios what is recommended has {told_value(result, ours)}"
     if any(abs(value - ours) <= TIED_MEDIANS_REL * abs(ours) for value in theirs.values()):
         near = percent(TIED_MEDIANS_REL)

@@ -11,7 +11,7 @@ from uwopt.report.text.layout import Block, Line, Text, block, columns, fact_lin
 from uwopt.results.basis import Assumption, Opinion
 from uwopt.results.certainty import Confidence
 from uwopt.results.result import Certificate, Result
-from uwopt.units import format_number, format_within, is_number, split_unit
+from uwopt.units import count_text, counted, format_number, format_within, is_number, split_unit
 
 if TYPE_CHECKING:
     from uwopt.results.front import FrontResult
@@ -63,16 +63,16 @@ def account_lines(certificate: Certificate) -> list[Line]:
     """Where every combination went, and whether that adds up."""
     account = columns(("", "right"), ("", "left"), header=False)
     account.add_row(
-        Text(formats.count_text(certificate.loaded)), Text("combinations loaded: all parts of the catalogue")
+        Text(count_text(certificate.loaded)), Text("combinations loaded: all parts of the catalogue")
     )
     account.add_row(
-        Text(formats.count_text(certificate.selected)), Text("of them of parts that the mission allows")
+        Text(count_text(certificate.selected)), Text("of them of parts that the mission allows")
     )
-    account.add_row(Text(formats.count_text(certificate.evaluated)), Text("evaluated"))
+    account.add_row(Text(count_text(certificate.evaluated)), Text("evaluated"))
     account.add_row(Text(""), Text("discarded, each by the first rule that applies:"))
     for item in certificate.discarded:
         if item.count:
-            account.add_row(Text(formats.count_text(item.count)), Text("  " + words.rule_name(item.rule)))
+            account.add_row(Text(count_text(item.count)), Text("  " + words.rule_name(item.rule)))
     return [account, sentence(words.account_sentence(certificate))]
 
 
@@ -234,7 +234,7 @@ def rival_text(rival: Any) -> str:
     parts = [hardware[kind] for kind in OF_A_DESIGN if hardware.get(kind)]
     named = [formats.one_line(part) for part in words.as_bought(parts)]
     count = hardware.get("light_count")
-    return " + ".join(named) + (f", {words.counted(count, 'light')}" if count else "")
+    return " + ".join(named) + (f", {counted(count, 'light')}" if count else "")
 
 
 def quote_text(item: Any, result: Result) -> str:
@@ -264,7 +264,7 @@ def quoted_number(item: Any) -> str:
     unit = str(item.get("unit") or "")
     whose = item.get("part") or item.get("id") or item.get("path")
     if number in PRICES and is_number(item.get("low")) and is_number(item.get("high")):
-        return f"{number} of {whose} ({formats.price(item['low'], item['high'], unit)})"
+        return f"{number} of {whose} ({formats.price_text(item['low'], item['high'], unit)})"
     span = range_text(item.get("low"), item.get("high"), unit)
     standing = f" ~{formats.quantity(item.get('value'), unit)}" + (f" ({span})" if span else "")
     return f"{number} of {whose}{standing}"
@@ -324,7 +324,7 @@ def whose(result: Result, hardware: list[str]) -> str:
 
 def audit_sentence(audit: Mapping[str, Any]) -> Text:
     """Outcome of the attack on what was not recommended."""
-    tried = words.counted(int(audit.get("tried") or 0), "other combination")
+    tried = counted(int(audit.get("tried") or 0), "other combination")
     if audit.get("passed", True):
         return sentence(f"Audit: {tried} tried again by a generic search; none beats the recommendation.")
     better = audit.get("better") or [{}]
@@ -349,7 +349,7 @@ def plain_fact(name: str, value: Any) -> str:
         return "yes" if value else "no"
     if isinstance(value, (int, float)):
         return (
-            formats.count_text(value)
+            count_text(value)
             if isinstance(value, int)
             else formats.quantity(value, split_unit(name)[1], 4)
         )
@@ -399,7 +399,7 @@ def assumed_texts(item: Assumption) -> tuple[str, str]:
     """What is taken, and its range; of a price no more digits than the range leaves."""
     low, high = item.low, item.high
     if item.path.endswith("price") and is_number(item.value) and low is not None and high is not None:
-        return "~" + format_within(item.value, low, high, item.unit), formats.price(low, high, item.unit)
+        return "~" + format_within(item.value, low, high, item.unit), formats.price_text(low, high, item.unit)
     return assumed(item.value, item.unit), range_text(low, high, item.unit)
 
 

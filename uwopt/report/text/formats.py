@@ -206,24 +206,19 @@ def signed_share(value: float) -> str:
     return ("+" if value >= 1e-5 else "") + share(value)
 
 
-def count_text(number: float | int) -> str:
-    """A whole number with blanks at the thousands; beyond 10^15 rounded."""
-    return f"{int(number):,}".replace(",", " ") if abs(number) < 1e15 else f"{float(number):.3e}"
-
-
 def money(value: float | None, currency: str = "") -> str:
     """An amount of money in whole units, below a hundred to three digits."""
     return format_money(value, one_line(currency, 8))
 
 
-def price(low: float, high: float, currency: str) -> str:
+def price_text(low: float, high: float, currency: str) -> str:
     """`5 000 to 19 000 USD` where nobody quotes it; one amount, in full, where somebody does."""
     return format_price(low, high, one_line(currency, 8))
 
 
 def cost_text(cost: Cost) -> str:
     """What a system costs, as a range where prices are estimated."""
-    return price(cost.low, cost.high, cost.currency)
+    return price_text(cost.low, cost.high, cost.currency)
 
 
 def known_price(row: BillRow) -> str:
@@ -248,4 +243,4 @@ def due_text(row: BillRow) -> str:
     if not row.to_buy:
         return "owned"
     ends = price_ends(row)
-    return "price unknown" if ends is None else price(ends[0] * row.to_buy, ends[1] * row.to_buy, row.currency)
+    return "price unknown" if ends is None else price_text(ends[0] * row.to_buy, ends[1] * row.to_buy, row.currency)

@@ -10,7 +10,7 @@ from uwopt.report.text.nothing_fits import infeasible_block
 from uwopt.report.text.verdict import axis_name, verdict
 from uwopt.results.design import lamps_in_words
 from uwopt.results.front import FrontMethod, FrontObjective, FrontPoint, FrontResult
-from uwopt.units import format_number
+from uwopt.units import count_text, format_number
 
 SET_BY_HAND = ("power", "snr_db", "contrast", "information")  # what steps of settings move
 WHY_AS_SET = "Irises stand at marked stops; exposure, gain and light go by steps. In brackets: from the exact value."
@@ -150,7 +150,7 @@ def method_texts(method: FrontMethod) -> list[str]:
     return [
         formats.one_line(method.name, 30), formats.one_line(method.status, 30),
         formats.quantity(method.seconds, "s", 2),
-        formats.count_text(method.n_points), formats.count_text(method.evaluations),
+        count_text(method.n_points), count_text(method.evaluations),
         format_number(method.hypervolume, 5) + most,
         formats.quantity(None) if ratio is None else formats.share(ratio), formats.quantity(method.igd_plus, "", 2),
     ]  # fmt: skip

@@ -15,6 +15,7 @@ from uwopt.report.text.layout import Line, sentence
 from uwopt.results.basis import Moved
 from uwopt.results.design import Note
 from uwopt.results.result import Result
+from uwopt.units import count_text
 
 if TYPE_CHECKING:
     from uwopt.results.front import FrontResult
@@ -107,7 +108,7 @@ def in_part_text(looked_at: Mapping[str, int]) -> str:
     """` (without cost 66 507 systems were looked at in vain, not all)`; "" where nothing was looked at."""
     if not looked_at:
         return ""
-    each = [f"without {words.note_subject(name)} {formats.count_text(count)}" for name, count in looked_at.items()]
+    each = [f"without {words.note_subject(name)} {count_text(count)}" for name, count in looked_at.items()]
     return f" ({words.listed(each)} systems were looked at in vain, not yet all)"
 
 

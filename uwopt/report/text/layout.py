@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias, TypeVar, cast
 
 from uwopt.report.text import formats, words
 from uwopt.results.design import Note
+from uwopt.units import counted
 
 if TYPE_CHECKING:
     from rich import table, text
@@ -158,7 +159,7 @@ def fact_lines(facts: Iterable[tuple[str, str]]) -> Facts:
 
 def more_in_files(number: int, noun: str) -> list[Text]:
     """That a table of points, say, shows so many less than there are; nothing where it shows all."""
-    told = sentence(f"{words.counted(number, noun)} more in the files that --out DIR writes", "dim")
+    told = sentence(f"{counted(number, noun)} more in the files that --out DIR writes", "dim")
     return [told] if number > 0 else []
 
 

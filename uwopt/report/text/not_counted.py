@@ -11,7 +11,7 @@ from uwopt.report.text.helps import factor_of_depth
 from uwopt.report.text.stated import cells_of, has_own_battery, supply_volts
 from uwopt.results.design import BillRow, Design
 from uwopt.results.result import Result
-from uwopt.units import format_number
+from uwopt.units import counted, format_number
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ def _not_counted(result: Result, best: Design) -> Iterator[NotCounted]:
     ids = {row.id for row in best.bom}
     hardware, totals = best.hardware, best.totals
     depth = formats.quantity(depth_m(result), "m")
-    cameras = words.counted(hardware.camera_count, "camera")
+    cameras = counted(hardware.camera_count, "camera")
     if hardware.housing is None and hardware.complete is None:
         yield NotCounted(
             "housing",
@@ -40,7 +40,7 @@ def _not_counted(result: Result, best: Design) -> Iterator[NotCounted]:
             f"rated {depth} or more; takes the port {words.part_name(hardware.port)}",
         )
     if not any(name.startswith(("rest-camera-connection", "rest-lamp-connection")) for name in ids):
-        lamps = words.counted(hardware.light_count, "lamp")
+        lamps = counted(hardware.light_count, "lamp")
         yield NotCounted("connectors and cables", f"for {cameras} and {lamps}, rated {depth} or more")
     if "host-computer" not in ids:
         rate = max((float(s.figures.get("data_rate_mb_s") or 0.0) for s in best.scenes), default=0.0)

@@ -27,7 +27,7 @@ from uwopt.report.text.layout import Block, Grid, Line, Text, block, columns, se
 from uwopt.results.basis import Excluded, Moved, Relaxed, TooShallow
 from uwopt.results.design import PRACTICE_IN_VAIN
 from uwopt.results.result import Result
-from uwopt.units import split_unit
+from uwopt.units import count_text, split_unit
 
 if TYPE_CHECKING:
     from uwopt.results.front import FrontResult
@@ -70,7 +70,7 @@ def infeasible_block(result: Result | FrontResult) -> Block:
         if ": " in item.name:  # a part that the mission does not allow; the certificate counts those
             continue
         bounded |= item.n_is_bound
-        count = formats.count_text(item.n_excluded) + ("*" if item.n_is_bound else " ")
+        count = count_text(item.n_excluded) + ("*" if item.n_is_bound else " ")
         table.add_row(Text(count), Text(f"{words.rule_name(item.name)} ({formats.one_line(item.name)})"))
     if table.row_count:
         lines += [Text(""), table]
@@ -205,8 +205,8 @@ def none_left_lines(result: Result | FrontResult) -> list[Line]:
             short = one.too_shallow if rule == DEPTH else None
             rows = [(count, words.rule_name(rule))] if short is None else shallow_rows(short, count)
             for number, why in rows:
-                table.add_row(Text(formats.count_text(number)), Text(LEFT_OUT.get(rule, why)))
-        every = formats.count_text(sum(one.by_rule.values()))
+                table.add_row(Text(count_text(number)), Text(LEFT_OUT.get(rule, why)))
+        every = count_text(sum(one.by_rule.values()))
         made += [sentence(f"No {one.kind} is left to choose of the {every} in the catalogue:"), table]
         if one.reasons:
             by_id = one.reasons.items()

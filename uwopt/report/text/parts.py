@@ -12,9 +12,9 @@ from uwopt.catalog.edition import AS_OF, EDITION
 from uwopt.catalog.listing import FieldLine, PartLine
 from uwopt.catalog.records import KINDS, Quantity
 from uwopt.catalog.stale import StaleRow
-from uwopt.report.text import formats, words
+from uwopt.report.text import formats
 from uwopt.report.text.layout import Block, Line, Text, block, columns, sentence
-from uwopt.units import format_number
+from uwopt.units import counted, format_number
 
 PLURALS = {
     "camera": "Cameras", "lens": "Lenses", "port": "Ports", "light": "Lights", "housing": "Housings",
@@ -36,7 +36,7 @@ def part_list_blocks(lines: Sequence[PartLine]) -> Iterator[Block | Text]:
             doubtful |= price_is_estimated(line.price) or "~" in line.summary
             what = formats.one_line(f"{line.summary}{'; to be made' if line.generic else ''}")
             table.add_row(
-                Text(formats.one_line(line.id, 60)), Text(what), Text(price_text(line.price, line.currency))
+                Text(formats.one_line(line.id, 60)), Text(what), Text(field_price_text(line.price, line.currency))
             )
             for reason in line.reasons:
                 table.add_row(Text(""), Text("left out: " + formats.one_line(reason), "dim"), Text(""))
@@ -73,11 +73,11 @@ def price_is_estimated(price: Quantity | None) -> bool:
     return price is not None and price.estimated
 
 
-def price_text(price: Quantity | None, currency: str) -> str:
+def field_price_text(price: Quantity | None, currency: str) -> str:
     """A price with its mark."""
     if price is None:
         return "unknown"
-    return formats.price(price.low, price.high, currency) + (", no quote" if price_is_estimated(price) else "")
+    return formats.price_text(price.low, price.high, currency) + (", no quote" if price_is_estimated(price) else "")
 
 
 def part_blocks(part_id: str, lines: Sequence[FieldLine], exclusions: Sequence[Exclusion]) -> Iterator[Block]:
@@ -116,9 +116,9 @@ def row_of(text: str) -> int:
 
 def check_blocks(report: FileReport) -> Iterator[Block]:
     """What a file holds, every fault with its row, what will be estimated."""
-    rows = words.counted(report.n_rows, "row")
+    rows = counted(report.n_rows, "row")
     n_faults = len(report.faults)
-    verdict = "in order" if report.ok else f"{words.counted(n_faults, 'fault')}"
+    verdict = "in order" if report.ok else f"{counted(n_faults, 'fault')}"
     told = [*((fault, "red") for fault in report.faults), *((note, "") for note in report.notes)]
     lines: list[Line] = [sentence(text, style) for text, style in sorted(told, key=lambda one: row_of(one[0]))]
     yield block(f"{formats.one_line(report.path)}: {report.content}, {rows}: {verdict}", lines)

@@ -11,7 +11,7 @@ from uwopt.report.text.layout import Block, Line, block, sentence
 from uwopt.results.basis import LessMoney, Price
 from uwopt.results.design import Design
 from uwopt.results.result import Result
-from uwopt.units import format_quantity, percent, without_zeros
+from uwopt.units import counted, format_quantity, percent, without_zeros
 
 NOTHING_CHANGES = 1e-6  # of the objective: less is rounding
 NOTHING = "nothing"
@@ -51,7 +51,7 @@ def less_money_text(result: Result, cheap: LessMoney, best: Design) -> str:
         f"{kind} {formats.one_line(part, 60)}" for kind, part in cheap.hardware.items()
         if kind not in ours or ours[kind].id != part
     ]  # fmt: skip
-    other += [words.counted(lamps, "light")] if lamps != best.hardware.light_count else []
+    other += [counted(lamps, "light")] if lamps != best.hardware.light_count else []
     less = cheap.price_of_best - cheap.price
     saved = f"{formats.money(float(f'{less:.2g}'), cheap.currency)} less ({100.0 * less / cheap.price_of_best:.0f} %)"
     more, value = cheap.value / cheap.value_of_best - 1.0, words.objective_text(result, cheap.value)
@@ -85,10 +85,10 @@ def short_price(result: Result, price: Price) -> str:
 def price_lines(result: Result, prices: Sequence[Price]) -> Iterator[Line]:
     """A sentence each."""
     for price in prices:
-        yield sentence("- " + price_text(result, price))
+        yield sentence("- " + requirement_price_text(result, price))
 
 
-def price_text(result: Result, price: Price) -> str:
+def requirement_price_text(result: Result, price: Price) -> str:
     """`1 dB more signal to noise: +0.22 W; beyond 31.2 dB another camera, ...`."""
     name = "speed" if price.name == "speed_m_s" else words.requirement_name(price.name)
     unit = price_unit(result, price)

@@ -65,7 +65,7 @@ from uwopt.results.design import (
 )
 from uwopt.results.result import Result
 from uwopt.solvers.infeasible.none_left import stays_empty
-from uwopt.units import format_within
+from uwopt.units import counted, format_within
 
 LONGEST_NAME = 90  # letters of what a maker calls a part
 MOST_RISKS = 3
@@ -402,7 +402,7 @@ def cost_block(result: Result, design: Design) -> Block:
     if unpriced and not cost.value:
         text = "not known"
     elif unpriced:
-        text += f"; without {words.counted(unpriced, 'part')} of unknown price"
+        text += f"; without {counted(unpriced, 'part')} of unknown price"
     facts = [("price", text)]
     limit = (result.mission.get("limits") or {}).get("cost")
     if isinstance(limit, (int, float)) and cost.high > limit:

@@ -8,6 +8,7 @@ from uwopt.quantities import AT_LIKELIEST
 from uwopt.report.text import formats, words
 from uwopt.report.text.layout import Block, Text, block, columns, note_blocks, sentence
 from uwopt.results.sweep import SweepKit, SweepSummary
+from uwopt.units import count_text, counted
 
 MOST_ROWS = 14  # of kits; the file holds all
 STATUS = {
@@ -37,7 +38,7 @@ def sweep_blocks(made: SweepSummary) -> Iterator[Block | Text]:
 def sweep_opening(made: SweepSummary) -> list[str]:
     """What was asked for, and what came of it."""
     over = f" over {words.listed([formats.one_line(key, 60) for key in made.keys])}" if made.keys else ""
-    told = [f"{words.counted(made.missions, 'mission')}{over}{done_text(made)}."]
+    told = [f"{counted(made.missions, 'mission')}{over}{done_text(made)}."]
     if made.what == "evaluate":
         fits = made.counts.get("feasible", 0)
         told.append(f"The system meets every requirement of {fits} of them.")
@@ -46,7 +47,7 @@ def sweep_opening(made: SweepSummary) -> list[str]:
     elif made.kits:
         won = sum(kit.wins for kit in made.kits)
         told.append(
-            f"Something fits in {won} of them; {words.counted(len(made.kits), 'kit')} of hardware "
+            f"Something fits in {won} of them; {counted(len(made.kits), 'kit')} of hardware "
             f"{'wins' if len(made.kits) == 1 else 'win'} somewhere, the first in {made.kits[0].wins}."
         )
     if (why := ENDED.get(made.status)) is not None:
@@ -65,7 +66,7 @@ def counts_block(made: SweepSummary) -> Block:
     """Missions by how they ended."""
     grid = columns(("missions", "right"), ("status", "left"), ("", "left"))
     for status, count in made.counts.items():
-        grid.add_row(Text(formats.count_text(count)), Text(status), Text(STATUS.get(status, "")))
+        grid.add_row(Text(count_text(count)), Text(status), Text(STATUS.get(status, "")))
     return block("How they ended", [grid])
 
 
@@ -75,16 +76,16 @@ def kits_block(made: SweepSummary) -> Block:
     heads = [("no.", "right"), ("wins", "right")]
     grid = columns(*heads, *([("serves", "right")] if served else []), ("price", "right"), ("kit", "left"))
     for number, kit in enumerate(made.kits[:MOST_ROWS], 1):
-        serves = [Text("" if kit.serves is None else formats.count_text(kit.serves))] if served else []
+        serves = [Text("" if kit.serves is None else count_text(kit.serves))] if served else []
         grid.add_row(
             Text(str(number)),
-            Text(formats.count_text(kit.wins)),
+            Text(count_text(kit.wins)),
             *serves,
-            Text(price_text(made, kit.price)),
+            Text(sweep_price_text(made, kit.price)),
             Text(kit_text(kit)),
         )
     left = len(made.kits) - MOST_ROWS
-    more = [sentence(f"{words.counted(left, 'kit')} more in sweep.json", "dim")] if left > 0 else []
+    more = [sentence(f"{counted(left, 'kit')} more in sweep.json", "dim")] if left > 0 else []
     return block("Kits that win", [grid, *more])
 
 
@@ -93,7 +94,7 @@ def kit_text(kit: SweepKit) -> str:
     return formats.one_line(kit.parts, 300) + (" (with a part to be made)" if kit.generic else "")
 
 
-def price_text(made: SweepSummary, price: float | None) -> str:
+def sweep_price_text(made: SweepSummary, price: float | None) -> str:
     """A price where all are in one currency."""
     return formats.quantity(None) if price is None else formats.money(price, made.currency)
 
@@ -106,18 +107,19 @@ def portfolio_block(made: SweepSummary) -> Block:
         grid.add_row(
             Text(str(len(one.kits))),
             Text(f"{one.serves} of {made.servable}"),
-            Text(price_text(made, one.price)),
+            Text(sweep_price_text(made, one.price)),
             Text(which),
         )
     winners = sum(kit.wins > 0 for kit in made.kits)
     told = [
-        f"Of the {words.counted(made.tried, 'kit')} tried in every mission: the most missions that so many kits serve, "
+        f"Of the {counted(made.tried, 'kit')} tried in every mission: the most missions that so many kits serve, "
         "and of such choices the cheapest; both exact. A kit serves a mission where some settings of it meet every "
         f"requirement, {AT_LIKELIEST}."
     ]
     if made.one_each_price is not None:
         told.append(
-            f"One of each of all {words.counted(winners, 'kit')} that win: {price_text(made, made.one_each_price)}."
+            f"One of each of all {counted(winners, 'kit')} that win: "
+            f"{sweep_price_text(made, made.one_each_price)}."
         )
     return block("Few kits for many missions", [grid, *(sentence(text) for text in told)])
 
@@ -126,7 +128,7 @@ def failed_block(made: SweepSummary) -> Block:
     """Why missions could not be worked out."""
     grid = columns(("missions", "right"), ("why", "left"))
     for one in made.failed:
-        grid.add_row(Text(formats.count_text(one.count)), Text(formats.one_line(one.message, 300)))
+        grid.add_row(Text(count_text(one.count)), Text(formats.one_line(one.message, 300)))
     return block("Could not be worked out", [grid])
 
 
@@ -138,4 +140,4 @@ def pace_text(made: SweepSummary) -> str:
     )
     rate = f", {new / spent_s:.3g} a second" if new > 0 and spent_s > 0 else ""
     memory = f", {made.memory_mb:.0f} MiB at most each" if made.memory_mb else ""
-    return f"Took {words.run_time_sentence(made.timing_s)}{rate}: {words.counted(made.workers, 'worker')}{memory}."
+    return f"Took {words.run_time_sentence(made.timing_s)}{rate}: {counted(made.workers, 'worker')}{memory}."

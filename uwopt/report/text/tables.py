@@ -358,7 +358,7 @@ def bom_line(row: BillRow) -> BomLine:
         str(row.count),
         formats.one_line(row.kind, 12),
         formats.one_line(row.id, ID_LENGTH),
-        "unknown" if ends is None else formats.price(*ends, row.currency),
+        "unknown" if ends is None else formats.price_text(*ends, row.currency),
         formats.due_text(row),
         formats.one_line(", ".join(word for word in known if word), 60),
         row.estimated,

@@ -21,7 +21,7 @@ from uwopt.report.text.tables import nearest_miss
 from uwopt.results.design import PRACTICE_YIELDS, Design, lamps_in_words
 from uwopt.results.front import FrontObjective, FrontPoint, FrontResult
 from uwopt.results.result import Result
-from uwopt.units import format_number
+from uwopt.units import count_text, counted, format_number
 
 CUT = {"stopped": "stopped by a limit", "interrupted": "interrupted"}  # of a front, by its status
 OBJECTIVE_NAMES = {term: one.words for term, one in TERMS.items()}
@@ -75,7 +75,7 @@ def best_trust(result: Result, design: Design) -> str:
         said = [f"missed: {', '.join(missed)}"] if missed else [first] if first else []
         said.append(f"computed with physics {formats.one_line(result.physics.name)}")
         if estimated:
-            said.append(f"{words.counted(estimated, 'number')} of it estimated, listed under assumptions")
+            said.append(f"{counted(estimated, 'number')} of it estimated, listed under assumptions")
         return "; ".join(said)
     said = [text for text in (words.status_sentence(result), fails_first(design.as_set, result.deepest_m)) if text]
     doubt = result.robustness or {}
@@ -139,7 +139,7 @@ def choices_text(front: FrontResult) -> str:
     """How many choices are left, or found until the search was stopped."""
     left = "left" if front.status == "complete" else "found so far"
     number = len({point.curve for point in front.points})
-    ways = f"in {words.counted(len(front.points), 'setting')}"
+    ways = f"in {counted(len(front.points), 'setting')}"
     if number == 1:
         return f"One choice of hardware is {left}, {ways} of which none is better than another in everything"
     return f"{number} choices of hardware are {left}, {ways}, none better than another in everything"
@@ -219,7 +219,7 @@ def front_trust(front: FrontResult) -> str:
         name = formats.one_line(method.name, 20)
         if method.name == "exact" and method.status == "complete":
             loaded, gap = proof.get("loaded"), proof.get("gap_rel")
-            every = f": each of {formats.count_text(loaded)} combinations is accounted for" if loaded else ""
+            every = f": each of {count_text(loaded)} combinations is accounted for" if loaded else ""
             left = (
                 f", and no other system can add more than {formats.share(gap)} to the trade-off" if gap else ""
             )

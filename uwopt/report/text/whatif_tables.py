@@ -10,7 +10,7 @@ from uwopt.report.text import formats, words
 from uwopt.report.text.layout import Block, Text, block, columns, evenly, more_in_files, note_blocks, sentence
 from uwopt.report.text.nothing_fits import more_time
 from uwopt.results.whatif import KeyValue, SpiderLine, Switch, WhatIf, WhatIfPoint, WinningSystem
-from uwopt.units import format_quantity
+from uwopt.units import counted, format_quantity
 
 MOST_ROWS = 14  # of points; the files hold all
 MOST_SENTENCES = 24  # of switches
@@ -46,13 +46,13 @@ def opening(table: WhatIf) -> list[str]:
         if known < every:
             cut = "Interrupted" if table.status == "interrupted" else "Stopped by a limit"
             some = f"with {known} of {every} points over {keys} known" if known else (
-                f"before any of {words.counted(every, 'point')} over {keys} was known"
+                f"before any of {counted(every, 'point')} over {keys} was known"
             )  # fmt: skip
             made.append(f"{cut} {some}. {more_time(table)}.")
         if known:
             made.append(
-                f"{words.counted(known, 'point')} over {keys}, {goal}: something fits at {fits} of them, "
-                f"{words.counted(best, 'system')} win{'s' if best == 1 else ''} somewhere"
+                f"{counted(known, 'point')} over {keys}, {goal}: something fits at {fits} of them, "
+                f"{counted(best, 'system')} win{'s' if best == 1 else ''} somewhere"
                 f"{'; each is proven over the whole catalogue' if proven else ''}."
             )
         if known and table.confidence != "central":
@@ -87,7 +87,7 @@ def switch_lines(table: WhatIf) -> list[Text]:
 def others_text(table: WhatIf, switch: Switch) -> str:
     """`water II`; empty where only one key is varied."""
     return ", ".join(
-        f"{formats.one_line(key.key, 40)} {value_text(value, key.unit)}"
+        f"{formats.one_line(key.key, 40)} {varied_value_text(value, key.unit)}"
         for key, value in zip(table.keys, switch.others, strict=True)
         if value is not None
     )
@@ -115,7 +115,7 @@ def change_text(first: WinningSystem, second: WinningSystem) -> str:
     other = [kind for kind in OF_A_DESIGN if first[kind] != second[kind]]
     told = [f"another {kind}, {formats.one_line(second[kind], 90)}" for kind in other]
     if first.light_count != second.light_count:
-        told.append(f"{words.counted(second.light_count, 'light')} instead of {first.light_count}")
+        told.append(f"{counted(second.light_count, 'light')} instead of {first.light_count}")
     made = " (a part to be made)" if second.generic and not first.generic else ""
     return words.listed(told) + made
 
@@ -154,7 +154,7 @@ def points_block(table: WhatIf) -> Block:
         texts = {"power": formats.quantity(figures.get("power_w"), "W"), "cost": cost}
         best = "nothing fits" if point.system is None else format_quantity(point.objective, unit, 4)
         grid.add_row(
-            *(Text(value_text(value, key.unit)) for key, value in zip(table.keys, point.values, strict=True)),
+            *(Text(varied_value_text(value, key.unit)) for key, value in zip(table.keys, point.values, strict=True)),
             Text(best if point.status != "stopped" or point.system is not None else "not known"),
             *(Text(texts[name]) for name in beside),
             Text("" if point.system is None else str(point.system + 1)),
@@ -163,7 +163,7 @@ def points_block(table: WhatIf) -> Block:
     return block("Some of the points" if left else "All points", [grid, *more_in_files(left, "point")])
 
 
-def value_text(value: KeyValue, unit: str) -> str:
+def varied_value_text(value: KeyValue, unit: str) -> str:
     """A value with its unit."""
     return formats.one_line(value, 40) if isinstance(value, str) else format_quantity(value, unit, 4)
 
@@ -171,7 +171,7 @@ def value_text(value: KeyValue, unit: str) -> str:
 def spider_block(table: WhatIf) -> Block:
     """How the optimum moves with each quantity, the one that moves it most first."""
     grid = columns(("quantity", "left"), ("as it is", "right"), ("- 20 %", "right"), ("+ 20 %", "right"))
-    for line in sorted(table.spider, key=lambda line: -spread(line)):
+    for line in sorted(table.spider, key=lambda line: -moved_by(line)):
         ends = [next((p for p in line.points if p.values[0] == factor), None) for factor in (0.8, 1.2)]
         texts = [end_text(table, line, point) for point in ends]
         grid.add_row(Text(line.key), Text(format_quantity(line.base, line.unit)), *(Text(text) for text in texts))
@@ -189,7 +189,7 @@ def end_text(table: WhatIf, line: SpiderLine, point: WhatIfPoint | None) -> str:
     return format_quantity(point.objective, table.objective.unit, 4) + mark
 
 
-def spread(line: SpiderLine) -> float:
+def moved_by(line: SpiderLine) -> float:
     """How far the optimum moves over a quantity's points; infinitely where something fits at some alone."""
     values = [point.objective for point in line.points]
     known = [value for value in values if value is not None]
@@ -202,5 +202,5 @@ def short_system(table: WhatIf, index: int) -> str:
     differ = [kind for kind in OF_A_DESIGN if len({one[kind] for one in table.systems}) > 1] or list(OF_A_DESIGN)
     told = [formats.one_line(system[kind], 48) for kind in differ]
     if len({one.light_count for one in table.systems}) > 1:
-        told.append(words.counted(system.light_count, "light"))
+        told.append(counted(system.light_count, "light"))
     return f"{index + 1}: {' + '.join(told)}{' (a part to be made)' if system.generic else ''}"

@@ -9,7 +9,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from uwopt.quantities import AT_LIKELIEST, REQUIREMENTS
-from uwopt.report.text.formats import cost_text, count_text, money, one_line, quantity
+from uwopt.report.text.formats import cost_text, money, one_line, quantity
 from uwopt.report.text.vocabulary import (
     AS_WRITTEN,
     KEYS,
@@ -23,6 +23,8 @@ from uwopt.results.design import BillRow, Cost, Design, LampPlace, Note, Totals,
 from uwopt.results.result import Certificate, Result
 from uwopt.tolerances import SATISFIED_REL
 from uwopt.units import (
+    count_text,
+    counted,
     format_number,
     format_price,
     format_within,
@@ -250,11 +252,6 @@ def missed_names(design: Design) -> list[str]:
 def in_scene(name: str, scenes: Sequence[object]) -> str:
     """Which scene, where there are several."""
     return f" in {one_line(name, 40)}" if len(scenes) > 1 else ""
-
-
-def counted(number: int, noun: str) -> str:
-    """`1 light`, `2 lights`."""
-    return f"{count_text(number)} {noun}" + ("" if number == 1 else "s")
 
 
 # ---------------------------------------------------------------- sentences

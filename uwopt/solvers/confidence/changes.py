@@ -30,7 +30,7 @@ from uwopt.solvers.confidence.eased import (
     Shares,
     all_missed,
     eases,
-    nearest,
+    nearest_that_holds,
 )
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.search import unseen
@@ -232,7 +232,7 @@ def by_share(moves: Sequence[Move], share: float) -> list[Move]:
 
 def drawn_by_share(moves: Sequence[Move], holds: Holds, most: float = 1.0) -> list[Move]:
     """Moves by as small a share of their way as is enough, the same of all; `most` is."""
-    return by_share(moves, nearest(0.0, most, lambda share: holds(by_share(moves, share))))
+    return by_share(moves, nearest_that_holds(0.0, most, lambda share: holds(by_share(moves, share))))
 
 
 def drawn_in(moves: Sequence[Move], holds: Holds) -> list[Move]:
@@ -243,7 +243,8 @@ def drawn_in(moves: Sequence[Move], holds: Holds) -> list[Move]:
     near = [*moves]
     for place, (ease, far) in enumerate(near):
         before, after = near[:place], near[place + 1 :]
-        near = [*before, (ease, nearest(ease.asked, far, partial(holds_at, holds, ease, before, after))), *after]
+        still = partial(holds_at, holds, ease, before, after)
+        near = [*before, (ease, nearest_that_holds(ease.asked, far, still)), *after]
     return near
 
 

@@ -208,7 +208,7 @@ def would_hold(
         try:
             far = next((value for value in ease.values if holds(value)), None)
             if far is not None:
-                needed = far if coarse else nearest(ease.asked, far, holds)
+                needed = far if coarse else nearest_that_holds(ease.asked, far, holds)
                 if ease.key == TOLERANCE:
                     needed = halved((ease.asked, *ease.values), far, holds)
                 made.append(Moved(ease.key, ease.asked, needed, ease.unit, not coarse))
@@ -218,7 +218,7 @@ def would_hold(
 
 
 def halved(values: Sequence[float], far: float, holds: Callable[[float], bool]) -> float:
-    """Of values in turn one between the first with which it holds and that before it, by halves; as of `nearest`."""
+    """Of values in turn one between the first with which it holds and that before it, by halves."""
     near = values[values.index(far) - 1]
     with suppress(OutOfTimeError):
         for _ in range(HALVED):
@@ -227,7 +227,7 @@ def halved(values: Sequence[float], far: float, holds: Callable[[float], bool]) 
     return far
 
 
-def nearest(asked: float, far: float, holds: Callable[[float], bool]) -> float:
+def nearest_that_holds(asked: float, far: float, holds: Callable[[float], bool]) -> float:
     """The value nearest to what is asked with which it holds, to a twentieth of the change: steps that double, halves.
 
     It holds at `far`, not at what is asked. Where time runs out, the nearest that was found by then.

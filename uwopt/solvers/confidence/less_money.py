@@ -13,7 +13,7 @@ from uwopt.solvers.explain.less_money import (
     LESS_MONEY_S,
     SAVED,
     cheaper_record,
-    limit_of,
+    holding_limit,
     no_more_than,
 )
 from uwopt.solvers.recommend import Sought
@@ -25,7 +25,7 @@ def less_money_in_doubt(sought: Sought, choice: Certain, deadline: Deadline = NE
     Of all that was counted, and of what is cheapest in worse numbers than in most scenarios: no proof, an offer. None
     where none saves a tenth of the price, or what was chosen is not certain enough itself. Raises OutOfTimeError.
     """
-    limit, problem, ours = limit_of(sought.goal), sought.problem, choice.best
+    limit, problem, ours = holding_limit(sought.goal), sought.problem, choice.best
     if limit is None or not (choice.enough and choice.scenarios.is_drawn):
         return None
     deadline = deadline.or_after(LESS_MONEY_S, processor_s)

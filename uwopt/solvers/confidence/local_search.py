@@ -60,7 +60,7 @@ def polish(seen: Looked, deadline: Deadline, a_round_s: float = math.inf, serves
             return True
         near = by_names(problem, [*both, *neighbours(problem, best.found)], known)
         known.update(near)
-        beside = compare(seen, [*near.values()], deadline.at_most(a_round_s), best)
+        beside = seen_beside(seen, [*near.values()], deadline.at_most(a_round_s), best)
         better = next(filter(serves, seen.ranked), None)
         if better is best or better is None:
             if math.isfinite(a_round_s) and not deadline.passed():  # else all is looked at, or proven
@@ -100,7 +100,7 @@ class SeenBeside(NamedTuple):
     close: list[Found]  # what seemed as good but for luck
 
 
-def compare(seen: Looked, others: Sequence[Found], deadline: Deadline, best: Counted) -> SeenBeside:
+def seen_beside(seen: Looked, others: Sequence[Found], deadline: Deadline, best: Counted) -> SeenBeside:
     """Look at other hardware beside the best known, and count what seems better."""
     problem = seen.problem
     known = {names(problem, one.found) for one in seen.tried}

@@ -22,7 +22,7 @@ from uwopt.deadline import Deadline, OutOfTimeError, Progress
 from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.counted import Counted, Looked, names
-from uwopt.solvers.confidence.local_search import compare
+from uwopt.solvers.confidence.local_search import seen_beside
 from uwopt.solvers.confidence.outcomes import Judge, Outcomes, groups_of, outcomes_where
 from uwopt.solvers.confidence.panels import Anchor, anchors_of, least_covered, panel_of
 from uwopt.solvers.confidence.scenarios import Scenarios
@@ -135,7 +135,7 @@ class Prover:
         """Count what seems better in some scenarios: the sooner the best is known, the less has to be counted."""
         patience, best = self.deadline.part(GLANCE_SHARE), self.seen.best
         assert best is not None
-        compare(self.seen, some, patience, best)
+        seen_beside(self.seen, some, patience, best)
 
     @property
     def _total(self) -> int:

@@ -140,7 +140,7 @@ def count_in_time(seen: Looked, some: Sequence[Found], last: Collection[Any], de
         raise
 
 
-def chosen(seen: Looked, deadline: Deadline, report: Progress) -> Certain | None:
+def best_counted(seen: Looked, deadline: Deadline, report: Progress) -> Certain | None:
     """The best of what was counted, compared with what is near it, and proven as far as there is time."""
     problem, objective, share = seen.problem, seen.objective, seen.share
     rest = PROVEN_REST if can_be_proven(problem, objective) else UNPROVEN_REST

@@ -52,7 +52,7 @@ def confidence_record(
 ) -> Confidence:
     """The record of a choice: how often it holds in scenarios that it was not made on, and what certainty costs."""
     seen, first = certain.fresh or certain.best, certain.tried[0]
-    return counted(
+    return counted_confidence(
         problem, objective, seen, asked="ends" if ends else certain.asked, share=certain.asked,
         in_choice=certain.best,
         central_objective=objective.reported(central.minimised), central_hardware=ids_of_pieces(problem, central),
@@ -106,7 +106,7 @@ def argued(problem: Problem) -> Iterator[str]:
         yield "that no focus serves better than the sharpest"
 
 
-def counted(
+def counted_confidence(
     problem: Problem, objective: Objective, seen: Counted, *, asked: float | str, share: float,
     in_choice: Counted | None = None, **more: object,
 ) -> Confidence:  # fmt: skip

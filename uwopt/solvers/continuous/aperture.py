@@ -107,7 +107,7 @@ def confirmed(rows: SceneRows, chosen: Chosen) -> dict[str, Any] | None:
 
     program = ApertureProgram(rows, chosen)
     start = np.log([chosen.f_number[0], chosen.light_x[0]])
-    found = casadi_ipopt.solve(program, np.clip(start, *program.bounds))
+    found = casadi_ipopt.solve_by_ipopt(program, np.clip(start, *program.bounds))
     gain = program.log_information(*found.x) - program.log_information(*start)
     return {
         "f_number": float(np.exp(found.x[0])), "searched_f_number": float(chosen.f_number[0]),

@@ -96,7 +96,7 @@ class SymbolicProgram:
         )
 
 
-def solve(program: Smooth, start: Array, *, max_seconds: float = np.inf) -> Attempt:
+def solve_by_ipopt(program: Smooth, start: Array, *, max_seconds: float = np.inf) -> Attempt:
     """One run of IPOPT from a start, with multipliers and the residual of the optimum's conditions.
 
     The residual is computed here, from CasADi's gradients and IPOPT's multipliers.

@@ -147,7 +147,7 @@ WAYS = {
 NEAR = Way("isres", nlopt.GN_ISRES, 200, gradients=False, settles=False)  # which SLSQP goes on from
 
 
-def solve(
+def solve_by_nlopt(
     program: Program, start: Array, *, algorithm: str | Way, max_seconds: float = np.inf
 ) -> Attempt:
     """One run from a start; multipliers are those that fit best, and the residual says how well."""

@@ -378,7 +378,7 @@ def worst_light_w(scenes: Sequence[SmoothScene], settings: Sequence[SmoothSettin
     return max(float(scene.light_power_w(at)) for scene, at in zip(scenes, settings, strict=True))
 
 
-def worst_snr(scenes: Sequence[SmoothScene], settings: Sequence[SmoothSettings]) -> float:
+def worst_scene_snr(scenes: Sequence[SmoothScene], settings: Sequence[SmoothSettings]) -> float:
     """SNR in the scene that has least."""
     return min(float(scene.nominal_snr(at)) for scene, at in zip(scenes, settings, strict=True))
 
@@ -416,7 +416,7 @@ class SmoothDesign:
     ) -> float:
         """The minimised objective of settings by scene, of all or of these alone: the worst power and SNR count."""
         own = self.scenes if scenes is None else scenes
-        snr_db = float(ratio_to_db(worst_snr(own, settings)))
+        snr_db = float(ratio_to_db(worst_scene_snr(own, settings)))
         return self._minimised(objective, worst_light_w(own, settings), snr_db)
 
     def fixed(self, objective: Objective) -> float:

@@ -29,7 +29,7 @@ from uwopt.solvers.continuous.pieces import (
     SmoothSettings,
     Symbolic,
     common_range,
-    worst_snr,
+    worst_scene_snr,
 )
 from uwopt.tolerances import SLACK
 from uwopt.units import ratio_to_db
@@ -170,7 +170,7 @@ class Program:
             if name == "power":
                 x[index] = np.log(max(s.light_power_w(a) for s, a in zip(self.scenes, at, strict=True)))
             elif name == "snr":
-                x[index] = np.log(worst_snr(self.scenes, at))
+                x[index] = np.log(worst_scene_snr(self.scenes, at))
             elif name == "violation":
                 inequalities, equalities = self._plain_rules(list(x))
                 x[index] = max([low[index], *inequalities.values(), *map(abs, equalities.values())])

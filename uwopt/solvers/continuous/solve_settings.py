@@ -29,7 +29,7 @@ from uwopt.solvers.continuous.pieces import (
     SmoothSettings,
     smooth_pieces,
     worst_light_w,
-    worst_snr,
+    worst_scene_snr,
 )
 from uwopt.solvers.continuous.program import Goal, Program
 from uwopt.tolerances import TIE
@@ -237,10 +237,10 @@ def attempt(task: Task, program: Program, start: Any) -> Attempt:
     if task.method == "casadi":
         from uwopt.solvers.continuous import casadi_ipopt
 
-        return casadi_ipopt.solve(program, start, max_seconds=task.seconds_left())
+        return casadi_ipopt.solve_by_ipopt(program, start, max_seconds=task.seconds_left())
     from uwopt.solvers.continuous import nlopt_algorithms
 
-    return nlopt_algorithms.solve(program, start, algorithm=task.method, max_seconds=task.seconds_left())
+    return nlopt_algorithms.solve_by_nlopt(program, start, algorithm=task.method, max_seconds=task.seconds_left())
 
 
 def solve_program(task: Task, program: Program) -> Verdict:
@@ -300,5 +300,5 @@ def merit_of(program: Program, settings: Sequence[SmoothSettings]) -> float:
     light_w = worst_light_w(program.scenes, settings)
     if program.goal == "power":
         return float(np.log(light_w)) if light_w > 0.0 else -np.inf
-    log_snr = float(np.log(worst_snr(program.scenes, settings)))
+    log_snr = float(np.log(worst_scene_snr(program.scenes, settings)))
     return program.power_weight * light_w / program.sum_unit - log_snr if program.goal == "sum" else -log_snr

@@ -119,7 +119,7 @@ class Bounds:
         return self.asks_of_images() or self.weighs_quality()
 
     def weighs_quality(self) -> bool:
-        """Whether `joint_bound` may know more than `of_nodes`: quality counts beside its price."""
+        """Whether `joint_bound_of_imagers` may know more than `of_nodes`: quality counts beside its price."""
         weighed = self.objective.weight("snr_db") and self.objective.single is None
         return bool(weighed or self.objective.weight("information")) and not self.problem.paper
 
@@ -128,10 +128,10 @@ class Bounds:
         bounds = self.of_pixels(k, rows) if self.asks_of_images() else self.of_nodes(k, rows)
         if not self.weighs_quality():
             return bounds
-        from uwopt.solvers.exact.joint_bounds import joint_bound
+        from uwopt.solvers.exact.joint_bounds import joint_bound_of_imagers
 
         alive = np.flatnonzero(bounds.rule < 0)
-        joint, rule = joint_bound(self, k, rows[alive]), bounds.rule.copy()
+        joint, rule = joint_bound_of_imagers(self, k, rows[alive]), bounds.rule.copy()
         rule[alive[np.isinf(joint)]] = NODE_RULES.index("light")
         value = bounds.value.copy()
         value[alive] = np.maximum(value[alive], joint)

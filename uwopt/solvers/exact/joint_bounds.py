@@ -20,8 +20,8 @@ from uwopt.solvers.settings.joint import (
     LEVELS_DB,
     MOST_NUMBERS,
     electrons_in_levels,
+    information_by_level,
     intervals,
-    most_information,
     snr_in_levels,
 )
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from uwopt.solvers.exact.bounds import Bounds
 
 
-def joint_bound(bounds: Bounds, k: int, rows: Array) -> Array:
+def joint_bound_of_imagers(bounds: Bounds, k: int, rows: Array) -> Array:
     """Lower bound of the objective of imagers under one lighting, the worst scene's, (n,); inf: none is reached."""
     step, every = max(1, MOST_NUMBERS // (F_NUMBERS * len(LEVELS_DB))), range(len(bounds.problem.scenes))
     parts = [rows[start : start + step] for start in range(0, len(rows), step)]
@@ -68,7 +68,7 @@ def _most_quality(bounds: Bounds, k: int, rows: Array, index: int, ends: Array) 
     if not bounds.objective.weight("information"):
         return snr_db, np.zeros((len(rows), ends.shape[1] - 1, 1))
     sharp = bounds.imagers.sharpness(bounds.problem, index, rows, lighting.optics)
-    return snr_db, most_information(sharp, bounds.imagers.scenes[index].focused.working_factor[rows], ends, snr_db)
+    return snr_db, information_by_level(sharp, bounds.imagers.scenes[index].focused.working_factor[rows], ends, snr_db)
 
 
 def _least_light(bounds: Bounds, k: int, rows: Array, index: int) -> Array:

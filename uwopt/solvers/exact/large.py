@@ -24,7 +24,7 @@ from uwopt.solvers.exact.light_tables import FieldTables
 from uwopt.solvers.exact.node_bounds import by_rule
 from uwopt.solvers.exact.oblique import PlaneReach, deepest_m
 from uwopt.solvers.exact.outline import Level, OutlineRows, OutlineTables
-from uwopt.solvers.exact.pair_groups import PairGroups, spread
+from uwopt.solvers.exact.pair_groups import PairGroups, every_between
 from uwopt.solvers.exact.port_groups import port_tree
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.tree import Goal, Tree
@@ -162,7 +162,7 @@ class PairTree(Tree):
             return row, OutlineRows(camera, lens, rows.landscape[row], rows.group[row])
         starts = self.levels[depth + 1].groups.start
         first, end = np.searchsorted(starts, groups.start), np.searchsorted(starts, groups.stop)
-        row, group = spread(first[rows.group], end[rows.group])
+        row, group = every_between(first[rows.group], end[rows.group])
         return row, OutlineRows(rows.camera[row], rows.lens[row], rows.landscape[row], group)
 
     def _bounded(self, depth: int, rows: OutlineRows) -> tuple[OutlineRows, Array]:

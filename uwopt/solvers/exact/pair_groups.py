@@ -88,8 +88,8 @@ class PairGroups:
         """What some pairs of groups hold that fits: single pairs, or pairs of finer groups. Of each its row, camera
         and lens."""
         cameras, lenses = (None, None) if finer is None else (finer.camera_start, finer.lens_start)
-        row, at_camera = spread(*self._places(self.camera_start, self.camera_order, cameras, camera))
-        again, at_lens = spread(*self._places(self.lens_start, self.lens_order, lenses, lens[row]))
+        row, at_camera = every_between(*self._places(self.camera_start, self.camera_order, cameras, camera))
+        again, at_lens = every_between(*self._places(self.lens_start, self.lens_order, lenses, lens[row]))
         row, at_camera = row[again], at_camera[again]
         if finer is None:
             one, other = self.camera_order[at_camera], self.lens_order[at_lens]
@@ -138,7 +138,7 @@ def at_best(columns: Any, order: Array, start: Array, least: tuple[str, ...], mo
     return replace(columns.take(order[start]), **changes)
 
 
-def spread(first: Array, end: Array) -> tuple[Array, Array]:
+def every_between(first: Array, end: Array) -> tuple[Array, Array]:
     """All whole numbers from each first to before each end, with the place of the pair that they come from."""
     counts = end - first
     row = np.repeat(np.arange(len(first)), counts)

@@ -16,7 +16,7 @@ from uwopt.solvers.one_hardware import pieces_by_kind
 from uwopt.units import unit_told
 
 
-def unit_of(name: str, part: Part) -> str:
+def field_unit(name: str, part: Part) -> str:
     """Unit of a part's field, from its name."""
     if name in ("price", "host_price"):
         return part.currency if name == "price" else "USD"
@@ -27,7 +27,7 @@ def assumptions(problem: Problem, found: Found) -> list[Assumption]:
     """Every number of the design that is estimated, and what the model assumes."""
     items = [
         Assumption(
-            f"{kind}.{name}", part.id, value.value, value.low, value.high, unit_of(name, part), value.status,
+            f"{kind}.{name}", part.id, value.value, value.low, value.high, field_unit(name, part), value.status,
             value.source,
         )
         for kind, part in pieces_by_kind(problem, found).items()

@@ -30,7 +30,7 @@ def less_money(sought: Sought, deadline: Deadline = NEVER) -> LessMoney | None:
 
     None where none saves a tenth of the price. Raises OutOfTimeError.
     """
-    limit, best, problem = limit_of(sought.goal), sought.outcome.best[0], sought.problem
+    limit, best, problem = holding_limit(sought.goal), sought.outcome.best[0], sought.problem
     if limit is None:
         return None
     deadline = deadline.or_after(LESS_MONEY_S, processor_s)
@@ -48,7 +48,7 @@ def less_money(sought: Sought, deadline: Deadline = NEVER) -> LessMoney | None:
     return cheaper_record(sought, found[0], prices, values, cost_limit=limit_cost_of(sought, found[0]))
 
 
-def limit_of(goal: Objective) -> str | None:
+def holding_limit(goal: Objective) -> str | None:
     """The limit that can hold a goal; None of a goal that none can."""
     return LIMIT_OF.get(goal.single or "")
 

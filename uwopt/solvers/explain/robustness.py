@@ -27,7 +27,7 @@ from uwopt.forward.problem import Problem
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
-from uwopt.solvers.explain.assumptions import unit_of
+from uwopt.solvers.explain.assumptions import field_unit
 from uwopt.solvers.one_hardware import (
     among,
     at_end,
@@ -192,7 +192,7 @@ def quotes_that_matter(
                 matter.append(
                     {
                         "part": part.id, "kind": kind, "field": name, "value": doubt.value, "low": doubt.low,
-                        "high": doubt.high, "unit": unit_of(name, part),
+                        "high": doubt.high, "unit": field_unit(name, part),
                         "then_better": " + ".join(ids_of_pieces(problem, rival)),
                     }
                 )  # fmt: skip

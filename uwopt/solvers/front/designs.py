@@ -9,7 +9,7 @@ import numpy as np
 
 from uwopt.arrays import Array
 from uwopt.objectives.axes import Axes, Frame
-from uwopt.objectives.dominance import NEAR, distinct
+from uwopt.objectives.dominance import NEAR, unlike_rows
 from uwopt.objectives.objective import MAXIMISED, UNITS
 from uwopt.quantities import TERMS
 from uwopt.results.front import FrontObjective, FrontPoint, Pick
@@ -43,7 +43,7 @@ def few(values: Array, frame: Frame) -> Array:
 
     No two of them are within 0.1 % of each other in every objective.
     """
-    order = distinct(values, frame.log)
+    order = unlike_rows(values, frame.log)
     unit = frame.unit(values[order])
     chosen = list(dict.fromkeys([*(int(i) for i in unit.argmin(axis=0)), knee(unit)]))
     gap = np.min([np.abs(unit - unit[place]).max(axis=1) for place in chosen], axis=0)

@@ -33,9 +33,9 @@ from uwopt.solvers.exact.imagers import (
 from uwopt.solvers.exact.search import are_too_many
 from uwopt.solvers.exact.seen import seen_behind
 from uwopt.solvers.infeasible.freed_rules import FREES, OF_IMAGERS, OF_LIGHT
-from uwopt.solvers.infeasible.sharpest import SHARP, Sharpest, asked_of
+from uwopt.solvers.infeasible.sharpest import SHARP, Sharpest, least_contrast_asked
 from uwopt.solvers.recommend import Sought
-from uwopt.solvers.warm.tables import imagers_of
+from uwopt.solvers.warm.tables import imagers_of_pairs
 from uwopt.tolerances import ROUND
 
 QUICK = 30_000  # imagers: of so many bounds tell about as soon as of a few that none of them fits
@@ -165,13 +165,13 @@ class RelaxedImagers:
         def kept(block: PortBlock) -> PortBlock:
             return in_best_housing(problem, block) if one_housing else block
 
-        return imagers_of(problem, some, kept, deadline)
+        return imagers_of_pairs(problem, some, kept, deadline)
 
     @cached_property
     def sharpest(self) -> Sharpest | None:
         """What those imagers reach of fine detail that break no other rule; None where no fine detail is asked for."""
         known = self.known_in_best_housing
-        is_asked = not self.problem.paper and bool(asked_of(self.mission).any())
+        is_asked = not self.problem.paper and bool(least_contrast_asked(self.mission).any())
         return Sharpest(self.problem, known) if known is not None and is_asked and not self.are_too_many else None
 
     @cached_property

@@ -33,9 +33,9 @@ from uwopt.solvers.infeasible.freed_rules import (
 )
 from uwopt.solvers.infeasible.none_left import DEPTH
 from uwopt.solvers.infeasible.relaxed_imagers import RelaxedImagers, few_places, in_best_housing
-from uwopt.solvers.infeasible.sharpest import SHARP, asked_of, most_of_parts
+from uwopt.solvers.infeasible.sharpest import SHARP, least_contrast_asked, most_of_parts
 from uwopt.solvers.recommend import Sought
-from uwopt.solvers.warm.tables import asking, imagers_of
+from uwopt.solvers.warm.tables import asking, imagers_of_pairs
 
 FEW_PAIRS = 5000  # of camera and lens behind ports, likewise, of which most break some rule
 FEW_IMAGERS = 250  # that are tried before all: where something fits at all, it is mostly among them
@@ -204,7 +204,7 @@ class Relaxer(RelaxedImagers):
     @cached_property
     def is_never_sharp(self) -> bool:
         """Whether no camera with any lens leaves the fine detail that is asked for, whatever else is asked."""
-        wanted = asked_of(self.mission)
+        wanted = least_contrast_asked(self.mission)
         if not wanted.any() or self.problem.paper or self.are_too_many or not len(self.pairs.camera):
             return False
         most = most_of_parts(self.problem, self.pairs.camera, self.pairs.lens).max(axis=0)
@@ -214,7 +214,7 @@ class Relaxer(RelaxedImagers):
         """The limit of a requirement nearest to what is asked at which bounds already tell that nothing fits."""
         if name != SHARP or self.sharpest is None:
             return asked
-        wanted, most = asked_of(self.mission), self.sharpest.most
+        wanted, most = least_contrast_asked(self.mission), self.sharpest.most
         return float(min([asked, *(most[most < wanted] / MAY_SHOW)]))
 
 
@@ -230,7 +230,7 @@ def few_behind_ports(problem: Problem, pairs: FittingPairs, number: int) -> Imag
         place: (pairs.camera[start % share :: share], pairs.lens[start % share :: share])
         for start, place in enumerate(places)
     }
-    return imagers_of(problem, some, lambda block: in_best_housing(problem, block))
+    return imagers_of_pairs(problem, some, lambda block: in_best_housing(problem, block))
 
 
 def hope(found: Sought) -> float:

@@ -40,7 +40,7 @@ class Sharpest:
 
     def at_least(self, mission: Mission) -> Array:
         """Rows of those that may be as sharp as a mission asks in every scene."""
-        wanted = asked_of(mission)
+        wanted = least_contrast_asked(mission)
         rows = np.flatnonzero((self.of_parts >= wanted).all(axis=1))
         return rows[(self._of(rows) >= wanted).all(axis=1)]
 
@@ -72,7 +72,7 @@ class Sharpest:
         return np.asarray(self._known[rows])
 
 
-def asked_of(mission: Mission) -> Array:
+def least_contrast_asked(mission: Mission) -> Array:
     """The least that still counts as what a mission asks for, by scene; 0 where nothing is."""
     return np.array([(view.requirements.min_mtf_half_nyquist or 0.0) * MAY_SHOW for view in mission.views])
 

@@ -20,7 +20,7 @@ from pymoo.config import Config
 from uwopt.arrays import Array
 from uwopt.deadline import Progress, unheard
 from uwopt.objectives.axes import LOGARITHMIC, scale
-from uwopt.objectives.dominance import MARGIN, NEAR, distinct, in_box, nondominated
+from uwopt.objectives.dominance import MARGIN, NEAR, in_box, nondominated, unlike_rows
 from uwopt.objectives.own import OwnObjective
 from uwopt.solvers.exact.ranking import Found
 from uwopt.solvers.exact.search import Search
@@ -320,7 +320,7 @@ class Archive:
         keep = np.nonzero(nondominated(every))[0]
         tolerance = FINEST_REL
         while len(keep) > MOST_POINTS and tolerance < NEAR:
-            keep = keep[distinct(every[keep], self.log, tolerance)]
+            keep = keep[unlike_rows(every[keep], self.log, tolerance)]
             tolerance *= 3.0
         changed = len(keep) != len(self.values) or bool((keep >= len(self.values)).any())
         if changed:
@@ -330,5 +330,5 @@ class Archive:
 
     def thinned(self) -> tuple[Array, Array]:
         """Vectors and values without those that are alike, sorted by the columns."""
-        keep = distinct(self.values, self.log)
+        keep = unlike_rows(self.values, self.log)
         return self.vectors[keep], self.values[keep]

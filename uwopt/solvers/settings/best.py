@@ -14,7 +14,7 @@ from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import MAXIMISED, Objective
 from uwopt.solvers.settings import closed_form, dark, windows
 from uwopt.solvers.settings.few_pixels import deciding_pixels
-from uwopt.solvers.settings.joint import is_bounded, joint_bound
+from uwopt.solvers.settings.joint import is_bounded, joint_bound_of_designs
 from uwopt.solvers.settings.question import Best, Question
 from uwopt.solvers.settings.switched import bound_with_cameras
 from uwopt.units import ratio_to_db
@@ -88,7 +88,7 @@ def best_joint(question: Question) -> Best:
     Rows for bounds are answered with these bounds alone.
     """
     rows = question.rows
-    bound = joint_bound(rows, question.objective, question.light_limit_w, question.constant)
+    bound = joint_bound_of_designs(rows, question.objective, question.light_limit_w, question.constant)
     none = unsettled(question, bound)
     if rows[0].optimistic:
         return none
@@ -289,7 +289,7 @@ def with_joint_optimum(best: Best, rows: list[SceneRows], motorised: Array, ever
     if len(open_) == 0:
         return best
     some = [r.take(open_) for r in rows]
-    chosen, feasible = dark.least_power(some, motorised[open_])
+    chosen, feasible = dark.least_power_in_the_dark(some, motorised[open_])
     some = [closed_form.with_exposure(r, c) for r, c in zip(some, chosen, strict=True)]
     return best.put(open_, closed_at(some, (chosen, feasible, snr_of(some, chosen))))
 

@@ -17,7 +17,7 @@ from uwopt.forward.part_columns import CONTINUOUS, FLASH
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.solvers.settings.cell_bounds import Box, Reach, SceneCells
 from uwopt.solvers.settings.cell_information import Information
-from uwopt.solvers.settings.cell_start import likely_places
+from uwopt.solvers.settings.cell_start import likely_settings
 from uwopt.solvers.settings.cell_tangent import (
     DIMMEST,
     quality_bound,
@@ -298,7 +298,7 @@ class BoundedCells:
         def cheap(design: Array, place: Array) -> tuple[Array, Array]:
             return self._cheap(Pool(design, place.copy(), place.copy(), np.arange(len(design), dtype=float)))
 
-        return np.where(np.isnan(start), likely_places(
+        return np.where(np.isnan(start), likely_settings(
             self.n, roots.design, roots.lo, roots.hi, self.n_dim, cheap
         ), start)  # fmt: skip
 

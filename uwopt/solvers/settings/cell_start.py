@@ -18,7 +18,7 @@ SHARES = np.linspace(0.0, 1.0, 16)  # of the range of ln f-number, at the longes
 BESIDE, SHORTER = (-0.08, 0.0, 0.08), (-0.8, -0.4, -0.15, 0.0)  # then of ln f-number and ln time from the best of those
 
 
-def likely_places(n: int, design: Array, lo: Array, hi: Array, f_dims: Collection[int], cheap: Cheap) -> Array:
+def likely_settings(n: int, design: Array, lo: Array, hi: Array, f_dims: Collection[int], cheap: Cheap) -> Array:
     """Logarithms of settings at which n designs look best, (n, n_dims); nan where no tried settings fit.
 
     design, lo, hi : boxes (m,), (m, n_dims) of the designs; f_dims : which numbers are f-numbers, the others times

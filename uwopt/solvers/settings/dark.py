@@ -2,7 +2,7 @@
 
 The window of light X moves with the exposure, because dark electrons are noise, fill the well, and help a wanted
 mean level. `settings` answers for dark electrons that are given; taken again with the exposure that it chose it
-mostly ends at the optimum, and `surely_least` tells where. Elsewhere `least_power` looks over the times.
+mostly ends at the optimum, and `surely_least` tells where. Elsewhere `least_power_in_the_dark` looks over the times.
 
 What it rests on, t being the time that collects light and d(t) the dark electrons of the exposure it needs. The light
 that SNR asks for grows with d, yet slower than in proportion: twice the electrons of both kinds never have a lower
@@ -289,7 +289,7 @@ def branches(rows: SceneRows, snr_floor: Array | float) -> Branch:
     ).narrowed()  # fmt: skip
 
 
-def least_power(
+def least_power_in_the_dark(
     scenes: list[SceneRows], motorised: Array, *, snr_floor: Array | float = 0.0
 ) -> tuple[list[Chosen], Array]:
     """Settings of least power that meet every scene, and whether there are any: as `settings.least_power`, with

@@ -99,7 +99,7 @@ def electrons_in_levels(read_noise_e: Array, prnu_frac: Array, veil_ratio: Array
     return electrons
 
 
-def most_information(sharp: SharpRows, working_factor: Array, ends: Array, snr_db: Array) -> Array:
+def information_by_level(sharp: SharpRows, working_factor: Array, ends: Array, snr_db: Array) -> Array:
     """Information [bit/m2] at most, (n, n_intervals, n_levels).
 
     The logarithm of a Gaussian transfer is linear in its squared pitch, and information is convex in both that and
@@ -135,12 +135,12 @@ def most_information(sharp: SharpRows, working_factor: Array, ends: Array, snr_d
 
 
 def is_bounded(rows: list[SceneRows], objective: Objective) -> bool:
-    """Whether `joint_bound` knows more than that quality and power are bounded: lamps alone give the light."""
+    """Whether `joint_bound_of_designs` knows more than bounds of quality and power: lamps alone give the light."""
     quality = objective.weight("information") or objective.weight("snr_db")
     return bool(quality) and not any(r.sunlit for r in rows)
 
 
-def joint_bound(
+def joint_bound_of_designs(
     rows: list[SceneRows], objective: Objective, light_limit_w: Array, constant: Array | float
 ) -> Array:
     """Lower bound of the minimised objective of n designs, the worst scene's; inf: none is reached.
@@ -194,7 +194,7 @@ def _of_alive(rows: SceneRows, objective: Objective, light_limit_w: Array, low: 
         value = value - objective.weight("snr_db") * snr_db[:, None, :]
     if objective.weight("information"):
         assert rows.sharp is not None
-        most_bits = most_information(rows.sharp, rows.working_factor, ends, snr_db)
+        most_bits = information_by_level(rows.sharp, rows.working_factor, ends, snr_db)
         value = value - objective.weight("information") * objective.counted("information", most_bits)
     value = np.where(reached & np.isfinite(snr_db)[:, None, :], value, np.inf)
     return np.asarray(value.reshape(len(low), -1).min(axis=1))

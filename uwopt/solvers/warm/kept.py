@@ -31,7 +31,7 @@ from uwopt.solvers.exact.lightings import Under
 from uwopt.solvers.exact.node_designs import NodeDesigns
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.recommend import Sought
-from uwopt.solvers.warm.tables import imagers_of
+from uwopt.solvers.warm.tables import imagers_of_pairs
 from uwopt.tolerances import AGREES_REL
 
 
@@ -117,7 +117,7 @@ def imagers_by_number(problem: Problem, wanted: Array) -> Imagers:
         place = np.minimum(np.searchsorted(wanted, number), len(wanted) - 1)  # they rise
         return block.take(np.flatnonzero(wanted[place] == number))
 
-    return imagers_of(problem, pairs, kept)
+    return imagers_of_pairs(problem, pairs, kept)
 
 
 def least_of_nodes(search: Search, deadline: Deadline) -> Array:

@@ -31,7 +31,7 @@ def in_columns(mission: Mission) -> tuple[Any, ...]:
     return limits.cost_basis, limits.max_exposure_ms, mission.required_depth_m, mission.vehicle.duration_h
 
 
-def imagers_of(
+def imagers_of_pairs(
     problem: Problem, pairs: Pairs, keep: Callable[[PortBlock], PortBlock], deadline: Deadline = NEVER
 ) -> Imagers:
     """The imagers of some pairs of camera and lens that pass every rule, and of those what is kept.
