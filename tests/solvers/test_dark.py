@@ -95,7 +95,7 @@ def test_at_a_step_the_shortest_time_that_reaches_is_taken():
 
 def test_a_time_is_looked_for_only_where_neither_end_decides():
     places = np.zeros(3, np.intp)
-    branch = branches(scene(dark_current_e_s=2.5e6).take(places), 0.0)
+    branch = branches(scene(dark_current_e_s=2.5e6).take(places))
     start, end, looked_at = np.full(3, 1e-5), np.full(3, 1e-2), set()
 
     def has_begun(some: Branch, time_s: np.ndarray) -> np.ndarray:

@@ -178,7 +178,7 @@ def offer_of(answers: MakerAnswers, today: str) -> Offer:
     faults = (*read.faults, *price_faults, *nameless, *lacking)
     return Offer(
         answers.where, kind, answers.candidate, part_id, {"part": kind, "id": part_id, **cells}, named, until, weeks,
-        missing, contradictions(kind, read.cells, of_named) if named else (), faults, not (nameless or lacking),
+        missing, contradictions(read.cells, of_named) if named else (), faults, not (nameless or lacking),
     )  # fmt: skip
 
 
@@ -233,7 +233,7 @@ def new_id(cells: Mapping[str, str]) -> str:
     return re.sub(r"[^a-z0-9]+", "-", f"{cells['manufacturer']} {cells['model']}".casefold()).strip("-")[:80]
 
 
-def contradictions(kind: Kind, told: Mapping[str, str], sheet: Mapping[str, str]) -> tuple[str, ...]:
+def contradictions(told: Mapping[str, str], sheet: Mapping[str, str]) -> tuple[str, ...]:
     """MakerAnswers on the named part that its data sheet, as the catalogue has it, says otherwise."""
     found = []
     for name, text in told.items():

@@ -81,10 +81,10 @@ def _gains(given: Any) -> BestImage:
         return BestImage.model_validate(dict(given))
     except ValidationError as error:
         detail = error.errors(include_url=False)[0]
-        raise refusal(*_fault_of(BestImage, str(detail["loc"][0]), dict(detail))) from None
+        raise refusal(*_fault_of(BestImage, str(detail["loc"][0]))) from None
 
 
-def _fault_of(model: type[BaseModel], key: str, detail: dict[str, Any]) -> tuple[str, str]:
+def _fault_of(model: type[BaseModel], key: str) -> tuple[str, str]:
     """What is wrong with one key of a mapping that stands in one value, and how to mend it."""
     known = keys_of(model)
     if key not in known:

@@ -122,7 +122,7 @@ def tender_lines(result: Result, design: Design, deadline: Deadline) -> list[Ten
             else:
                 limits = found[kind] = specification(problem, hardware, goal, kind, rival)
         room_mm = room_at_limits(made.model, found) if kind == "housing" and found else {}
-        lines.append(line_of(result, design, row, kind, limits, name, room_mm))
+        lines.append(line_of(result, row, kind, limits, name, room_mm))
     return lines
 
 
@@ -160,7 +160,7 @@ def nearest_rival(result: Result, kind: str, goal: Objective) -> tuple[float, st
 
 
 def line_of(
-    result: Result, design: Design, row: BillRow, kind: Kind, limits: Sequence[PropertyLimit], rival: str,
+    result: Result, row: BillRow, kind: Kind, limits: Sequence[PropertyLimit], rival: str,
     room_mm: Mapping[str, float],
 ) -> TenderLine:  # fmt: skip
     """One line with its facts."""

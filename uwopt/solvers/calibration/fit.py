@@ -71,7 +71,7 @@ def fitted(light: ShotLight, net_dn: Array, *, distances_m: Array) -> Fit:
     while True:
         free = [name for name in RANGES if name not in held]
         found = solve(some, level, free)
-        half = half_widths(found.jac, found.fun, level)
+        half = half_widths(found.jac, found.fun)
         wide = {name: width for name, width in zip(free, half, strict=True) if name != "light"}
         ended = [name for name, x in zip(free, found.x, strict=True) if abs(x) > AT_END * RANGES[name]]
         lost = max(wide, key=lambda name: wide[name], default=None)
@@ -135,7 +135,7 @@ def solve(light: ShotLight, net_dn: Array, free: list[Name], *, robust: bool = F
     )
 
 
-def half_widths(jacobian: Array, residuals: Array, net_dn: Array) -> Array:
+def half_widths(jacobian: Array, residuals: Array) -> Array:
     """Half of each interval's logarithm; inf where the shots leave it open.
 
         t(0.975, n - p) sqrt(s^2 (J^T J)^-1),   s^2 the residuals' variance

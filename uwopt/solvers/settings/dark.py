@@ -133,13 +133,12 @@ class Branch(Columns):
     high_level: Array
     first_s: Array
     last_s: Array
-    floor: Array  # of SNR, at the nominal altitude
     level: Array  # that is asked whether it reaches the window
     x_per_s: Array  # X of a second at full level; NaN until the f-number is known
 
     def window(self, time_s: Array) -> Window:
         """What bounds X at a time."""
-        return windows.window_sides(at_time(self.rows, time_s), snr_floor=self.floor)
+        return windows.window_sides(at_time(self.rows, time_s))
 
     # Conditions on a time; each holds from some time on, or until some time, and nowhere else.
 
@@ -268,9 +267,8 @@ class Branch(Columns):
 Condition = Callable[[Branch, Array], Array]
 
 
-def branches(rows: SceneRows, snr_floor: Array | float) -> Branch:
+def branches(rows: SceneRows) -> Branch:
     """All levels and times of a scene's designs, at which the window is not empty."""
-    n = len(rows.time_min_s)
     jumps = may_be_cut(rows)
     spans = [(rows.time_min_s, np.where(jumps, rows.flash.full_s * CUT, rows.time_max_s))]
     if jumps.any():
@@ -282,20 +280,17 @@ def branches(rows: SceneRows, snr_floor: Array | float) -> Branch:
     )
     design, option = np.nonzero((first <= last * (1 + SLACK)) & ~np.isnan(low_level))
     at = (design, option)
-    floor = np.broadcast_to(np.asarray(snr_floor, float), (n,))
     return Branch(
         design, option, rows.take(design), low_level[at], high_level[at], first[at],
-        np.maximum(last[at], first[at]), floor[design], high_level[at], np.full(len(design), np.nan),
+        np.maximum(last[at], first[at]), high_level[at], np.full(len(design), np.nan),
     ).narrowed()  # fmt: skip
 
 
-def least_power_in_the_dark(
-    scenes: list[SceneRows], motorised: Array, *, snr_floor: Array | float = 0.0
-) -> tuple[list[Chosen], Array]:
-    """Settings of least power that meet every scene, and whether there are any: as `settings.least_power`, with
+def least_power_in_the_dark(scenes: list[SceneRows], motorised: Array) -> tuple[list[Chosen], Array]:
+    """Settings of least power that meet every scene, and whether there are any: as `closed_form.least_power`, with
     the dark electrons of the exposure that is chosen."""
     n = len(motorised)
-    parts = [branches(rows, snr_floor) for rows in scenes]
+    parts = [branches(rows) for rows in scenes]
     ranges = []
     for branch in parts:
         start, end = branch.f_number_range()
