@@ -88,6 +88,13 @@ DEFECTS = (
         test=f"{AT_HAND}::test_a_requirement_without_which_known_hardware_fits_helps",
     ),
     Defect(
+        name="a longer mission is told to suit what does not last it",
+        file="uwopt/solvers/infeasible/least_change.py",
+        old="-math.inf if lasts_less(found, mission) else math.inf",
+        new="math.inf",
+        test=f"{AT_HAND}::test_a_mission_is_drawn_in_to_what_its_parts_last",
+    ),
+    Defect(
         name="the hardware at hand is asked of nothing else",
         file="uwopt/solvers/infeasible/why_nothing.py",
         old="    try_hardware(singles, mover)\n",

@@ -17,6 +17,7 @@ from uwopt.solvers.exact.account import Account
 from uwopt.solvers.exact.certificate import certificate
 from uwopt.solvers.infeasible import relaxer as relaxing
 from uwopt.solvers.infeasible.freed_rules import OF_LAMPS
+from uwopt.solvers.infeasible.least_change import CLOSER, in_rounds
 from uwopt.solvers.infeasible.moves import Mover
 from uwopt.solvers.infeasible.relaxer import Relaxer
 from uwopt.solvers.infeasible.singles import Singles
@@ -102,14 +103,32 @@ def test_what_helps_is_drawn_in_by_its_hardware_before_all_else_is_asked() -> No
     assert len(given_s) == 2
 
 
-def test_a_shorter_mission_may_have_parts_that_a_long_one_may_not():
-    def lasting(hours: float) -> Mission:
-        base = reef(20.0).to_dict()
-        ports = {"ports": ["blue-robotics-4-in-acrylic-end-cap-2026", "blue-robotics-4-in-dome-plastic-ring-2026"]}
-        vehicle = base["vehicle"] | {"duration_h": hours}
-        return load_mission(base | {"vehicle": vehicle, "catalog": base["catalog"] | ports})
+END_CAP, DOME = "blue-robotics-4-in-acrylic-end-cap-2026", "blue-robotics-4-in-dome-plastic-ring-2026"
 
+
+def lasting(hours: float, *ports: str) -> Mission:
+    """The reef for so long, behind these ports."""
+    base = reef(20.0).to_dict()
+    vehicle, limits = base["vehicle"] | {"duration_h": hours}, base["limits"] | {"storage_gb": 1e6}
+    catalog = base["catalog"] | {"ports": list(ports or (END_CAP, DOME))}
+    return load_mission(base | {"vehicle": vehicle, "catalog": catalog, "limits": limits})
+
+
+def test_a_shorter_mission_may_have_parts_that_a_long_one_may_not():
     season, catalog = lasting(2000.0), load_catalog(reef(20.0))
     found = Relaxer(season, catalog, "never").seek(lasting(20.0), POWER, {"duration_h"}, enough=True)
     assert [len(selected(one, catalog, generic="never").ports) for one in (season, lasting(20.0))] == [1, 2]
     assert len(found.selection.ports) == 2
+
+
+def test_a_mission_is_drawn_in_to_what_its_parts_last() -> None:
+    """Acrylic is rated for two weeks: with hours alone moved that is what remains, whatever else the hardware does."""
+    season = lasting(2000.0, END_CAP)
+    catalog = load_catalog(season)
+    rated_h = catalog.part(END_CAP).rated_time_h
+    mover = Mover(Trials(season, catalog, POWER, "never", like=searched(season)))
+    mover.try_all()
+    in_rounds([move.drawn for move in mover.helpful if move.drawn is not None], NEVER)
+    told = {move.name: move.told() for move in mover.helpful}
+    assert rated_h == 336.0 and told["duration_h"].needed == pytest.approx(rated_h, rel=CLOSER)
+    assert told["duration_h"].needed <= rated_h

@@ -17,12 +17,14 @@ from typing import Protocol
 
 from uwopt.deadline import NEVER, Deadline
 from uwopt.errors import UwoptError
+from uwopt.forward.assembly import selected
 from uwopt.forward.lamps import light_counts, mission_mounts
 from uwopt.mission.mission import Mission
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.infeasible.reached import miss
 from uwopt.solvers.one_hardware import problem_of
 from uwopt.solvers.recommend import Sought
+from uwopt.solvers.warm.parts import ids_of, only
 
 CLOSER = 0.02  # of a change: what is proven not to be enough is a change smaller by this share
 DIGITS = 3  # of a limit, rounded away from what was asked: it can be typed as it stands
@@ -204,9 +206,23 @@ def fitting(found: Sought, mission: Callable[[], Mission]) -> Sought | None:
 
 
 def same_hardware(found: Sought, mission: Mission) -> Sought:
-    """The best settings of a design's hardware for a mission; its lamps stand where that puts them if it moves them."""
+    """The best settings of a design's hardware for a mission; its lamps stand where that puts them if it moves them.
+
+    None fit where one of its parts does not last as long.
+    """
     best, scenes = found.outcome.best[0], found.problem.scenes_for(mission)
     problem, (least, most) = problem_of(found.problem, best, mission=mission, scenes=scenes), light_counts(mission)
     if not (least <= best.count <= most and best.lighting.mount in mission_mounts(mission)):
         problem = problem.standing_as_asked()
-    return Sought.of(found.selection, problem, Objective.of("power"), whole=True)
+    ceiling = -math.inf if lasts_less(found, mission) else math.inf
+    return Sought.of(found.selection, problem, Objective.of("power"), whole=True, ceiling=ceiling)
+
+
+def lasts_less(found: Sought, mission: Mission) -> bool:
+    """Whether a mission is longer than that of a design by so much that it does not allow one of its parts."""
+    hours, before = mission.vehicle.duration_h, found.problem.mission.vehicle.duration_h
+    if hours is None or (before is not None and hours <= before):
+        return False
+    few = only(found.selection, ids_of(found.problem, found.outcome.best[0]))
+    longer = selected(mission, found.selection.catalog, generic=found.selection.generic)
+    return any(not set(few.indices[kind]) <= set(longer.indices[kind]) for kind in few.indices)
