@@ -15,6 +15,7 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from numbers import Real
 from typing import Literal, TypeVar
 
 from uwopt.errors import RangeError
@@ -120,8 +121,8 @@ class Deadline:
     @classmethod
     def after(cls, seconds: float | None, clock: Callable[[], float] = time.perf_counter) -> Deadline:
         """So many seconds from now; without a number never."""
-        if seconds is not None and not isinstance(seconds, (int, float)):
-            raise RangeError(f"seconds = {seconds!r} is no number; give one without a unit, or None for no limit")
+        if seconds is not None and (isinstance(seconds, bool) or not isinstance(seconds, Real) or not seconds >= 0):
+            raise RangeError(f"seconds = {seconds!r} is no number of seconds; give None for no limit")
         return cls(math.inf if seconds is None else clock() + seconds, clock)
 
     @property

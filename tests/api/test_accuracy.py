@@ -281,6 +281,19 @@ def test_counts_of_a_search_are_whole_numbers(wrong: dict[str, Any], told: str):
         uwopt.solve(REEF, **wrong)
 
 
+@pytest.mark.parametrize(("call", "wrong", "told"), [
+    ("solve", {"seconds": math.nan}, "seconds = nan is no number"), ("solve", {"seconds": -1}, "seconds = -1 is no"),
+    ("solve", {"seconds": True}, "seconds = True is no number"), ("solve", {"progress": 3}, "progress = 3 is no"),
+    ("pareto", {"objectives": 3}, "objectives = 3 are no list; write such as"),
+    ("pareto", {"solver": [3]}, r"solver = \[3\] names none; write such as"),
+    ("pareto", {"seed": "a"}, "seed = 'a' is no whole number from 0"),
+    ("whatif", {"vary": {3: [1, 2]}}, "vary 3: is no key; write such as speed_m_s"),
+], ids=str)  # fmt: skip
+def test_what_no_call_can_use_is_refused_in_words(call: str, wrong: dict[str, Any], told: str):
+    with pytest.raises(UwoptError, match=told):
+        getattr(uwopt, call)(REEF, **wrong)
+
+
 @pytest.mark.parametrize("wrong", [0.0, -1.0, 0.6, math.nan, math.inf])
 def test_a_tolerance_is_a_share(wrong: float):
     with pytest.raises(MissionError, match="tolerance"):

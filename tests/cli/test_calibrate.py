@@ -135,6 +135,7 @@ def test_what_it_changes_is_told(card_shots: tuple[Path, Path, Path]) -> None:
     [
         (["--card", "18"], "card = 18 is not a reflectance above 0 and up to 1"),
         (["--scene", "reef"], "--scene 'reef' is none of scene 1"),
+        (["--date", "3.4.2026"], "date = '3.4.2026' is no day; write YYYY-MM-DD"),
     ],
 )
 def test_calls_that_make_no_sense_are_refused(tmp_path: Path, words: list[str], message: str) -> None:

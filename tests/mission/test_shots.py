@@ -70,6 +70,31 @@ def test_all_faults_are_told_at_once(tmp_path: Path) -> None:
     assert "row 2" in str(caught.value) and "row 3" in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("kind,id,model,price,currency,count,owned,mass\ncamera,a,b,1,USD,1,no,3\n", "columns 'kind', 'id', 'model', "
+         "'price', 'currency', 'count' and 2 more are unknown; known are exposure_ms, "),
+        ("name: reef\n# shallow\nlimits: {cost: 1, power_w: 2}\n", "column 'name: reef' is unknown; known are "),
+    ],
+    ids=["a bill", "a mission"],
+)  # fmt: skip
+def test_a_file_of_another_kind_is_told_by_its_columns_alone(tmp_path: Path, text: str, told: str) -> None:
+    with pytest.raises(MissionError) as caught:
+        read_shots_of(tmp_path, text)
+    first, second = str(caught.value).splitlines()
+    assert told in first and "has no column of exposure" in second
+
+
+@pytest.mark.parametrize(
+    ("raw", "kind"), [(b"PK\x03\x04\xff", "a workbook or an archive"), (b"\n<!DOCTYPE html>", "a web page")]
+)
+def test_a_file_that_is_no_table_is_told_as_what_it_is(tmp_path: Path, raw: bytes, kind: str) -> None:
+    (tmp_path / "shots.csv").write_bytes(raw)
+    with pytest.raises(MissionError, match=f"shots.csv: is {kind}, no table; export the table"):
+        read_shots(tmp_path / "shots.csv")
+
+
 def test_a_file_that_is_not_there_is_told(tmp_path: Path) -> None:
     with pytest.raises(MissionError, match="no such file"):
         read_shots(tmp_path / "none.csv")

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from uwopt.api.common import Source, prepared
+from uwopt.api.common import Source, check_day, prepared
 from uwopt.api.evaluating import scene_settings
 from uwopt.api.solving import solve
 from uwopt.catalog.changes import log_text
@@ -58,6 +58,7 @@ def calibrate(
     again : solve the mission before and after
     seconds : for each of both
     """
+    check_day(today := today or date.today().isoformat())
     wanted = prepared(mission, physics, None)
     built = load_system(system, load_catalog(wanted))
     if card is not None and not 0.0 < card <= 1.0:
@@ -87,7 +88,7 @@ def calibrate(
         wanted, built, tuple(taken), left_out, fit, tuple(float(net) for net in levels), wanted.scenes[place].name,
         "lamp" if card is not None else "floor", at_530(optics), float(np.median(optics.reflectance)),
     )  # fmt: skip
-    made = written(made, place, optics, standing[0][0], Path(name).stem, today or date.today().isoformat())
+    made = written(made, place, optics, standing[0][0], Path(name).stem, today)
     return solved(made, keep, name, again=again, seconds=seconds, progress=progress)
 
 

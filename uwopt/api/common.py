@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from datetime import date
 from functools import cache
 from importlib import metadata
 from numbers import Integral
@@ -46,6 +47,14 @@ def check_count(name: str, value: object, least: int) -> None:
     """Raise MissionError for what is no whole number, or too small a one."""
     if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
         raise MissionError(f"{name} = {show(value)} is no whole number from {least}")
+
+
+def check_day(text: str) -> None:
+    """Raise MissionError for what is no day."""
+    try:
+        date.fromisoformat(text)
+    except ValueError:
+        raise MissionError(f"date = {show(text)} is no day; write YYYY-MM-DD") from None
 
 
 def prepared(mission: Source | Mission, physics: str | None, objective: Any, confidence: Any = None) -> Mission:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
-from uwopt.documents.faults import nearest
+from uwopt.documents.faults import nearest, show
 from uwopt.errors import MissionError
 from uwopt.forward.problem import Problem
 from uwopt.objectives.axes import FEWEST, MOST, Axes, plain_names
@@ -18,6 +18,8 @@ def checked_objectives(objectives: Sequence[str | OwnObjective | OwnFunction]) -
     """Built-in objectives by name, and those of the user's own; a MissionError says what is wrong."""
     if isinstance(objectives, str):
         objectives = [name for name in objectives.split(",") if name.strip()]
+    elif not isinstance(objectives, Iterable):
+        raise MissionError(f"objectives = {show(objectives)} are no list; write such as ['power', 'cost'].")
     made = [item if isinstance(item, str) else OwnObjective.of(item) for item in objectives]
     own = [item.name for item in made if not isinstance(item, str)]
     if not own:
@@ -31,24 +33,13 @@ def checked_objectives(objectives: Sequence[str | OwnObjective | OwnFunction]) -
     return [next(built_in) if isinstance(item, str) else item for item in made]
 
 
-def check_numbers(seconds: float | None, seed: int | None) -> None:
-    """Time above 0, a seed of 0 or more."""
-    faults = []
-    if seconds is not None and not seconds > 0:
-        faults.append(
-            f"seconds = {seconds} is no time to search in; give more than 0, or none for the usual time."
-        )
-    if seed is not None and seed < 0:
-        faults.append(f"seed = {seed} is below 0; seeds are whole numbers from 0.")
-    if faults:
-        raise MissionError(faults)
-
-
 def checked_solvers(solver: str | Sequence[str], *, is_plain: bool) -> list[str]:
     """Solvers by name, once each; no exact one but for objectives that are all built in."""
     from uwopt.solvers.population.pymoo_front import ALGORITHMS
 
-    asked = solver.split(",") if isinstance(solver, str) else list(solver)
+    asked = solver.split(",") if isinstance(solver, str) else solver
+    if not isinstance(asked, Iterable) or not all(isinstance(name, str) for name in asked):
+        raise MissionError(f"solver = {show(solver)} names none; write such as 'exact', or ['exact', 'nsga2'].")
     plain = list(dict.fromkeys(name.strip().casefold().replace("-", "") for name in asked if name.strip()))
     known = {name.replace("-", ""): name for name in (EXACT, *ALGORITHMS)}
     faults = []

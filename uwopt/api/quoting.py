@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import csv
-import datetime as dt
 import re
 import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from uwopt.api.common import Source, prepared
+from uwopt.api.common import Source, check_day, prepared
 from uwopt.api.solving import solve
 from uwopt.catalog.answers import read_answers
 from uwopt.catalog.changes import log_text
 from uwopt.catalog.offers import Offer, number_of, offers_of
 from uwopt.catalog.update import planned
 from uwopt.deadline import Progress
-from uwopt.documents.faults import plain_name, show
-from uwopt.errors import CatalogError, MissionError
+from uwopt.documents.faults import plain_name
+from uwopt.errors import CatalogError
 from uwopt.forward.assembly import load_catalog, selected
 from uwopt.mission.mission import Mission
 from uwopt.solvers.explain.solved_again import QuotedAgain
@@ -41,10 +40,7 @@ def with_quotes(
     today : YYYY-MM-DD, on which the answers are read; what no longer holds does not count
     keep : writes the log of the answers where it stays, and gives its path; else it lasts as long as the call
     """
-    try:
-        dt.date.fromisoformat(today)
-    except ValueError:
-        raise MissionError(f"date = {show(today)} is no day; write YYYY-MM-DD") from None
+    check_day(today)
     wanted = prepared(mission, physics, None)
     offers, log = logged(offers_of(read_answers(Path(answers)), today), today)
     before = solve(wanted, quick=True, progress=progress)

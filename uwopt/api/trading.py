@@ -12,12 +12,19 @@ from typing import Any
 import numpy as np
 
 from uwopt.api import solving as api
-from uwopt.api.common import Source, base_result, central_notes, prepared, selection_warnings, time_warnings
+from uwopt.api.common import (
+    Source,
+    base_result,
+    central_notes,
+    check_count,
+    prepared,
+    selection_warnings,
+    time_warnings,
+)
 from uwopt.api.floats import own_float_rules
 from uwopt.api.front_asked import (
     EXACT,
     PEER,
-    check_numbers,
     checked_objectives,
     checked_solvers,
     why_no_exact,
@@ -107,7 +114,8 @@ def pareto(
     is_plain = len(names) == len(asked_for)
     solvers = checked_solvers(solver, is_plain=is_plain)
     axes = Axes(tuple(names)) if is_plain else None
-    check_numbers(seconds, seed)
+    if seed is not None:
+        check_count("seed", seed, 0)
     for name in names:  # requirements that one objective alone needs, such as information a footprint
         if name in ("information", "contrast"):
             prepared(wanted, None, name)

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 from uwopt.deadline import Deadline, Progress, processor_s, unheard
+from uwopt.errors import RangeError
 
 Made = TypeVar("Made")
 SoFar = Callable[[str], None]  # takes a line
@@ -52,6 +53,8 @@ class Watch:
     @classmethod
     def begun(cls, seconds: float | None, progress: Progress | None = None, so_far: SoFar = untold) -> Watch:
         """Of a call that is to last so many seconds at most; None: as long as it takes."""
+        if progress is not None and not callable(progress):
+            raise RangeError(f"progress = {progress!r} is no function; it is called with a share and a word")
         return cls(Deadline.after(seconds), progress or unheard, so_far)
 
     def until(self, deadline: Deadline) -> Watch:

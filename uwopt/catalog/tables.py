@@ -7,15 +7,16 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from uwopt.documents.faults import show
-from uwopt.documents.files import UnfitFileError, content
+from uwopt.documents.files import UnfitFileError, content, other_kind
 from uwopt.errors import CatalogError
 
 DATA_DIR = Path(__file__).parent / "data"
+MOST_NAMED = 6  # columns in a message
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +61,10 @@ class _NumberedLines:
 def read_text(path: Path) -> str:
     """Text of a file that a person or a spreadsheet wrote; a byte order mark is dropped."""
     try:
-        return content(path).decode("utf-8-sig")
+        raw = content(path)
+        if kind := other_kind(raw):
+            raise CatalogError(f"{path}: is {kind}, no table; export the table from its program as 'CSV UTF-8'.")
+        return raw.decode("utf-8-sig")
     except FileNotFoundError:
         raise CatalogError(f"{path}: no such file; paths in a mission start from its folder.") from None
     except IsADirectoryError:
@@ -117,6 +121,22 @@ def _parsed(reader: Iterator[list[str]], lines: _NumberedLines, file: str) -> Ta
             )
         rows.append(row)
     return Table(file, header, tuple(rows), tuple(faults))
+
+
+def unknown_columns(table: Table, known: Iterable[str]) -> list[str]:
+    """One fault that names all columns that are not known; none where all are."""
+    known = list(known)
+    return column_fault(table, [name for name in table.header if name and name not in known], ", ".join(known))
+
+
+def column_fault(table: Table, strange: Sequence[str], known: str) -> list[str]:
+    """One fault that names columns that are not known, the first few of many; none where there are none."""
+    if not strange:
+        return []
+    told = [*map(show, strange[:MOST_NAMED]), *([f"{len(strange) - MOST_NAMED} more"] if strange[MOST_NAMED:] else [])]
+    *first, last = told
+    named = f"columns {', '.join(first)} and {last} are" if first else f"column {last} is"
+    return [f"{table.file}: {named} unknown; known are {known}."]
 
 
 def built_in_rows(name: str) -> Iterator[dict[str, str]]:

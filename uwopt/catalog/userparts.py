@@ -16,7 +16,7 @@ from uwopt.catalog.columns import COLUMNS, REQUIRED, TELLTALE, Cell, CellError, 
 from uwopt.catalog.parts.cell import FROM_ZERO, beyond
 from uwopt.catalog.parts.kinds import ORDERED_PAIRS
 from uwopt.catalog.parts.part import KINDS, Kind
-from uwopt.catalog.tables import Row, Table, parse_table, read_text
+from uwopt.catalog.tables import Row, Table, parse_table, read_text, unknown_columns
 from uwopt.documents.faults import KeyPath
 from uwopt.documents.files import MOST_BYTES
 from uwopt.errors import CatalogError, MissionError
@@ -281,12 +281,7 @@ def is_price_table(table: Table) -> bool:
 
 def check_prices(table: Table) -> tuple[list[PriceQuote], list[str]]:
     """Quotes that could be read, and every fault."""
-    faults = list(table.faults)
-    faults += [
-        f"{table.file}: column {name!r} is unknown; allowed are {', '.join(PRICE_COLUMNS)}."
-        for name in table.header
-        if name and name not in PRICE_COLUMNS
-    ]
+    faults = [*table.faults, *unknown_columns(table, PRICE_COLUMNS)]
     quotes: list[PriceQuote] = []
     seen: dict[str, int] = {}
     for row in table.rows:

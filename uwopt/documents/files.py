@@ -10,6 +10,9 @@ from typing import Any
 
 MOST_BYTES = 100_000_000  # of a table or a result; missions are held to less
 FORMULA_SIGNS = ("=", "+", "-", "@", "\t", "\r", "\n")  # a spreadsheet takes a cell that begins so for a formula
+#: What files begin with that are neither YAML nor a table, which a person may name by mistake.
+OTHER_KINDS = {b"pk\x03\x04": "a workbook or an archive", b"<!doctype": "a web page", b"<html": "a web page",
+               b"%pdf": "a PDF", b"\x89png": "a picture"}  # fmt: skip
 
 
 class UnfitFileError(Exception):
@@ -26,6 +29,12 @@ def content(path: Path, most_bytes: int = MOST_BYTES) -> bytes:
     if status.st_size > most_bytes:
         raise UnfitFileError(f"holds {status.st_size / 1e6:.0f} MB, more than {most_bytes / 1e6:.0f}")
     return path.read_bytes()
+
+
+def other_kind(raw: bytes) -> str:
+    """What a file is that is neither YAML nor a table; nothing where it may be one."""
+    begins = raw.lstrip()[:9].lower()
+    return next((kind for start, kind in OTHER_KINDS.items() if begins.startswith(start)), "")
 
 
 def csv_text(rows: Iterable[Iterable[Any]]) -> str:

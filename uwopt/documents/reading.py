@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from uwopt.documents.faults import KeyPath, nearest, show
-from uwopt.documents.files import UnfitFileError, content
+from uwopt.documents.files import UnfitFileError, content, other_kind
 from uwopt.documents.yaml_lines import MAX_DEPTH, MAX_NODES, compose, too_deep, too_many
 from uwopt.errors import MissionError
 
@@ -20,9 +20,6 @@ MAX_BYTES = 10_000_000
 MISSION_KEYS = frozenset({"vehicle", "requirements"})  # which every mission has, and no system
 SYSTEM_KEYS = frozenset({"camera", "complete"})  # of which every system has one, and no mission
 _NOTHING = object()
-#: What files of other kinds begin with, which a person may name by mistake.
-_OTHER_KINDS = ((b"pk\x03\x04", "a workbook or an archive"), (b"<!doctype", "a web page"), (b"<html", "a web page"),
-                (b"%pdf", "a PDF"), (b"\x89png", "a picture"))  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -116,9 +113,8 @@ def _read_file(source: str | Path, what: str) -> Document:
     except (OSError, ValueError, RuntimeError) as fault:
         reason = getattr(fault, "strerror", None) or str(fault)
         raise MissionError(f"{shown}: cannot be read ({reason}); check its name and rights.") from None
-    for begins, kind in _OTHER_KINDS:
-        if raw.lstrip()[:9].lower().startswith(begins):
-            raise MissionError(f"{shown}: is {kind}, no {what}; name a YAML file ({_written_by(what)}).")
+    if kind := other_kind(raw):
+        raise MissionError(f"{shown}: is {kind}, no {what}; name a YAML file ({_written_by(what)}).")
     text = _decode(raw, shown)
     if not text.strip():
         raise MissionError(f"{shown}: is empty; {_written_by(what)} to start from.")

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from uwopt.catalog.tables import Row, Table, parse_table, read_text
+from uwopt.catalog.tables import Row, Table, column_fault, parse_table, read_text
 from uwopt.documents.faults import nearest, show
 from uwopt.errors import CatalogError, MissionError
 from uwopt.units import db_to_ratio
@@ -74,9 +74,9 @@ def read_shots(path: str | Path) -> list[Shot]:
         table = parse_table(read_text(Path(path)), name)
     except CatalogError as fault:
         raise MissionError(list(fault.faults)) from None
-    faults = [*(text.replace("; `uwopt catalog template` prints one", "") for text in table.faults)] or [
-        *header_faults(table)
-    ]
+    faults = [text.replace("; `uwopt catalog template` prints one", "") for text in table.faults]
+    if not faults or (table.rows and not NAMES.keys() & {*table.header}):  # then its rows are no shots
+        faults = [*header_faults(table)]
     if faults:
         raise MissionError(faults)
     shots: list[Shot] = []
@@ -97,15 +97,18 @@ def read_shots(path: str | Path) -> list[Shot]:
 
 def header_faults(table: Table) -> Iterator[str]:
     """Columns that are missing, stand in two units, or are not known."""
-    found: dict[str, list[str]] = {}
+    found, strange = dict[str, list[str]](), list[str]()
     for column in table.header:
+        near = nearest(column, [*NAMES, *BESIDE])
         if column in NAMES:
             found.setdefault(NAMES[column][0], []).append(column)
-        elif column not in BESIDE:
-            near = nearest(column, [*NAMES, *BESIDE])
-            way = f"did you mean {near}?" if near else f"known are {', '.join([*map(allowed, COLUMNS), *BESIDE])}."
-            way = f"the unit belongs in its name: {allowed(column)}." if column in COLUMNS else way
-            yield f"{table.file}: column {show(column)} is not known; {way}"
+        elif column in COLUMNS:
+            yield f"{table.file}: column {show(column)} is not known; the unit belongs in its name: {allowed(column)}."
+        elif column not in BESIDE and near and near not in table.header:
+            yield f"{table.file}: column {show(column)} is not known; did you mean {near}?"
+        elif column and column not in BESIDE:
+            strange.append(column)
+    yield from column_fault(table, strange, ", ".join([*map(allowed, COLUMNS), *BESIDE]))
     for name, columns in found.items():
         if len(columns) > 1:
             yield f"{table.file}: {COLUMNS[name].words} stands in {' and in '.join(columns)}; keep one of them."

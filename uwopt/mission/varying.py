@@ -102,6 +102,8 @@ class VariedMission:
 
     def varied(self, key: str, values: Sequence[Any] | str) -> Varied:
         """A key that is in the mission's language, with checked values."""
+        if not isinstance(key, str):
+            raise MissionError(f"vary {show(key)}: is no key; write such as speed_m_s")
         return replace(self.named(key), values=checked_values(f"vary {key.strip()}", values))
 
     @staticmethod

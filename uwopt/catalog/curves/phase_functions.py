@@ -20,7 +20,7 @@ from uwopt.arrays import FloatArray
 from uwopt.catalog.columns import CellError, Column, parse_number
 from uwopt.catalog.curves.spectra import pure_water
 from uwopt.catalog.parts.cell import POSITIVE, Range
-from uwopt.catalog.tables import Row, Table, read_table
+from uwopt.catalog.tables import Row, Table, read_table, unknown_columns
 from uwopt.documents.whole_file import resolve_path
 from uwopt.errors import CatalogError, RangeError
 from uwopt.model import phase_formulas, scattering
@@ -182,12 +182,7 @@ def _read_curve(table: Table) -> tuple[FloatArray, FloatArray, bool]:
 
 
 def _header_faults(table: Table) -> list[str]:
-    known = (ANGLE.name, *VALUES)
-    faults = [
-        f"{table.file}: column {name!r} is unknown; allowed are {', '.join(known)}."
-        for name in table.header
-        if name and name not in known
-    ]
+    faults = unknown_columns(table, (ANGLE.name, *VALUES))
     if ANGLE.name not in table.header or sum(name in VALUES for name in table.header) != 1:
         faults.append(f"{table.file}: needs angle_deg and one of {', '.join(VALUES)}.")
     return faults

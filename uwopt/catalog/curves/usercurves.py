@@ -12,7 +12,7 @@ from uwopt.arrays import FloatArray
 from uwopt.catalog.columns import CellError, Column, parse_number
 from uwopt.catalog.parts.cell import FROM_ZERO, SHARE, Range
 from uwopt.catalog.parts.quantity import Curve
-from uwopt.catalog.tables import Row, Table, read_table
+from uwopt.catalog.tables import Row, Table, read_table, unknown_columns
 from uwopt.errors import CatalogError
 
 VISIBLE_NM = (400.0, 700.0)  # what a spectrum must cover
@@ -80,12 +80,7 @@ def check_curves(table: Table) -> CurveFile:
     """Every value checked: numbers, ranges, increasing abscissa, visible range covered."""
     abscissa = ANGLE if "angle_deg" in table.header else WAVELENGTH
     known = {abscissa.name, "channel", *VALUE_COLUMNS}
-    faults = list(table.faults)
-    faults += [
-        f"{table.file}: column {name!r} is unknown; allowed are {', '.join(sorted(known))}."
-        for name in table.header
-        if name and name not in known
-    ]
+    faults = [*table.faults, *unknown_columns(table, sorted(known))]
     names = [name for name in table.header if name in VALUE_COLUMNS]
     if abscissa.name not in table.header or not names:
         faults.append(
