@@ -11,6 +11,27 @@ RULES = "tests/solvers/test_rules.py::"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="imagers without bounds are not open when time is up",
+        file="uwopt/solvers/exact/open_nodes.py",
+        old="if len(self.waiting) else np.inf, self._next_floor)",
+        new="if len(self.waiting) else np.inf, np.inf)",
+        test="tests/solvers/test_unbounded_imagers.py::test_what_is_not_bounded_when_time_is_up_bounds_the_best",
+    ),
+    Defect(
+        name="every imager is bounded, whatever is found",
+        file="uwopt/solvers/exact/open_nodes.py",
+        old="if not len(self.unbounded) or self._next_floor > threshold:",
+        new="if not len(self.unbounded):",
+        test="tests/solvers/test_unbounded_imagers.py::test_imagers_that_cannot_beat_what_is_found_are_not_bounded",
+    ),
+    Defect(
+        name="imagers that were not bounded are not counted",
+        file="uwopt/solvers/exact/open_nodes.py",
+        old="return self.size_of(self.waiting) + int(self.sizes.sum()) * len(self.unbounded)",
+        new="return self.size_of(self.waiting)",
+        test="tests/solvers/test_unbounded_imagers.py::test_imagers_that_cannot_beat_what_is_found_are_not_bounded",
+    ),
+    Defect(
         name="bounds of settings are no work",
         file="uwopt/solvers/exact/evaluation.py",
         old='        spend("designs", len(pairs))\n',

@@ -30,6 +30,7 @@ def batches(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> 
         for name, value in (
             ("FIRST_BATCH", 1),
             ("LARGEST_BATCH", 2),
+            ("FIRST_BOUNDED", 1),
             ("TOO_FEW_TO_BOUND", 0),
         ):
             monkeypatch.setattr(exact_search, name, value)

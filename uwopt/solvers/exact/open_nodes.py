@@ -1,4 +1,8 @@
-"""Nodes of a search that wait, the best bound first: imagers under lightings, with what each could be at best."""
+"""Nodes of a search that wait, the best bound first: imagers under lightings, with what each could be at best.
+
+Imagers come in the order of what they are at best under any light. Those whose turn has not come are not bounded yet:
+many never are, since what was found beats all that they could be.
+"""
 
 from __future__ import annotations
 
@@ -15,39 +19,73 @@ from uwopt.solvers.exact.node_bounds import NodeBounds, by_rule
 class OpenNodes:
     """Every node of some imagers, lighting by lighting: node k n + i is the i-th of n imagers under lighting k."""
 
-    imager: Array  # (n,) rows of the imagers
+    imager: Array  # (n,) rows of the imagers, the least floor first
+    floor: Array  # (n,) of the objective, whatever lights an imager
     cost: Array  # (n,)
-    value: Array  # (n_lightings n,) bounds of the objective; inf: discarded
+    sizes: Array  # (n_lightings,) designs in a node
+    value: Array  # (n_lightings n,) bounds of the objective; inf: discarded, or not known yet
     power_w: Array  # of the electrical power
-    rule: Array  # that the first bounds discard a node by, -1: none
-    size: Array  # designs in a node
     rough: Array  # whether its bounds can be made better
     waiting: Array  # nodes to take, the best first
+    bounded: int  # so many of the imagers, the first ones, have bounds
 
     @staticmethod
-    def of(bounds: Sequence[NodeBounds], imager: Array, cost: Array, sizes: Array, *, rough: bool) -> OpenNodes:
-        """From the bounds under each lighting and the number of lights and counts there."""
-        value, power, rule = (
-            np.concatenate([getattr(b, name) for b in bounds]) for name in ("value", "power", "rule")
-        )
-        size = np.repeat(sizes, len(imager))
-        nodes = OpenNodes(imager, cost, value, power, rule, size, np.full(len(value), rough), np.arange(len(value)))
-        nodes.value[rule >= 0] = np.inf
-        nodes.sort()
-        return nodes
+    def of(imager: Array, floor: Array, cost: Array, sizes: Array) -> OpenNodes:
+        """All nodes of these imagers, none bounded."""
+        order = np.lexsort((cost, floor))
+        n = len(sizes) * len(imager)
+        return OpenNodes(
+            imager[order], floor[order], cost[order], sizes, np.full(n, np.inf), np.full(n, np.inf), np.zeros(n, bool),
+            np.arange(0), bounded=0,
+        )  # fmt: skip
 
     def __len__(self) -> int:
-        return len(self.waiting)
+        """Nodes that are bounded and wait, and imagers that are not bounded."""
+        return len(self.waiting) + len(self.unbounded)
+
+    @property
+    def unbounded(self) -> Array:
+        """Rows of the imagers that have no bounds yet, in order."""
+        return self.imager[self.bounded :]
+
+    @property
+    def _next_floor(self) -> float:
+        """Of the imagers that are not bounded; inf where all are."""
+        return float(self.floor[self.bounded]) if self.bounded < len(self.floor) else np.inf
 
     @property
     def lowest(self) -> float:
-        """Least bound of what waits, in order; inf where nothing does."""
-        return float(self.value[self.waiting[0]]) if len(self) else np.inf
+        """Least that anything that waits could be; inf where nothing does."""
+        return min(float(self.value[self.waiting[0]]) if len(self.waiting) else np.inf, self._next_floor)
 
     @property
     def designs_left(self) -> int:
         """How many designs wait."""
-        return int(self.size[self.waiting].sum())
+        return self.size_of(self.waiting) + int(self.sizes.sum()) * len(self.unbounded)
+
+    def begins_unbounded(self, count: int, threshold: float) -> bool:
+        """Whether imagers that may win and have no bounds may hold any of so many nodes that come next."""
+        if not len(self.unbounded) or self._next_floor > threshold:
+            return False
+        return len(self.waiting) < count or bool(self._next_floor <= self.value[self.waiting[count - 1]])
+
+    def bound(self, lit: Array, bounds: Sequence[NodeBounds], *, rough: bool) -> Iterator[tuple[str, Array]]:
+        """Take up bounds under each lighting of the next imagers, those that `lit` marks; by rule, the nodes that they
+        discard."""
+        some, every = self.bounded + np.flatnonzero(lit), len(self.imager)
+        self.bounded += len(lit)
+        for k, own in enumerate(bounds):
+            nodes = k * every + some
+            self.value[nodes], self.power_w[nodes] = np.where(own.rule >= 0, np.inf, own.value), own.power
+            self.rough[nodes] = rough
+            self.waiting = np.concatenate([self.waiting, nodes])
+            for name, failed in by_rule(own.rule):
+                yield name, nodes[failed]
+        self.sort()
+
+    def size_of(self, nodes: Array) -> int:
+        """Designs in some nodes."""
+        return int(self.sizes[self.lighting_of(nodes)].sum())
 
     def lighting_of(self, nodes: Array) -> Array:
         """Number of each node's lighting."""
@@ -93,7 +131,3 @@ class OpenNodes:
         for name, failed in by_rule(bounds.rule):
             self.value[nodes[failed]] = np.inf
             yield name, nodes[failed]
-
-    def failed(self) -> Iterator[tuple[str, Array]]:
-        """By rule, the nodes that the first bounds discard."""
-        return by_rule(self.rule)

@@ -48,6 +48,7 @@ FIRST_DEAR = 4  # of a first batch where information counts: dear to bound while
 # found that others must beat
 MOST_IMAGERS = 700_000  # beyond which pairs are bounded before their ports: more than the whole catalogue has
 SAMPLES = 64  # of nodes that a rule discards, about
+FIRST_BOUNDED = 4096  # imagers: of fewer, bounds cost about as much
 TOO_FEW_TO_BOUND = 8  # nodes: evaluating them is cheaper
 #: What is told of a search beside how far it is; a line of its own for every number of them would fill a log.
 BOUNDS, SETTINGS, SETTINGS_IN_VAIN = "bounds of systems", "settings of systems", "settings of systems, none fits yet"
@@ -210,9 +211,11 @@ class Search(Evaluation):
         Returns the lowest bound not looked at when time ran out, else None. Raises OutOfTimeError before the first is
         bounded: then none is accounted for.
         """
-        nodes = self._bounded(rows)
-        if nodes is None:
+        if not len(self.tables.lightings):
             return None
+        few = len(rows) * len(self.tables.lightings) <= TOO_FEW_TO_BOUND
+        nodes = self._unbounded(rows)
+        self._bound_more(nodes, few=few)
         self._patient = self.bounds.weighs_quality()
         batch, least_look, costly = self._first_batch(), self._least_look(), bool(nodes.rough.any())
         look = max(least_look, REFINED_AHEAD * batch)
@@ -220,6 +223,9 @@ class Search(Evaluation):
             while len(nodes):
                 self._solve_waiting(nodes.lowest)
                 threshold = self.ranking.threshold()
+                if nodes.begins_unbounded(look if costly else batch, threshold):
+                    self._bound_more(nodes)
+                    continue
                 if nodes.begins_rough(threshold):
                     self._refine(nodes, nodes.rough_ahead(look, threshold))
                     look *= 2  # while nothing comes to the front that can be evaluated
@@ -239,42 +245,38 @@ class Search(Evaluation):
             return min(nodes.lowest, self._not_reached())
         self.account.charge("bound", nodes.designs_left)
         self._sample("bound", nodes.imager_of(nodes.waiting), nodes.lighting_of(nodes.waiting))
+        self._sample("bound", nodes.unbounded)
         return None
 
-    def _bounded(self, rows: Array) -> OpenNodes | None:
-        """The nodes of these imagers with their first bounds, what these discard counted; None without lamps.
+    def _unbounded(self, rows: Array) -> OpenNodes:
+        """The nodes of these imagers, with what each is at best whatever lights it."""
+        floor = self.objective.cost_to_minimise(self.bounds.without_light(rows))
+        return OpenNodes.of(rows, np.asarray(floor), self.imagers.cost[rows], self.bounds.sizes)
 
+    def _bound_more(self, nodes: OpenNodes, *, few: bool = False) -> None:
+        """First bounds of as many imagers again, those that come next; what these discard is counted.
+
+        few : so few nodes that to evaluate them all is cheaper
         Raises OutOfTimeError before any is accounted for.
         """
         self._tell(BOUNDS)
         start = time.perf_counter()
-        few = len(rows) * len(self.tables.lightings) <= TOO_FEW_TO_BOUND
-        rows = rows if few else self._lit(rows)
-        bounds: list[NodeBounds] = []
+        rows = nodes.unbounded[: max(FIRST_BOUNDED, nodes.bounded)]
+        dark = np.zeros(len(rows), bool) if few else self.bounds.leaves_dark(rows, self.deadline)
+        bounds = []
         for k in range(len(self.tables.lightings)):
             self.deadline.check()
-            bounds.append(NodeBounds.none(len(rows)) if few else self.bounds.of_nodes(k, rows))
+            bounds.append(NodeBounds.none(len(rows)) if few else self.bounds.of_nodes(k, rows[~dark]))
         self.bounds_s += time.perf_counter() - start
-        if not bounds:
-            return None
-        rough = not few and self.bounds.can_refine()
-        nodes = OpenNodes.of(bounds, rows, self.imagers.cost[rows], self.bounds.sizes, rough=rough)
-        for name, failed in nodes.failed():
+        if dark.any():
+            self.account.charge("light", int(self.bounds.sizes.sum() * dark.sum()))
+            self._sample("light", rows[dark])
+        for name, failed in nodes.bound(~dark, bounds, rough=not few and self.bounds.can_refine()):
             self._discard(name, nodes, failed)
-        return nodes
-
-    def _lit(self, rows: Array) -> Array:
-        """Those that some lighting may give enough light; the others are counted."""
-        dark = self.bounds.leaves_dark(rows, self.deadline)
-        if not dark.any():
-            return rows
-        self.account.charge("light", int(self.bounds.sizes.sum() * dark.sum()))
-        self._sample("light", rows[dark])
-        return rows[~dark]
 
     def _discard(self, rule: str, nodes: OpenNodes, failed: Array) -> None:
         """Count nodes that a rule discards, and remember some."""
-        self.account.charge(rule, int(nodes.size[failed].sum()))
+        self.account.charge(rule, nodes.size_of(failed))
         self._sample(rule, nodes.imager_of(failed), nodes.lighting_of(failed))
 
     def _first_batch(self) -> int:
@@ -299,7 +301,7 @@ class Search(Evaluation):
         """Evaluate the nodes that come next. Raises OutOfTimeError: what was found stays, the batch is not reached."""
         useful = ahead[~self.ranking.shut_out(nodes.value[ahead], nodes.power_w[ahead], nodes.cost_of(ahead))]
         before, waited = self.account.snapshot(), list(self._waiting)
-        self.account.charge("bound", int(nodes.size[ahead].sum() - nodes.size[useful].sum()))
+        self.account.charge("bound", nodes.size_of(ahead) - nodes.size_of(useful))
         try:
             self.deadline.check()
             if len(useful):
