@@ -1,7 +1,7 @@
 """Values of slow reference computations, kept as data, and worked out again wherever they might be others.
 
 `python tests/kept_values.py` (two minutes) remakes tests/reference/full_physics.json: it runs the tests that ask for
-the values, with none known. A kept value is taken only while the file that computes it and every table that it reads
+the values, with none known. A kept value is taken only while the files that compute it and every table that they read
 are those that it was made from; otherwise, and before a release (UWOPT_THOROUGH=1), each is worked out when asked for.
 """
 
@@ -20,22 +20,22 @@ from typing import Any
 from thorough import THOROUGH
 
 REMADE = "UWOPT_REMAKE_KEPT"  # set: nothing is known, and what is worked out is written
-HINT = "the values are of another file or other tables: python tests/kept_values.py"
+HINT = "the values are of other files or other tables: python tests/kept_values.py"
 
 
-def mark_of(computed_by: Path, *tables: Path) -> str:
-    """A digest of the file that computes, and of the tables that it reads."""
+def mark_of(*made_of: Path) -> str:
+    """A digest of the files that compute, and of the tables that they read."""
     digest = hashlib.sha256()
-    for file in (computed_by, *tables):
+    for file in made_of:
         digest.update(file.read_bytes().replace(b"\r\n", b"\n"))
     return digest.hexdigest()[:16]
 
 
 class Kept:
-    """The kept values of one file of tests."""
+    """The kept values of some files that compute, and of the tables that they read."""
 
-    def __init__(self, file: Path, computed_by: Path, *tables: Path) -> None:
-        self.file, self.made_of, self.mark = file, (computed_by, *tables), mark_of(computed_by, *tables)
+    def __init__(self, file: Path, *made_of: Path) -> None:
+        self.file, self.made_of, self.mark = file, made_of, mark_of(*made_of)
         held = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
         self.is_current = held.get("of") == self.mark
         taken = self.is_current and not THOROUGH and REMADE not in os.environ
