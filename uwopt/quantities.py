@@ -59,6 +59,11 @@ QUANTITIES = (
     Compared("data_rate_mb_s", "data rate", "MB/s"),
 )
 BY_NAME = {one.name: one for one in QUANTITIES}
+#: What hardware that does not hold lacks, in words, where that is no requirement.
+LOST_TO = {
+    "light": "enough signal without saturating", "rules": "rate, pulse or power of the lamp, or the shutter",
+    "housing": "room for camera and lens in the housing", "focus": "focus behind this port",
+}  # fmt: skip
 #: By what figures are told that no scenarios count: of an estimated number no end of its range.
 AT_LIKELIEST = "with every estimate at its likeliest value"
 TERMS = {one.term: one for one in QUANTITIES if one.term}

@@ -65,7 +65,7 @@ def test_settings_and_budgets_break_no_image(one):
 
 
 def test_the_least_in_hand_is_named_with_its_reserve():
-    assert said(BLUR, SNR, RATE) == "fails first: signal to noise, margin 0 dB beyond the 3 dB reserve"
+    assert said(BLUR, SNR, RATE) == "signal to noise, margin 0 dB beyond the 3 dB reserve"
 
 
 def test_a_depth_rating_counts_from_the_deepest_scene():
@@ -73,24 +73,24 @@ def test_a_depth_rating_counts_from_the_deepest_scene():
     dome = margin("depth_rating_m (dome)", 6000.0, 6000.0, ">=", "m")
     assert share_in_hand(dome, 5500.0) == pytest.approx(0.0909, abs=1e-4)
     design = Design([Scene([margin("max_gsd_mm", 3.8, 4.0, "<=", "mm"), dome])])  # 5 % left
-    assert fails_first(design, 5500.0) == "fails first: pixel on the floor, margin 0.200 mm"  # type: ignore[arg-type]
+    assert fails_first(design, 5500.0) == "pixel on the floor, margin 0.200 mm"  # type: ignore[arg-type]
     for deepest_m, left in ((6000.0, "0 m"), (5900.0, "100 m")):
         told = fails_first(design, deepest_m)  # type: ignore[arg-type]
-        assert told == f"fails first: depth rating (dome), {left} over the deepest scene"
+        assert told == f"depth rating (dome), {left} over the deepest scene"
 
 
 def test_without_a_reserve_none_is_told():
-    assert said(BLUR, SNR, SWATH) == "fails first: swath, margin 0 m"
+    assert said(BLUR, SNR, SWATH) == "swath, margin 0 m"
 
 
 def test_what_fails_together_is_named_together():
     gsd = margin("max_gsd_mm", 1.0, 1.0, "<=", "mm")
-    assert said(gsd, SWATH) == "fails first: pixel on the floor, margin 0 mm; swath, margin 0 m"
+    assert said(gsd, SWATH) == "pixel on the floor, margin 0 mm; swath, margin 0 m"
 
 
 def test_the_scene_is_named_where_there_are_several():
     two = Design([Scene([BLUR], "reef"), Scene([SWATH], "sand")])
-    assert fails_first(two) == "fails first: swath in sand, margin 0 m"  # type: ignore[arg-type]
+    assert fails_first(two) == "swath in sand, margin 0 m"  # type: ignore[arg-type]
 
 
 def test_a_design_that_misses_something_already_fails():

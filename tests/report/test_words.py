@@ -11,7 +11,17 @@ from typing import Any
 import pytest
 
 from uwopt.report.text import formats, tables, vocabulary, words
-from uwopt.results.design import BillRow, Cost, Design, LampPlace, Note
+from uwopt.report.text.short import bought_name
+from uwopt.results.design import BillRow, Cost, Design, LampPlace, Note, UsedPart
+
+
+def test_what_is_to_be_made_is_named_alike_in_the_bill_and_in_sentences() -> None:
+    part = UsedPart("generic-dome", "generic acrylic hemisphere", True)
+    row = BillRow(
+        "port", "generic-dome", "generic", "acrylic hemisphere", 1, 0, None, None, None, "USD", "to be made", "", True,
+        "", "",
+    )  # fmt: skip
+    assert words.part_name(part) == bought_name(row) == "acrylic hemisphere (to be made)"
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ from uwopt.api.risks.margins import (
     tight_figure,
 )
 from uwopt.api.risks.worst import Weighed
+from uwopt.quantities import LOST_TO
 from uwopt.results.basis import MISSED, MISSED_OF_PRACTICE, Risk
 from uwopt.results.design import PRACTICE_MISSED, Design
 from uwopt.results.result import Result
@@ -36,12 +37,9 @@ def uncertain(result: Result, design: Design) -> Weighed:
     because = f"settings that meet every requirement exist in {percent(known.held)} of the scenarios"
     if known.lost_to:
         first = known.lost_to[0].requirement
-        because += f"; else {LOST_TO.get(first) or in_words(first)} is missed first"
+        because += f"; else {LOST_TO.get(first, in_words(first))} is missed first"
     wanted = "all ends" if known.asked == "ends" else f"{100.0 * float(known.asked):g} % asked"
     yield 95.0, Risk("it may not do what is asked", because, wanted)
-
-
-LOST_TO = {"light": "enough signal without saturation", "rules": "rate, pulse or power of the lamp, or the shutter,"}
 
 
 def at_bad_ends(result: Result, design: Design) -> Weighed:

@@ -10,7 +10,7 @@ from uwopt.catalog.offers import FORM, KEYS, MAKERS
 from uwopt.catalog.parts.part import Kind
 from uwopt.report.order.book import Page, book_bytes, new_book
 from uwopt.report.order.tender_lines import COMMERCIAL, AskedFact, TenderLine, falls_short
-from uwopt.report.text import formats
+from uwopt.report.text import formats, words
 from uwopt.results.result import Result
 
 BOOK_FILE, LETTER_FILE, BUYER_FILE = "tender.xlsx", "letter.txt", "not-for-makers.txt"
@@ -106,8 +106,7 @@ def letter(result: Result, lines: Sequence[TenderLine]) -> str:
     """A letter to makers, as text to be sent with the workbook."""
     name = formats.one_line(result.mission.get("name") or "our mission", 120)
     wanted = "\n".join(
-        f"- {line.count} x {line.kind}, such as {formats.one_line(line.name.removeprefix('generic '), 80)}"
-        + (" (to be made)" if line.generic else "")
+        f"- {line.count} x {line.kind}, such as {words.made_name(line.name, generic=line.generic)}"
         for line in lines
     )
     hard = "\n\n".join(filter(None, map(enough_text, lines)))

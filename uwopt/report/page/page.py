@@ -25,7 +25,7 @@ from uwopt.report.text.looked_at import in_figure, in_page, wording_of
 from uwopt.report.text.short import (
     MOST_RISKS,
     first_to_fail,
-    goal_sentence,
+    goal_told,
     how_far,
     noise_clause,
     practice_sentences,
@@ -119,8 +119,8 @@ def opening(result: Result | FrontResult) -> tuple[str, str, Block | None]:
     said = " ".join([words.as_sentence(how_far(result)), *practice_sentences(result)])
     facts = {
         "system" if result.command == "evaluate" else "buy": system_text(design),
-        "goal": goal_sentence(result, design).removeprefix("Goal: "),
-        "fails first": first_to_fail(result, design).removeprefix("fails first: "),
+        "goal": goal_told(result, design),
+        "fails first": first_to_fail(result, design),
         "risks": "; ".join(risk.what for risk in shown_risks(result)[:MOST_RISKS]),
         "do first": next(questions(result, design), ""),
     }

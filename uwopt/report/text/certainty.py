@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from uwopt.mission.best_image import NAME as BEST_IMAGE
-from uwopt.quantities import AT_LIKELIEST, TERMS
+from uwopt.quantities import AT_LIKELIEST, LOST_TO, TERMS
 from uwopt.report.text import formats, words
 from uwopt.report.text.doubts import drawn_text, number_name
 from uwopt.report.text.helps import move_text
@@ -17,12 +17,6 @@ from uwopt.results.result import Result
 from uwopt.tolerances import TIED_MEDIANS_REL
 from uwopt.units import count_text, format_within, percent
 
-LOST_TO = {
-    "light": "no exposure, gain and light level give enough signal without saturating",
-    "rules": "rate, pulse or power of the lamp, or the shutter, whatever is set",
-    "housing": "camera and lens do not fit into the housing",
-    "focus": "the lens does not focus behind this port",
-}
 #: What is uncertain, where its name in a result says little to who has to measure it.
 UNCERTAIN = {
     "altitude beyond its band": "how far the vehicle leaves its band of altitudes",
@@ -74,11 +68,11 @@ def status_text(known: Confidence, status: str) -> str:
 
 
 def fails_in(known: Confidence) -> str:
-    """`fails first: depth of field, in 2 % of the scenarios`; empty where all hold, or are ends."""
+    """`depth of field, in 2 % of the scenarios`; empty where all hold, or are ends."""
     if known.asked == "ends" or not known.lost_to:
         return ""
     worst = max(known.lost_to, key=lambda one: one.share)
-    return f"fails first: {lost_text(worst.requirement)}, in {percent(worst.share)} of the scenarios"
+    return f"{lost_text(worst.requirement)}, in {percent(worst.share)} of the scenarios"
 
 
 def certainty_block(result: Result) -> Iterator[Block]:

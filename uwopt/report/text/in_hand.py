@@ -35,7 +35,7 @@ def share_in_hand(margin: Margin, deepest_m: float = 0.0) -> float | None:
 
 
 def fails_first(design: Design, deepest_m: float = 0.0) -> str:
-    """`fails first: signal to noise, margin 0 dB beyond the 3 dB reserve`; "" where none could, or some do."""
+    """`signal to noise, margin 0 dB beyond the 3 dB reserve`; "" where none could, or some do."""
     if not design.feasible:
         return ""
     found = [
@@ -53,7 +53,7 @@ def fails_first(design: Design, deepest_m: float = 0.0) -> str:
             name = words.requirement_name(margin.requirement)
             place = words.in_scene(scene, design.scenes)
             named.setdefault(name, f"{name}{place}, {left_text(margin, design, deepest_m)}")
-    return f"fails first: {'; '.join(list(named.values())[:MOST_NAMED])}"
+    return "; ".join(list(named.values())[:MOST_NAMED])
 
 
 def left_text(margin: Margin, design: Design, deepest_m: float) -> str:

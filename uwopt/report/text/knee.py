@@ -16,14 +16,14 @@ LEAST_TOLD = 5e-5  # of a gain: below it nothing is bought
 
 
 def goal_text(result: Result) -> str:
-    """`Goal: best image for its price: information 2.51 Mbit/m². One more watt buys ...`; empty for other goals."""
+    """`best image for its price: information 2.51 Mbit/m². One more watt buys ...`; empty for other goals."""
     if result.objective.name != NAME:
         return ""
     knee = result.knee
     if knee is None:
-        return "Goal: best image for its price."
+        return "best image for its price."
     more = ", ".join(bought_text(knee, item) for item in knee.bought)
-    text = f"Goal: best image for its price: {quality_text(knee)}. {words.capital(more)}"
+    text = f"best image for its price: {quality_text(knee)}. {words.capital(more)}"
     return text + f"; whatever buys more than {asked_text(knee)} is taken already."
 
 

@@ -67,7 +67,6 @@ from uwopt.results.result import Result
 from uwopt.solvers.infeasible.none_left import stays_empty
 from uwopt.units import counted, format_within
 
-LONGEST_NAME = 90  # letters of what a maker calls a part
 MOST_RISKS = 3
 MOST_TOLD = 1000  # letters of what may go wrong: what gave way is told whole
 MOST_QUESTIONS = 4
@@ -134,7 +133,7 @@ def rest_text_blocks(result: Result, *, has_page: bool = False) -> Iterator[Bloc
     """What follows where the beginning has been read while the doubts were worked out."""
     yield Text("")
     if result.knee is not None:  # was not known yet
-        yield Block("", (sentence(goal_text(result)),))
+        yield Block("", (sentence(f"Goal: {goal_text(result)}"),))
     yield from rest_of_blocks(result)
     yield hint(has_page)
 
@@ -234,10 +233,10 @@ def verdict_lines(result: Result) -> list[Line]:
         return []
     known = result.confidence
     said = [A_SCENARIO] if known is not None and known.asked != "ends" else []
-    said += [*practice_sentences(result), goal_sentence(result, result.best)]
+    said += [*practice_sentences(result), f"Goal: {goal_told(result, result.best)}"]
     said.append(image_sentence(result, result.best.as_set))
     if first := first_to_fail(result, result.best):
-        said.append(words.as_sentence(first))
+        said.append(words.as_sentence(f"fails first: {first}"))
     said += [*subject_sentences(result, result.best)]
     said += [words.as_sentence(note.message) for note in result.warnings if note.code in TOLD_FIRST]
     if result.command == "solve" and result.mission.get("practice") == "bare":
@@ -269,8 +268,8 @@ def subject_sentences(result: Result, design: Design) -> Iterator[str]:
         yield f"What moves there by itself at {formats.quantity(speed, 'm/s')} decides the exposure{place}."
 
 
-def goal_sentence(result: Result, design: Design) -> str:
-    """`Goal: least power, 3.06 W at these settings.`, those to type in, and beside it the median of the scenarios."""
+def goal_told(result: Result, design: Design) -> str:
+    """`least power, 3.06 W at these settings.`, those to type in, and beside it the median of the scenarios."""
     if of_image := goal_text(result):
         return of_image
     goal, rounded = result.objective, design.rounded
@@ -280,15 +279,15 @@ def goal_sentence(result: Result, design: Design) -> str:
     most = "most" if goal.direction == "maximise" else "least"
     text = words.value_text(result, design, value)
     if goal.name == "cost":
-        return f"Goal: {most} {name}, {text}."
+        return f"{most} {name}, {text}."
     exact = words.value_text(result, design, design.objective_value)
     beside = f" ({exact} before rounding)" if as_set and exact != text else ""
     told = f"{text} at these settings" if as_set else text
     known = result.confidence
     if known is None or known.objective_p50 is None:
-        return f"Goal: {most} {name}, {told}{beside}."
+        return f"{most} {name}, {told}{beside}."
     median = words.objective_text(result, known.objective_p50)
-    return f"Goal: {most} {name}, {told} {AT_LIKELIEST}, {median} in the median scenario."
+    return f"{most} {name}, {told} {AT_LIKELIEST}, {median} in the median scenario."
 
 
 def image_sentence(result: Result, design: Design) -> str:
@@ -358,9 +357,7 @@ def buy_block(design: Design, title: str) -> Block:
 
 def bought_name(row: BillRow) -> str:
     """Maker and model; of a class of parts its name and that it is to be made."""
-    if row.generic:
-        return f"{formats.one_line(row.model or row.id, LONGEST_NAME)} (to be made)"
-    return formats.one_line(f"{row.manufacturer} {row.model}".strip() or row.id, LONGEST_NAME)
+    return words.made_name(f"{row.manufacturer} {row.model}".strip() or row.id, generic=row.generic)
 
 
 def focused_before_the_sharp(design: Design) -> bool:

@@ -104,7 +104,8 @@ def hardware_block(design: Design, title: str, note: Text | None = None) -> Bloc
     table = columns(("part", "left"), ("", "right"), ("name", "left"), ("id", "left"), header=False)
     for kind, part in hardware.named.items():
         count = hardware.light_count if kind == "light" else hardware.camera_count
-        table.add_row(Text(kind), Text(f"{count} x"), Text(words.part_name(part)), Text(words.part_id(part)))
+        own_id = formats.one_line(part.id or "inline", 60)
+        table.add_row(Text(kind), Text(f"{count} x"), Text(words.part_name(part)), Text(own_id))
     facts = [
         ("orientation", words.camera_stand(hardware)),
         ("lights", words.mounts_text(hardware.light_mounts)),

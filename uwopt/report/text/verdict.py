@@ -72,12 +72,13 @@ def best_trust(result: Result, design: Design) -> str:
         missed = words.missed_names(design)
         estimated = sum(1 for item in result.assumptions if item.low is not None)
         first = fails_first(design.as_set, result.deepest_m)
-        said = [f"missed: {', '.join(missed)}"] if missed else [first] if first else []
+        said = [f"missed: {', '.join(missed)}"] if missed else [f"fails first: {first}"] if first else []
         said.append(f"computed with physics {formats.one_line(result.physics.name)}")
         if estimated:
             said.append(f"{counted(estimated, 'number')} of it estimated, listed under assumptions")
         return "; ".join(said)
-    said = [text for text in (words.status_sentence(result), fails_first(design.as_set, result.deepest_m)) if text]
+    first = fails_first(design.as_set, result.deepest_m)
+    said = [text for text in (words.status_sentence(result), first and f"fails first: {first}") if text]
     doubt = result.robustness or {}
     if ends := bad_ends_text(doubt):
         said.append(f"with all estimates at their bad ends {ends}")

@@ -86,15 +86,22 @@ def rule_name(rule: str) -> str:
 
 
 def part_name(part: UsedPart) -> str:
-    """Maker and model of a part."""
-    return one_line(part.name or part.id or "inline", 80)
+    """Maker and model of a part; of one that no shop sells what it is, and that it is to be made."""
+    return made_name(part.name or part.id or "inline", generic=part.generic)
+
+
+def made_name(name: str, *, generic: bool) -> str:
+    """A part's name, with the mark of those that no shop sells under it in place of a maker."""
+    return one_line(name.removeprefix("generic "), LONGEST) + TO_BE_MADE if generic else one_line(name, LONGEST)
 
 
 def part_id(part: UsedPart) -> str:
     """Id of a part, with the mark of those that no shop sells as such."""
-    return one_line(part.id or "inline", 60) + (" (to be made)" if part.generic else "")
+    return one_line(part.id or "inline", 60) + (TO_BE_MADE if part.generic else "")
 
 
+LONGEST = 90  # letters of what a maker calls a part
+TO_BE_MADE = " (to be made)"
 SAME_HARDWARE = "the same hardware, other settings"
 TOGETHER = 1.01  # times as long as all took, from which stages must have run side by side
 WARM_K = 1.0  # less of warmth in a housing matters to no camera
