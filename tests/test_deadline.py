@@ -37,7 +37,7 @@ FEW_PARTS = {"cameras": ["flir"], "lenses": ["kowa"]}
 
 def test_a_time_that_is_no_number_is_told() -> None:
     with pytest.raises(RangeError, match="'5 s' is no number"):
-        Deadline.after(cast(Any, "5 s"))
+        Deadline.asked(cast(Any, "5 s"))
 
 
 class Clock:

@@ -121,9 +121,14 @@ class Deadline:
     @classmethod
     def after(cls, seconds: float | None, clock: Callable[[], float] = time.perf_counter) -> Deadline:
         """So many seconds from now; without a number never."""
+        return cls(math.inf if seconds is None else clock() + seconds, clock)
+
+    @classmethod
+    def asked(cls, seconds: float | None) -> Deadline:
+        """As `after`, of what a call is given. Raises RangeError for what is no time."""
         if seconds is not None and (isinstance(seconds, bool) or not isinstance(seconds, Real) or not seconds >= 0):
             raise RangeError(f"seconds = {seconds!r} is no number of seconds; give None for no limit")
-        return cls(math.inf if seconds is None else clock() + seconds, clock)
+        return cls.after(seconds)
 
     @property
     def left_s(self) -> float:

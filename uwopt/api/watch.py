@@ -55,7 +55,7 @@ class Watch:
         """Of a call that is to last so many seconds at most; None: as long as it takes."""
         if progress is not None and not callable(progress):
             raise RangeError(f"progress = {progress!r} is no function; it is called with a share and a word")
-        return cls(Deadline.after(seconds), progress or unheard, so_far)
+        return cls(Deadline.asked(seconds), progress or unheard, so_far)
 
     def until(self, deadline: Deadline) -> Watch:
         """The same, with another time."""

@@ -84,7 +84,7 @@ def sweep(
     """
     if workers < 1:
         raise RangeError(f"sweep: workers = {workers}; at least one is needed")
-    start, deadline = time.perf_counter(), Deadline.after(seconds)
+    start, deadline = time.perf_counter(), Deadline.asked(seconds)
     several: list[Named] = list(named) if isinstance(named, (list, tuple)) else [named]  # pyrefly: ignore[bad-assignment]
     ways = SweepWays(
         objective=objective, physics=physics, confidence=confidence, pareto=tuple(pareto or ()),
