@@ -58,7 +58,7 @@ def test_money_is_in_whole_units(amount: float | None, text: str) -> None:
     (Note("practice_yields", "reserve.swath, requirements.snr_at_less_db", "nothing meets all of good practice"),
      "Good practice: nothing meets all of good practice"),
     (Note("measure_the_camera", "hardware.housing", "measure camera and lens"), "Housing: measure camera and lens"),
-    (Note("lamp_in_view", "vehicle.light_baseline_m", "lamp 1 is seen"), "Distance between lamps: lamp 1 is seen"),
+    (Note("lamp_in_view", "vehicle.light_baseline_m", "lamp 1 is seen"), "Distance from port to lamps: lamp 1 is seen"),
     (Note("lens", "lens", "lens rated for larger pixels"), "Lens rated for larger pixels"),
     (Note("time", "", "not worked out: whether another visibility_m would do; whether it could be met without min_snr"),
      "Not worked out: whether another visibility would do; whether it could be met without signal to noise"),
