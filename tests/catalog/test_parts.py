@@ -25,7 +25,7 @@ from uwopt.catalog.records import exact
 from uwopt.catalog.tables import DATA_DIR
 from uwopt.catalog.userparts import PartRow
 from uwopt.errors import CatalogError
-from uwopt.forward.part_columns import columns_of, in_si
+from uwopt.forward.part_rows import columns_of, in_si
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,8 @@ from uwopt.catalog.parts.light import Light
 from uwopt.catalog.parts.part import Part
 from uwopt.catalog.parts.port import Port
 from uwopt.catalog.parts.quantity import Curve, Quantity
-from uwopt.forward.part_columns import End, camera_rows, lens_rows, light_rows, port_rows
+from uwopt.forward.part_columns import End
+from uwopt.forward.part_rows import camera_rows, lens_rows, light_rows, port_rows
 
 SPREAD = Quantity(3.0, 2.0, 5.0, "estimated")
 BETTER_LOW, BETTER_HIGH = (2.0, 5.0), (5.0, 2.0)  # good end, bad end

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from uwopt.forward import figures
-from uwopt.forward.lamp_light import ImageLight
+from uwopt.forward.light_columns import ImageLight
 from uwopt.forward.pixels import decisive_pixels, fewest_pixels
 from uwopt.model.image_mean import reached_by_most
 

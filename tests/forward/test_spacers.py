@@ -13,7 +13,8 @@ from uwopt.catalog.records import Lens, exact
 from uwopt.catalog.spacers import rings_in_words, stacks_mm
 from uwopt.errors import CatalogError, MissionError
 from uwopt.forward.enclosures import bodies_of
-from uwopt.forward.part_columns import Lenses, lens_rows
+from uwopt.forward.part_columns import Lenses
+from uwopt.forward.part_rows import lens_rows
 from uwopt.forward.spacers import lens_with_spacers, needed_spacer_m, without_spacers
 from uwopt.results.result import Result
 

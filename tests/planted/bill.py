@@ -117,7 +117,7 @@ DEFECTS = (
     ),
     Defect(
         name="cameras with a computer each share one disk",
-        file="uwopt/forward/part_columns.py",
+        file="uwopt/forward/part_rows.py",
         old="np.inf, computers * DISK_GB)",
         new="np.inf, DISK_GB)",
         test=f"{REST}::test_each_computer_brings_its_own_disk",
@@ -138,14 +138,14 @@ DEFECTS = (
     ),
     Defect(
         name="a flange weighs nothing",
-        file="uwopt/forward/part_columns.py",
+        file="uwopt/forward/part_rows.py",
         old='known["mass_kg"] + 1e-3 * flange_g',
         new='known["mass_kg"] + 0.0 * flange_g',
         test="tests/forward/test_enclosures.py::test_a_flange_weighs_in_air_and_in_water",
     ),
     Defect(
         name="a flange displaces no water",
-        file="uwopt/forward/part_columns.py",
+        file="uwopt/forward/part_rows.py",
         old="displaced_kg + 1e-3 * flange_displaced_g",
         new="displaced_kg + 0.0 * flange_displaced_g",
         test="tests/forward/test_enclosures.py::test_a_flange_weighs_in_air_and_in_water",

@@ -111,7 +111,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a timer is as fast as the camera",
-        file="uwopt/forward/part_columns.py",
+        file="uwopt/forward/part_rows.py",
         old="np.minimum(rate, timer_hz)",
         new="rate",
         test=SEARCHED + "test_the_timer_limits_the_rate",

@@ -142,7 +142,7 @@ DEFECTS = (
     ),
     Defect(
         name="cameras wake up in no time",
-        file="uwopt/forward/part_columns.py",
+        file="uwopt/forward/part_rows.py",
         old='"awake_s": known["wake_up_s"] + 1.0 / rate,',
         new='"awake_s": 1.0 / rate,',
         test=f"{SWITCHED}test_a_lander_draws_milliwatts_with_lamps_and_camera_off_between_images",
@@ -212,7 +212,7 @@ DEFECTS = (
     ),
     Defect(
         name="the computer costs what it does in another currency",
-        file="uwopt/forward/part_columns.py",
+        file="uwopt/forward/part_rows.py",
         old='return np.array(amounts, float) * money(1.0, "USD")',
         new="return np.array(amounts, float)",
         test=f"{HOST}test_the_computer_of_an_interface_counts_in_power_and_cost",

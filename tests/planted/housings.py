@@ -115,14 +115,14 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="the housing is for nothing",
-        file="uwopt/forward/part_columns.py",
+        file="uwopt/forward/part_rows.py",
         old="name: bare[name] + hulls.pop(name) for name in bare",
         new="name: bare[name] + 0.0 * hulls.pop(name) for name in bare",
         test=BUILT + "test_enclosure_costs_and_weighs_as_port_and_housing",
     ),
     Defect(
         name="the housing weighs nothing",
-        file="uwopt/forward/part_columns.py",
+        file="uwopt/forward/part_rows.py",
         old='known["mass_kg"] + hulls.pop("mass_kg")',
         new='known["mass_kg"] + 0.0 * hulls.pop("mass_kg")',
         test=BUILT + "test_enclosure_costs_and_weighs_as_port_and_housing",
@@ -202,7 +202,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a flange is listed but not paid for",
-        file="uwopt/forward/part_columns.py",
+        file="uwopt/forward/part_rows.py",
         old="hull_prices[name] = hull_prices[name] + np.array(",
         new="hull_prices[name] = hull_prices[name] + 0.0 * np.array(",
         test=BUILT + "test_a_dome_that_is_wider_than_its_tube_stands_on_a_flange_that_is_paid_for",

@@ -47,7 +47,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         "microseconds stand as milliseconds",
-        "uwopt/forward/part_columns.py",
+        "uwopt/forward/part_rows.py",
         "convert(1.0, unit, si) or 1.0",
         "1e3 * (convert(1.0, unit, si) or 1.0)",
         f"{TESTS}::test_names_of_columns_carry_the_unit_of_their_numbers",

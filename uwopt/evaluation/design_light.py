@@ -11,9 +11,10 @@ from uwopt.arrays import Array
 from uwopt.forward.designs import Hardware
 from uwopt.forward.figures import full_light_lm
 from uwopt.forward.floor_light import footprint_light
-from uwopt.forward.lamp_light import ImageLight, SunLight, image_light, kind_of_field
+from uwopt.forward.lamp_light import image_light, kind_of_field
 from uwopt.forward.lamp_views import lamp_clearance_m
 from uwopt.forward.lamps import LampGroup
+from uwopt.forward.light_columns import ImageLight, SunLight
 from uwopt.forward.part_columns import Cameras, Lenses, Lights, Ports
 from uwopt.forward.problem import Problem
 from uwopt.forward.remembered import LoneField

@@ -35,7 +35,8 @@ from uwopt.forward.lamp_views import (
     views_refused,
 )
 from uwopt.forward.motion import blur_time_s, required_rate_hz
-from uwopt.forward.part_columns import CONTINUOUS, FLASH, number
+from uwopt.forward.part_columns import CONTINUOUS, FLASH
+from uwopt.forward.part_rows import number
 from uwopt.forward.pixels import at_fewest_pixels
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import Pixels

@@ -23,7 +23,8 @@ from uwopt.catalog.readers.read_lens import circle_class
 from uwopt.catalog.records import Camera, Housing, Lens, Port, Quantity
 from uwopt.forward.columns import groups_alike
 from uwopt.forward.once import once_each
-from uwopt.forward.part_columns import Cameras, Lenses, Ports, quantity_ends
+from uwopt.forward.part_columns import Cameras, Lenses, Ports
+from uwopt.forward.part_rows import quantity_ends
 from uwopt.model.enclosure import Bodies, dome_needed_m, mouth_needed_m, sphere_needed_m, tube_needed_m
 from uwopt.model.path_table import product
 from uwopt.tolerances import ROUND

@@ -17,7 +17,7 @@ from uwopt.arrays import Array
 from uwopt.forward import switching
 from uwopt.forward.columns import Columns
 from uwopt.forward.focus import held_at_corner
-from uwopt.forward.lamp_light import ImageLight, SunLight, added, share_of
+from uwopt.forward.light_columns import ImageLight, SunLight, added, share_of
 from uwopt.forward.motion import motion_across, motion_along, skew_by_altitude_px, subject_m_s
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED, Cameras, Lenses, Lights
 from uwopt.forward.scene import SceneOptics

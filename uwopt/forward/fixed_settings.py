@@ -8,7 +8,8 @@ import numpy as np
 
 from uwopt.catalog.parts.light import NO_LAMP
 from uwopt.catalog.records import Camera, Complete, Lens, Light, Part
-from uwopt.forward.part_columns import Cameras, Lights, number
+from uwopt.forward.part_columns import Cameras, Lights
+from uwopt.forward.part_rows import number
 from uwopt.mission.fixed import US_PER_MS, Fixed
 from uwopt.tolerances import ROUND
 from uwopt.units import db_to_ratio

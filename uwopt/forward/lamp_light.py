@@ -7,19 +7,20 @@ altitude: constants of hardware and scene that settings only scale.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any, Literal
 
 import numpy as np
 
 from uwopt.arrays import Array
-from uwopt.forward.columns import Columns, distinct
+from uwopt.forward.columns import distinct
 from uwopt.forward.lamps import (
     LampGroup,
     on_axis_gain,
     one_side,
 )
+from uwopt.forward.light_columns import ImageLight, added
 from uwopt.forward.pixels import decisive_pixels, worst_candidates
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import Pixels
@@ -52,67 +53,6 @@ NEXT_TO_NONE_PER_M2 = 1e-9  # of what stands for no lamp: less than any lamp giv
 LIKELY_PLACES = 72  # of those over the frame, the outermost: the darkest 5 % are among them as a rule
 LIKELY_A_SIDE = 3  # of the grid on which the darkest is looked for: its middle, edges and corners
 COARSE_FROM_RAD = float(np.deg2rad(15.0))  # half-power angle from which a lobe counts as wide
-
-
-@dataclass(frozen=True)
-class ImageLight(Columns):
-    """Electrons per lm s, (n, n_altitudes) image means; (n, n_altitudes, n_pixels) at pixels.
-
-    A veil that is None is left out of the model, or absent.
-    """
-
-    signal_e: Array
-    forward_e: Array | None = None
-    backscatter_e: Array | None = None
-    worst_e: Array | None = None  # at the pixels that the SNR is asked of: those that may decide
-    worst_veil_e: Array | None = None
-    most_veil_e: Array | None = None  # of bounds: no veil is more; the others are then no less than they say
-    may_miss: int = 0  # so many of the pixels may be darker than the SNR allows
-    colour_e: Array | None = None  # image-forming, of the channels asked for (n, n_altitudes, n_channels), red first
-    red_veil_e: Array | None = None  # of the red channel
-    background_e: Array | None = None  # (n, 1) where no target stands: all that the water sends back, image mean
-
-    @property
-    def veil_e(self) -> Array | None:
-        """Electrons that form no image."""
-        return added(self.forward_e, self.backscatter_e)
-
-    def with_pixels(self, there: ImageLight) -> ImageLight:
-        """These means with the pixels of another."""
-        return replace(
-            self, worst_e=there.worst_e, worst_veil_e=there.worst_veil_e, may_miss=there.may_miss
-        )
-
-
-@dataclass(frozen=True)
-class SunLight(Columns):
-    """Electrons per second of open shutter from the sun, at a working f-number of 1; shapes as `ImageLight`."""
-
-    signal_e_s: Array
-    forward_e_s: Array
-    path_e_s: Array
-    worst_e_s: Array | None = None
-    worst_veil_e_s: Array | None = None
-    colour_e_s: Array | None = None
-    red_veil_e_s: Array | None = None
-
-    @property
-    def veil_e_s(self) -> Array:
-        """What forms no image."""
-        return np.asarray(self.forward_e_s + self.path_e_s)
-
-
-def added(one: Array | None, other: Array | None) -> Array | None:
-    """The sum of what is there."""
-    if one is None or other is None:
-        return other if one is None else one
-    return np.asarray(one + other)
-
-
-def share_of(part: Array, whole: Array) -> Array:
-    """Part over whole, (...,); 0 where there is nothing."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(whole > 0.0, part / whole, 0.0)
 
 
 class LampField:

@@ -11,12 +11,10 @@ import numpy as np
 
 from uwopt.arrays import Array
 from uwopt.catalog.curves import spectra
+from uwopt.catalog.parts.kinds import FAVOURED
 from uwopt.catalog.records import Curve, Light
-from uwopt.forward.part_columns import (
-    FAVOURED,
-    End,
-    number,
-)
+from uwopt.forward.part_columns import End
+from uwopt.forward.part_rows import number
 from uwopt.forward.scene import SceneOptics
 from uwopt.mission.mission import Mission
 from uwopt.mission.sections.vehicle import LightMount

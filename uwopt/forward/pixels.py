@@ -12,7 +12,7 @@ import numpy as np
 from uwopt.arrays import Array
 
 if TYPE_CHECKING:
-    from uwopt.forward.lamp_light import ImageLight, SunLight
+    from uwopt.forward.light_columns import ImageLight, SunLight
 
 AT_ONCE = 2**16  # pixels of some rows, that stay in the processor's cache
 SPARE = 60  # pixels that others are compared with, beside those that may miss an SNR

@@ -18,6 +18,7 @@ import numpy as np
 from uwopt.arrays import Array
 from uwopt.catalog import money
 from uwopt.catalog.interfaces import shares_computer
+from uwopt.catalog.parts.kinds import FAVOURED
 from uwopt.catalog.parts.light import NO_LAMP
 from uwopt.catalog.records import Camera, Part
 from uwopt.catalog.rest import (
@@ -39,20 +40,8 @@ from uwopt.forward.lamps import (
     mission_mounts,
 )
 from uwopt.forward.once import Once
-from uwopt.forward.part_columns import (
-    FAVOURED,
-    Cameras,
-    End,
-    Lenses,
-    Lights,
-    Ports,
-    camera_rows,
-    lens_rows,
-    light_rows,
-    limit_end,
-    number,
-    port_rows,
-)
+from uwopt.forward.part_columns import Cameras, End, Lenses, Lights, Ports
+from uwopt.forward.part_rows import camera_rows, lens_rows, light_rows, limit_end, number, port_rows
 from uwopt.forward.parts import Parts, estimated
 from uwopt.forward.scene import SceneOptics, glass_index, scene_optics, seen_anew
 from uwopt.forward.spectra import Contraction, LightPart

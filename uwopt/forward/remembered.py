@@ -14,8 +14,9 @@ import numpy as np
 from uwopt.arrays import Array
 from uwopt.deadline import spend
 from uwopt.forward.columns import array_in_places, rows_alike
-from uwopt.forward.lamp_light import LampField, SunLight
+from uwopt.forward.lamp_light import LampField
 from uwopt.forward.lamps import one_side
+from uwopt.forward.light_columns import SunLight
 from uwopt.forward.scene import COLOURS, Pixels
 from uwopt.forward.spectra import sees_colours
 from uwopt.forward.sun_light import SunField

@@ -13,7 +13,7 @@ from uwopt.forward.bars import Bars
 from uwopt.forward.columns import Columns
 from uwopt.forward.flash_times import WHOLE_FLASH, FlashTimes
 from uwopt.forward.focus import Focused
-from uwopt.forward.lamp_light import ImageLight, SunLight, share_of
+from uwopt.forward.light_columns import ImageLight, SunLight, share_of
 from uwopt.forward.part_columns import (
     CONTINUOUS,
     FLASH,

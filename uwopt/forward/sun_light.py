@@ -16,8 +16,9 @@ from numpy.polynomial import chebyshev
 
 from uwopt.arrays import Array
 from uwopt.catalog.curves import spectra
-from uwopt.forward.lamp_light import SunLight, likely_dark_places
+from uwopt.forward.lamp_light import likely_dark_places
 from uwopt.forward.lamps import Mount
+from uwopt.forward.light_columns import SunLight
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import Pixels
 from uwopt.forward.spectra import TINY, efficiency_curve, sees_colours

@@ -12,11 +12,10 @@ from typing import Any
 import numpy as np
 
 from uwopt.catalog.parts.doubts import doubtful, taken_as, with_numbers
-from uwopt.catalog.parts.kinds import EITHER
+from uwopt.catalog.parts.kinds import EITHER, FAVOURED
 from uwopt.catalog.records import OF_A_DESIGN, Part, Port, Quantity, exact
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.designs import Hardware
-from uwopt.forward.part_columns import FAVOURED
 from uwopt.forward.parts import Parts
 from uwopt.forward.problem import MeantFocus, Problem
 from uwopt.forward.scene import SceneOptics

@@ -27,8 +27,8 @@ import numpy as np
 
 from uwopt.arrays import Array
 from uwopt.catalog.parts.doubts import doubtful, taken_as
+from uwopt.catalog.parts.kinds import FAVOURED
 from uwopt.catalog.records import Camera, Lens, Light, exact
-from uwopt.forward.part_columns import FAVOURED
 from uwopt.forward.parts import Parts
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import Made, SceneOptics

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from uwopt.arrays import Array
-from uwopt.forward.lamp_light import ImageLight
+from uwopt.forward.light_columns import ImageLight
 from uwopt.forward.scene import SceneOptics
 from uwopt.forward.setting_rows import BALANCE_ROUND, NO_TIME_S, SceneRows
 from uwopt.model import sensor

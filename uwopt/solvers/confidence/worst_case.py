@@ -12,9 +12,9 @@ from typing import Any, ClassVar
 import numpy as np
 
 from uwopt.catalog.parts.doubts import taken_as, with_numbers
+from uwopt.catalog.parts.kinds import FAVOURED
 from uwopt.catalog.records import Light, Part, Quantity
 from uwopt.forward.once import MOST_RECORDS, Once
-from uwopt.forward.part_columns import FAVOURED
 from uwopt.forward.parts import Parts
 from uwopt.forward.problem import Problem
 from uwopt.forward.scene import SceneOptics

@@ -17,8 +17,9 @@ from uwopt.arrays import Array
 from uwopt.deadline import Deadline
 from uwopt.forward.columns import distinct, rows_alike
 from uwopt.forward.floor_light import even_enough
-from uwopt.forward.lamp_light import ImageLight, SunLight, Veils
+from uwopt.forward.lamp_light import Veils
 from uwopt.forward.lamp_views import keeps_clear, lamps_refused
+from uwopt.forward.light_columns import ImageLight, SunLight
 from uwopt.forward.problem import Problem
 from uwopt.forward.remembered import RememberedSunField
 from uwopt.forward.setting_rows import (

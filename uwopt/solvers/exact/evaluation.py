@@ -13,7 +13,8 @@ import numpy as np
 from uwopt.arrays import Array
 from uwopt.deadline import NEVER, Deadline, UntilFound, spend
 from uwopt.forward.columns import distinct, rows_alike
-from uwopt.forward.lamp_light import ImageLight, Veils
+from uwopt.forward.lamp_light import Veils
+from uwopt.forward.light_columns import ImageLight
 from uwopt.forward.problem import Problem
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.objectives.objective import Objective, Terms

@@ -17,8 +17,9 @@ import numpy as np
 from uwopt.arrays import Array
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.columns import distinct, rows_alike
-from uwopt.forward.lamp_light import ImageLight, Veils, image_light
+from uwopt.forward.lamp_light import Veils, image_light
 from uwopt.forward.lamps import on_axis_gain
+from uwopt.forward.light_columns import ImageLight
 from uwopt.forward.problem import Problem
 from uwopt.forward.remembered import RememberedField, RememberedSunField
 from uwopt.forward.scene import Pixels

@@ -10,7 +10,7 @@ import numpy as np
 
 from uwopt.arrays import Array
 from uwopt.forward.columns import distinct
-from uwopt.forward.lamp_light import ImageLight
+from uwopt.forward.light_columns import ImageLight
 from uwopt.forward.problem import Problem
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.mission.sections.limits import Limits

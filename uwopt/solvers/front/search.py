@@ -17,7 +17,8 @@ import numpy as np
 
 from uwopt.arrays import Array
 from uwopt.deadline import NEVER, Deadline, OutOfTimeError, Progress, unheard
-from uwopt.forward.lamp_light import ImageLight, Veils
+from uwopt.forward.lamp_light import Veils
+from uwopt.forward.light_columns import ImageLight
 from uwopt.forward.problem import Problem
 from uwopt.objectives.axes import Axes, Frame
 from uwopt.objectives.dominance import clearly, hypervolume

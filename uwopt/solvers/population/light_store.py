@@ -15,7 +15,7 @@ import numpy as np
 
 from uwopt.arrays import Array
 from uwopt.forward.columns import Columns
-from uwopt.forward.lamp_light import ImageLight, SunLight
+from uwopt.forward.light_columns import ImageLight, SunLight
 from uwopt.forward.sharpness import SharpRows
 from uwopt.solvers.exact.lightings import Under
 from uwopt.solvers.exact.search import Search

@@ -22,7 +22,7 @@ from uwopt.evaluation.design_model import DesignModel
 from uwopt.evaluation.leaning import LeaningModel
 from uwopt.forward.columns import Columns
 from uwopt.forward.figures import DesignRows, Figures, SettingRows, figures_of
-from uwopt.forward.lamp_light import ImageLight
+from uwopt.forward.light_columns import ImageLight
 from uwopt.forward.part_columns import FLASH, PULSED
 from uwopt.forward.pixels import worst_candidates
 from uwopt.mission.reserves import BATTERY_IN_HAND, RECOMMENDED_RESERVE

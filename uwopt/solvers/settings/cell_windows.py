@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from uwopt.arrays import Array
-from uwopt.forward.lamp_light import share_of
+from uwopt.forward.light_columns import share_of
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.model import sensor
 from uwopt.model.image_mean import reached_by_most

@@ -12,7 +12,7 @@ from typing import TypeVar
 import numpy as np
 
 from uwopt.arrays import Array
-from uwopt.forward.lamp_light import ImageLight
+from uwopt.forward.light_columns import ImageLight
 from uwopt.forward.setting_rows import SceneRows
 from uwopt.model.image_mean import needed_by_most
 from uwopt.solvers.settings import windows
