@@ -278,6 +278,17 @@ def test_mission_decides_what_is_not_asked_for(solving: Callable[..., list[dict[
     assert calls[0]["objective"] is None and calls[0]["physics"] is None and calls[0]["seconds"] is None
 
 
+def test_explain_says_what_holds_a_confidence_that_it_does_not(solving: Callable[..., list[dict[str, Any]]]) -> None:
+    calls, wreck = solving(), ROOT / "problems" / "jobs" / "wreck.yaml"
+    refused = run("explain", wreck, "--confidence", "0.9")
+    assert refused.exit_code == 2 and not calls
+    told = " ".join(run("explain", wreck).stdout.split())
+    assert "a confidence of 0.9, which the mission asks for, is not held here" in told
+    for said in (" ".join(refused.stderr.split()), told):
+        assert "`uwopt whatif MISSION --vary KEY=VALUES --confidence 0.9` tells what more" in said
+    assert "not held here" not in run("explain", MISSION).stdout
+
+
 def test_interruption_before_a_result_is_status_130(monkeypatch: pytest.MonkeyPatch) -> None:
     def stop(*a: Any, **k: Any) -> None:
         raise KeyboardInterrupt
