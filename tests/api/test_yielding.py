@@ -43,7 +43,8 @@ from uwopt.report.compare.rows import sentences
 from uwopt.report.page.page import opening, status_words
 from uwopt.report.text.explanation import explanation_blocks
 from uwopt.report.text.layout import Block
-from uwopt.report.text.short import GAVE_WAY, nothing_blocks, verdict_lines
+from uwopt.report.text.opening import GAVE_WAY, verdict_lines
+from uwopt.report.text.short import nothing_blocks
 from uwopt.report.text.verdict import verdict
 from uwopt.report.write import SOLVED_FILE, system_yaml, write_results
 from uwopt.results.basis import WhyNothing

@@ -81,7 +81,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a subject is told to decide where blur has room",
-        file="uwopt/report/text/short.py",
+        file="uwopt/report/text/opening.py",
         old='m.requirement == "max_blur_px" and m.binding for m',
         new='m.requirement == "max_blur_px" for m',
         test=f"{SHORT}::test_subject_that_decides_the_exposure_is_told",
@@ -95,7 +95,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="nobody tells what sensor was chosen",
-        file="uwopt/report/text/short.py",
+        file="uwopt/report/text/opening.py",
         old="for note in result.warnings if note.code in TOLD_FIRST]",
         new="for note in result.warnings if note.code not in TOLD_FIRST]",
         test=f"{SHORT}::test_sensor_that_nobody_asked_for_is_told_on_the_page_and_is_no_risk",

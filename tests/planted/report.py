@@ -491,7 +491,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="the short page shows the exact optimum",
-        file="uwopt/report/text/short.py",
+        file="uwopt/report/text/buying.py",
         old="settings_table(scenes_to_set(design), exact=False)",
         new="settings_table(scenes_to_set(design), exact=True)",
         test="tests/report/test_short.py::test_settings_are_those_to_set_without_the_exact_ones",

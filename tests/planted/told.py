@@ -35,7 +35,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="images that are mostly noise are praised first",
-        file="uwopt/report/text/short.py",
+        file="uwopt/report/text/opening.py",
         old="for text in (noise_clause(result), said, cut_clause(result))",
         new="for text in (said, cut_clause(result))",
         test="tests/report/test_short.py::test_very_noisy_images_are_told_before_that_all_that_is_asked_is_held",
@@ -176,7 +176,7 @@ DEFECTS: tuple[Defect, ...] = (
         "::test_a_focus_finer_than_a_scale_is_set_says_how_to_reach_it_and_what_widens_it",
     ),
     Defect(
-        name="exact numbers are given as settings to type in", file="uwopt/report/text/short.py",
+        name="exact numbers are given as settings to type in", file="uwopt/report/text/buying.py",
         old="if design.rounded is None or not design.is_settable:", new="if not design.is_settable:",
         test="tests/report/test_short.py::test_settings_that_were_not_rounded_are_no_settings_to_type_in",
     ),
@@ -373,7 +373,7 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/report/test_tables.py::test_an_effect_of_several_hundred_per_cent_is_no_power_of_ten",
     ),
     Defect(
-        name="a battery that is most of the price is not named", file="uwopt/report/text/short.py",
+        name="a battery that is most of the price is not named", file="uwopt/report/text/buying.py",
         old="row.unit_price * row.to_buy < MUCH", new="row.unit_price * row.to_buy < 9.0 * MUCH",
         test="tests/report/test_short.py::test_a_battery_that_is_most_of_the_price_is_named",
     ),
@@ -417,7 +417,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="a focus that somebody set is told as chosen on purpose",
-        file="uwopt/report/text/short.py",
+        file="uwopt/report/text/buying.py",
         old='GIVEN_FOCUS if result.command == "evaluate" else SHARED_FOCUS',
         new="SHARED_FOCUS",
         test="tests/report/test_short.py"

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from uwopt.report.text import formats, tables, vocabulary, words
-from uwopt.report.text.short import bought_name
+from uwopt.report.text.buying import bought_name
 from uwopt.results.design import BillRow, Cost, Design, LampPlace, Note, UsedPart
 
 

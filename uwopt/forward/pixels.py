@@ -5,14 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import combinations_with_replacement
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from uwopt.arrays import Array
-
-if TYPE_CHECKING:
-    from uwopt.forward.light_columns import ImageLight, SunLight
+from uwopt.forward.light_columns import ImageLight, SunLight
 
 AT_ONCE = 2**16  # pixels of some rows, that stay in the processor's cache
 SPARE = 60  # pixels that others are compared with, beside those that may miss an SNR

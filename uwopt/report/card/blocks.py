@@ -22,7 +22,7 @@ from uwopt.model.port import lens_dioptre_per_m
 from uwopt.report.card.water import water_block
 from uwopt.report.text import formats, vocabulary, words
 from uwopt.report.text.layout import Block, Facts, Grid, Line, Text, block, columns, fact_lines, sentence
-from uwopt.report.text.short import how_far
+from uwopt.report.text.opening import how_far
 from uwopt.results.design import Design, SceneResult
 from uwopt.results.result import Result
 from uwopt.units import ratio_to_db

@@ -10,7 +10,7 @@ from uwopt.report.order.book import MONEY, PERCENT, WHOLE, Page, book_bytes, new
 from uwopt.report.order.other_parts import AS_GOOD, OtherSystem, instead_of, other_systems, why_this
 from uwopt.report.text import formats, words
 from uwopt.report.text.not_counted import NotCounted, not_counted
-from uwopt.report.text.short import how_far
+from uwopt.report.text.opening import how_far
 from uwopt.report.text.tables import LIKELIEST_LEGEND
 from uwopt.results.design import BillRow, Design
 from uwopt.results.result import Result

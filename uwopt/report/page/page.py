@@ -22,17 +22,8 @@ from uwopt.report.text import doubts, exactness, formats, nothing_fits, tables, 
 from uwopt.report.text.front_tables import METHOD_HEADS, method_rows, pick_names
 from uwopt.report.text.layout import Block, Line, block, fact_lines
 from uwopt.report.text.looked_at import in_figure, in_page, wording_of
-from uwopt.report.text.short import (
-    MOST_RISKS,
-    first_to_fail,
-    goal_told,
-    how_far,
-    noise_clause,
-    practice_sentences,
-    questions,
-    short_blocks,
-    shown_risks,
-)
+from uwopt.report.text.opening import first_to_fail, goal_told, how_far, noise_clause, practice_sentences
+from uwopt.report.text.short import MOST_RISKS, questions, short_blocks, shown_risks
 from uwopt.report.text.verdict import system_text, verdict
 from uwopt.results.design import Design
 from uwopt.results.front import FrontResult
