@@ -112,6 +112,12 @@ def test_a_file_that_is_no_mapping_is_refused_in_words(tmp_path, text, piece):
     assert piece in str(caught.value)
 
 
+def test_a_bill_in_place_of_a_mission_is_told_as_a_table(tmp_path):
+    (tmp_path / "bom.csv").write_text("kind,id\ncamera,a: b: c\n", "utf-8")
+    with pytest.raises(MissionError, match=r"bom.csv: is a table, no mission; name a YAML file"):
+        read_document(tmp_path / "bom.csv", "mission")
+
+
 def test_a_mission_in_place_of_a_system_is_told_in_one_sentence(tmp_path):
     (tmp_path / "reef.yaml").write_text("vehicle: {}\nrequirements: {}\n", "utf-8")
     with pytest.raises(MissionError, match="is a mission, no system; `uwopt init --system`") as caught:

@@ -226,6 +226,7 @@ BAD = [
         "catalog.extras[0].cost = 'x' is not a number",
     ),
     (changed("catalog.camera", ["x"]), "did you mean cameras?"),
+    (changed("objective", {"cost": "x"}), "objective = {...} has a weight for cost that is not a number"),
 ]
 
 

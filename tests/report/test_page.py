@@ -253,6 +253,11 @@ def test_page_tells_what_the_result_holds(make_kind: Make, kind: str, expected: 
         assert words in text
 
 
+def test_a_search_that_was_stopped_says_once_what_would_help(make_kind: Make) -> None:
+    text = Tree(report_html(make_kind("stopped"))).text()
+    assert text.count("to choose from, and nothing was found so far") <= 1 == text.count("Give it more time")
+
+
 def test_amounts_in_the_head_of_a_page_do_not_break_between_thousands(make_result: Make) -> None:
     cards = report_html(make_result()).partition('<dl class="cards">')[2].partition("</dl>")[0]
     assert "3\u00a0600 to 5\u00a0400\u00a0USD" in cards

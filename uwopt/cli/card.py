@@ -21,6 +21,7 @@ def card_command(
 ) -> int:
     """Print what to set at sea: per scene every setting, how far it may be off, and what to do in worse water."""
     from uwopt.report.card.page import card_html, card_of
+    from uwopt.report.text.layout import block, sentence
     from uwopt.report.write import check_page, page_in, write_text
     from uwopt.results.reading import read_solved
 
@@ -28,5 +29,6 @@ def card_command(
     held = read_solved(result)
     card = card_of(held, result)
     written = [] if target is None else [write_text(card_html(held, card), target)]
-    print_made(card.blocks, written, mission=held.mission, quiet=quiet)
+    head = block(card.name, [sentence(card.hardware), sentence(card.verdict)])
+    print_made((head, *card.blocks), written, mission=held.mission, quiet=quiet)
     return DONE

@@ -113,7 +113,7 @@ def _read_file(source: str | Path, what: str) -> Document:
     except (OSError, ValueError, RuntimeError) as fault:
         reason = getattr(fault, "strerror", None) or str(fault)
         raise MissionError(f"{shown}: cannot be read ({reason}); check its name and rights.") from None
-    if kind := other_kind(raw):
+    if kind := other_kind(raw) or ("a table" if path.suffix.lower() == ".csv" else ""):
         raise MissionError(f"{shown}: is {kind}, no {what}; name a YAML file ({_written_by(what)}).")
     text = _decode(raw, shown)
     if not text.strip():

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any, Literal, get_args
 
 from pydantic import BeforeValidator
+from pydantic_core import PydanticCustomError
 
 from uwopt.documents.faults import nearest, show
 from uwopt.documents.key_types import one_of, refusal, to_choice, to_number, to_text
@@ -126,7 +127,12 @@ def to_objective(value: Any) -> str | dict[str, float]:
         )
     weights: dict[str, float] = {}
     for key, given in value.items():
-        name, weight = _objective_name(key), to_number(given)
+        name = _objective_name(key)
+        try:
+            weight = to_number(given)
+        except PydanticCustomError as fault:
+            known = fault.context or {}
+            raise refusal(f"has a weight for {name} that {known['what']}", known["mend"]) from None
         if weight < 0:
             raise refusal(
                 f"has a negative weight for {name}", "every term is already turned so that less is better"

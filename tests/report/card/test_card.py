@@ -262,7 +262,7 @@ def test_command_prints_the_card_and_writes_its_page(tmp_path: Path, result: Res
     file.write_text(json_text(result), "utf-8")
     done = CliRunner().invoke(app, ["card", str(file), "--out", str(tmp_path / "card.html")])
     assert done.exit_code == 0
-    assert "If the water is worse than planned" in done.output
+    assert done.output.index(str(result.mission["name"])) < done.output.index("If the water is worse than planned")
     assert "<h2>Set</h2>" in (tmp_path / "card.html").read_text("utf-8")
 
 

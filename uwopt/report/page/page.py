@@ -106,7 +106,9 @@ def report_html(result: Result | FrontResult, deadline: Deadline = NEVER) -> str
 def opening(result: Result | FrontResult) -> tuple[str, str, Block | None]:
     """What stands under the title: how far the answer may be believed; of one system what it is, fails by and needs."""
     if isinstance(result, FrontResult) or (design := result.best) is None:
-        return *verdict(result), None
+        said, beside = verdict(result)
+        told_below = isinstance(result, Result) and result.status == "stopped"  # as what would help: more time
+        return said, "" if told_below else beside, None
     said = " ".join([words.as_sentence(how_far(result)), *practice_sentences(result)])
     facts = {
         "system" if result.command == "evaluate" else "buy": system_text(design),
