@@ -259,6 +259,25 @@ def test_each_key_gives_way_alone(one: Any) -> None:
     assert weaker.practice == "recommended" and weaker.requirements.min_snr_db == least_db
 
 
+def sharp_over(dof_m: float, **refused: Any) -> dict[str, Any]:
+    """The survey sharp over so much, by a sensor of pixels of 1.85 um, with nothing in reserve."""
+    mission = survey(10.0, snr_db=0.0, blur=0.0, swath=0.0, dof=0.0)
+    del mission["requirements"]["refuse"]
+    mission["requirements"] |= {"min_dof_m": dof_m, "circle_of_confusion_px": 2.0, "max_skew_px": 100.0} | refused
+    return mission
+
+
+def test_diffraction_gives_way_to_what_must_be_sharp() -> None:
+    """Behind the f-number that a depth of field needs the Airy disc, 2.44 times the wavelength times that, is wider."""
+    assert gives_way_alone(load_mission(sharp_over(1.0)), NEVER).yields[0].as_held == "requirements.max_airy_px = 4"
+    for stated in ({"refuse": "all"}, {"max_airy_px": 2.0}):
+        assert not gives_way_alone(load_mission(sharp_over(1.0, **stated)), NEVER).yields  # the mission says it itself
+    result = uwopt.solve(sharp_over(1.0), top=1, quick=True)
+    assert given_way(result) == ["requirements.max_airy_px"] and result.recommendation is not None
+    f_number = result.recommendation.scenes[0].settings["f_number"]
+    assert 2.0 < 2.44 * 0.53 * f_number / 1.85 <= 4.0
+
+
 def on_battery(battery_wh: float | None = None) -> dict[str, Any]:
     """A survey of ten hours on a battery of the system's own, of which alone good practice keeps something."""
     mission = survey(brightest_db() - 4.0, snr_db=0.0, blur=0.0, swath=0.0, dof=0.0)

@@ -19,7 +19,8 @@ from uwopt.mission.mission import Mission
 from uwopt.mission.practice import ACCEPTABLE_SNR_DB, LEAST_UNIFORMITY, RECOMMENDED_KEYS, is_wanted
 from uwopt.mission.reserves import MADE_FOR_M, RECOMMENDED_RESERVE
 
-WHITE_BALANCE = "white_balance"
+WHITE_BALANCE, AIRY = "white_balance", "max_airy_px"
+WIDER_AIRY_PX = 4.0  # of a diffraction that leaves bars of two pixels half of their contrast
 SEEN_SNR_DB = 14.0  # 5:1, from which on a thing is told from noise (Rose 1948)
 FRAME_LESS_DB = (3.0, 6.0, 10.0)  # so much less than its mean may the darkest 5 % of the frame begin with, step by step
 SNR_AT, SNR_LESS = "snr_at", "snr_at_less_db"
@@ -63,7 +64,8 @@ def _asked(key: str, instead: Any, words: str) -> Yield:
     return Yield("requirements", key, RECOMMENDED_KEYS["requirements"][key], instead, words, for_certainty=False)
 
 
-#: What gives way first, first: reserves, then colour, then what is asked of the frame's darkest places.
+#: What gives way first, first: reserves, then colour, then what is asked of the frame's darkest places. Diffraction is
+#: held by the contrast of fine bars (`min_mtf_half_nyquist`), too, which stays.
 YIELDS: tuple[Yield, ...] = (
     _reserve("swath", "no reserve on swath"),
     _reserve("dof", "no reserve on depth of field"),
@@ -79,6 +81,7 @@ YIELDS: tuple[Yield, ...] = (
         "requirements", "min_uniformity", LEAST_UNIFORMITY, 0.0, "the darkest place of the floor may be dark",
         for_certainty=False,
     ),
+    Yield("requirements", AIRY, None, WIDER_AIRY_PX, "the Airy disc is four pixels wide, not two", for_certainty=False),
     Yield(
         "requirements", "min_snr_db", ACCEPTABLE_SNR_DB, SEEN_SNR_DB,
         f"the signal to noise is {SEEN_SNR_DB:g} instead of {ACCEPTABLE_SNR_DB:g} dB", for_certainty=False,
@@ -101,7 +104,8 @@ def yields_of(mission: Mission) -> tuple[Yield, ...]:
 
 def _of_whom(one: Yield) -> set[str]:
     """The keys by which a mission says itself what else good practice does."""
-    return {one.path, f"requirements.{SNR_AT}"} if one.key == SNR_LESS else {one.path}
+    more = {SNR_LESS: f"requirements.{SNR_AT}", AIRY: "requirements.refuse"}
+    return {one.path, more.get(one.key, one.path)}
 
 
 def _is_kept(mission: Mission, one: Yield) -> bool:
