@@ -13,7 +13,7 @@ from thorough import drawn
 from uwopt.bench.nlopt_peers import OTHERS, Reduced
 from uwopt.bench.peers import OF_NLOPT
 from uwopt.forward.part_columns import CONTINUOUS, PULSED
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.continuous import nlopt_algorithms
 from uwopt.solvers.continuous.pieces import SmoothDesign, SmoothScene, smooth_pieces

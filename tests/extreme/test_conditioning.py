@@ -18,7 +18,7 @@ from hand_made_rows import scene
 from thorough import THOROUGH
 
 from uwopt.bench.nlopt_peers import OTHERS
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.continuous.optimality import derivatives
 from uwopt.solvers.continuous.pieces import SmoothDesign, SmoothScene, smooth_pieces

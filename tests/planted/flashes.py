@@ -48,7 +48,7 @@ DEFECTS = (
     ),
     Defect(
         name="the search takes a flash's time at its peak for its open shutter",
-        file="uwopt/forward/setting_rows.py",
+        file="uwopt/forward/scene_rows.py",
         old="        lit_s = self.flash.open_s(time_s)\n",
         new="        lit_s = time_s\n",
         test="tests/solvers/test_dark.py::test_a_flash_that_fades_is_cut_where_dark_electrons_outrun_its_light",

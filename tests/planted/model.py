@@ -633,7 +633,7 @@ DEFECTS = (
     ),
     Defect(
         name="bounds of bars under the sun ask for what the darkest mixture leaves",
-        file="uwopt/forward/setting_rows.py",
+        file="uwopt/forward/scene_rows.py",
         old="return np.minimum(lamps, sun), np.maximum(lamps, sun)",
         new="return np.minimum(lamps, sun), np.minimum(lamps, sun)",
         test="tests/solvers/test_cell_bounds.py::test_no_point_is_better_than_the_bound_of_a_cell_that_holds_it"
@@ -641,7 +641,7 @@ DEFECTS = (
     ),
     Defect(
         name="the search looks for bars in the mean of the image",
-        file="uwopt/forward/setting_rows.py",
+        file="uwopt/forward/scene_rows.py",
         old="return self.worst_e is not None and veiled and not self.optimistic",
         new="return False",
         test="tests/solvers/test_front.py::test_bars_that_arrive_draw_no_more_power_than_anything_that_is_tried"
@@ -649,7 +649,7 @@ DEFECTS = (
     ),
     Defect(
         name="bounds of bars ask it of the darkest pixel though some may miss it",
-        file="uwopt/forward/setting_rows.py",
+        file="uwopt/forward/scene_rows.py",
         old="np.minimum(m, reached_by_most(p, self.may_miss))",
         new="np.minimum(m, p.min(axis=2))",
         test="tests/solvers/test_cell_bounds.py::test_no_point_is_better_than_the_bound_of_a_cell_that_holds_it"

@@ -90,7 +90,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         name="the darkest of few pixels stands for what most reach",
-        file="uwopt/forward/setting_rows.py",
+        file="uwopt/forward/scene_rows.py",
         old="reached_by_most(there, self.may_miss)[:, -1])",
         new="reached_by_most(there, 0)[:, -1])",
         test="tests/solvers/test_sharp_time.py::test_bounds_in_a_veil_know_how_soon_bars_are_lost",

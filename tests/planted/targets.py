@@ -167,7 +167,7 @@ DEFECTS = (
     ),
     Defect(
         name="the search lets open water saturate",
-        file="uwopt/forward/setting_rows.py",
+        file="uwopt/forward/scene_rows.py",
         old="return every if self.background_e is None else",
         new="return every if True else",
         test=f"{SEARCHED}::test_a_wanted_level_of_the_target_leaves_room_for_the_water_behind_it",

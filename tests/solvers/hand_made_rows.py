@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 
 
 def scene(**changed: Any) -> SceneRows:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from uwopt.forward.detail import DetailRows
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.forward.sharpness import SharpRows
 from uwopt.model.detail import DetailTable
 from uwopt.objectives.objective import Objective

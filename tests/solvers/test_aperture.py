@@ -12,7 +12,7 @@ from hand_made_rows import scene
 from settings_attack import detail
 from thorough import drawn
 
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.forward.sharpness import SharpRows
 from uwopt.model import sensor
 from uwopt.objectives.objective import Objective

@@ -20,7 +20,7 @@ from hand_made_rows import STEPS, scene
 from thorough import drawn
 
 import uwopt
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.results.basis import Opinion
 from uwopt.solvers.continuous import casadi_ipopt, opinions

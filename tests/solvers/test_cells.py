@@ -15,7 +15,7 @@ from thorough import drawn
 
 from uwopt.deadline import Deadline, OutOfTimeError
 from uwopt.forward.part_columns import CONTINUOUS, PULSED
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.model.sharpness import jinc_and_slope, pupil_and_slope, sinc_and_slope
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.settings import cell_bounds, cell_pool

@@ -22,7 +22,7 @@ from thorough import drawn
 
 from uwopt.errors import SolverError
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.continuous.optimality import derivatives
 from uwopt.solvers.continuous.pieces import SmoothDesign, SmoothScene, smooth_pieces

@@ -16,7 +16,7 @@ from hand_made_rows import FADING, STEPS, scene
 from settings_attack import attacked, figures, lit
 
 from uwopt.forward.part_columns import CONTINUOUS, PULSED
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.settings.best import best_settings
 from uwopt.solvers.settings.dark import Branch, branches

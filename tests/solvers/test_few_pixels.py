@@ -10,7 +10,7 @@ import pytest
 from hand_made_rows import scene
 from settings_attack import lit
 
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.solvers.settings import dark, windows
 from uwopt.solvers.settings.cell_bounds import SceneCells
 from uwopt.solvers.settings.few_pixels import deciding_pixels

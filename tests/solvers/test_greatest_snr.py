@@ -9,7 +9,7 @@ import pytest
 from hand_made_rows import FLASHES, STEPS, scene
 
 from uwopt.forward.part_columns import PULSED
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.solvers.settings import closed_form, windows
 
 LIMITS_W = np.array([[2.0, 30.0, np.nan, 60.0, 150.0, 500.0]])

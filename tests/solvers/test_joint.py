@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from settings_attack import detail, lit, sharp
 
 from uwopt.forward.part_columns import PULSED
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.forward.sharpness import SharpRows
 from uwopt.model import lateral, sharpness
 from uwopt.objectives.objective import Objective

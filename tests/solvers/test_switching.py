@@ -17,7 +17,7 @@ from thorough import THOROUGH
 
 from uwopt.evaluation.design import evaluate_design
 from uwopt.forward.part_columns import CONTINUOUS, PULSED
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.settable.rounding import given_of
 from uwopt.solvers.settings.best import best_settings

@@ -19,7 +19,7 @@ from uwopt.evaluation.design import evaluate_design
 from uwopt.forward.assembly import build_problem, load_catalog, selected
 from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.mission.mission import Mission
 from uwopt.objectives.goal import goal_of
 from uwopt.objectives.objective import MAXIMISED, Objective, Terms

@@ -24,7 +24,7 @@ from uwopt.evaluation.leaning import TILT_RESERVE, settings_of, tilt_notes
 from uwopt.forward.assembly import build_problem, selected, wish
 from uwopt.forward.designs import Hardware
 from uwopt.forward.problem import Problem
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.mission.keys import MadeKind
 from uwopt.mission.mission import Mission
 from uwopt.model.fineness import DEFAULT, Fineness

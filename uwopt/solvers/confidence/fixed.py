@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from uwopt.arrays import Array
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.solvers.settings import closed_form
 from uwopt.solvers.settings.best import is_sharp
 from uwopt.solvers.settings.closed_form import Chosen

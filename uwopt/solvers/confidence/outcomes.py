@@ -20,7 +20,8 @@ from uwopt.arrays import Array
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.part_columns import Lenses
 from uwopt.forward.problem import Problem
-from uwopt.forward.setting_rows import MISPLACED_S, NO_TIME_S, SMEARED_S, SceneRows
+from uwopt.forward.scene_rows import SceneRows
+from uwopt.forward.setting_rows import MISPLACED_S, NO_TIME_S, SMEARED_S
 from uwopt.objectives.objective import Objective
 from uwopt.solvers.confidence.fixed import Settings, best_fixed
 from uwopt.solvers.confidence.response import unbalanced

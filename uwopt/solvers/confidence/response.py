@@ -18,7 +18,8 @@ import numpy as np
 from uwopt.arrays import Array
 from uwopt.forward.light_columns import ImageLight
 from uwopt.forward.scene import SceneOptics
-from uwopt.forward.setting_rows import BALANCE_ROUND, NO_TIME_S, SceneRows
+from uwopt.forward.scene_rows import SceneRows
+from uwopt.forward.setting_rows import BALANCE_ROUND, NO_TIME_S
 from uwopt.model import sensor
 from uwopt.solvers.confidence.waters import Waters, WaterState
 

@@ -22,7 +22,8 @@ from uwopt.forward.part_columns import FLASH
 from uwopt.forward.parts import Parts
 from uwopt.forward.problem import MeantFocus, Problem
 from uwopt.forward.scene import DESIGN_WAVELENGTH_NM, SceneOptics
-from uwopt.forward.setting_rows import SceneRows, of_fewest_pixels
+from uwopt.forward.scene_rows import SceneRows
+from uwopt.forward.setting_rows import of_fewest_pixels
 from uwopt.forward.sharpness import SharpRows
 from uwopt.forward.spectra import TINY
 from uwopt.objectives.objective import Objective

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from uwopt.arrays import Array
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.model import sensor
 from uwopt.model.aberration import lens_pitch
 from uwopt.model.information import TEXTURE_CONTRAST

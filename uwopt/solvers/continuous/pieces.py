@@ -17,7 +17,7 @@ from uwopt.arrays import Array
 from uwopt.errors import SolverError
 from uwopt.forward.flash_times import WHOLE_FLASH
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.model import flash, light, sensor
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.tolerances import SLACK

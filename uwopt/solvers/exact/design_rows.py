@@ -22,10 +22,10 @@ from uwopt.forward.lamp_views import keeps_clear, lamps_refused
 from uwopt.forward.light_columns import ImageLight, SunLight
 from uwopt.forward.problem import Problem
 from uwopt.forward.remembered import RememberedSunField
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.forward.setting_rows import (
     MISPLACED_S,
     PIXEL_COLUMNS,
-    SceneRows,
     of_farthest_pixels,
     of_fewest_pixels,
     setting_rows,

@@ -16,7 +16,7 @@ from uwopt.forward.columns import distinct, rows_alike
 from uwopt.forward.lamp_light import Veils
 from uwopt.forward.light_columns import ImageLight
 from uwopt.forward.problem import Problem
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.exact.account import NOT_REACHED, Account
 from uwopt.solvers.exact.bounds import Bounds

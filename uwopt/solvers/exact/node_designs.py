@@ -12,7 +12,7 @@ from uwopt.arrays import Array
 from uwopt.forward.columns import distinct
 from uwopt.forward.light_columns import ImageLight
 from uwopt.forward.problem import Problem
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.mission.sections.limits import Limits
 from uwopt.objectives.objective import Objective, Terms
 from uwopt.solvers.exact.imager_rules import limit

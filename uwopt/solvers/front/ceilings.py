@@ -14,7 +14,7 @@ import numpy as np
 
 from uwopt.arrays import Array
 from uwopt.forward.columns import Columns, rows_alike
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.model.information import TEXTURE_CONTRAST
 from uwopt.model.lateral import rms_px
 from uwopt.solvers.front.hopeful import Hopeful, unhindered

@@ -9,7 +9,7 @@ import numpy as np
 
 from uwopt.arrays import Array
 from uwopt.forward.columns import Columns
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.solvers.settings import dark
 from uwopt.solvers.settings.mean_limit import MeanLimit
 

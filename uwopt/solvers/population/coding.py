@@ -16,7 +16,7 @@ import numpy as np
 from uwopt.arrays import Array
 from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.objectives.dominance import nondominated
 from uwopt.objectives.own import OwnObjective
 from uwopt.solvers.exact.node_designs import WithLamps

@@ -16,7 +16,8 @@ from uwopt.arrays import Array
 from uwopt.forward.figures import DesignRows, Figures, SettingRows, figures_of, levers_m
 from uwopt.forward.part_columns import FLASH
 from uwopt.forward.problem import Problem
-from uwopt.forward.setting_rows import SceneRows, setting_rows
+from uwopt.forward.scene_rows import SceneRows
+from uwopt.forward.setting_rows import setting_rows
 from uwopt.forward.views import focus_map, narrowest_m
 from uwopt.model.port import FocusMap
 from uwopt.objectives.objective import MAXIMISED, Terms

@@ -10,7 +10,7 @@ import numpy as np
 from uwopt.arrays import Array
 from uwopt.forward.columns import put_into
 from uwopt.forward.scene import SceneOptics
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.objectives.objective import MAXIMISED, Objective
 from uwopt.solvers.settings import closed_form, dark, windows
 from uwopt.solvers.settings.few_pixels import deciding_pixels

@@ -19,7 +19,7 @@ from uwopt.forward.bars import StillBars
 from uwopt.forward.columns import Columns
 from uwopt.forward.flash_times import WHOLE_FLASH
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.model.sharpness import sinc_mtf
 from uwopt.solvers.settings import closed_form
 from uwopt.solvers.settings.cell_sun import Brightest, Mixture, longest_open_s

@@ -14,7 +14,7 @@ from uwopt.arrays import Array
 from uwopt.deadline import spend
 from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import CONTINUOUS, FLASH
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.solvers.settings.cell_bounds import Box, Reach, SceneCells
 from uwopt.solvers.settings.cell_information import Information
 from uwopt.solvers.settings.cell_start import likely_settings

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from uwopt.arrays import Array
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.model.sensor import QUANTISATION_VARIANCE_DN2
 from uwopt.solvers.settings import closed_form, windows
 from uwopt.solvers.settings.windows import Sun

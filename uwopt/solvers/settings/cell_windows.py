@@ -9,7 +9,7 @@ import numpy as np
 
 from uwopt.arrays import Array
 from uwopt.forward.light_columns import share_of
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.model import sensor
 from uwopt.model.image_mean import reached_by_most
 from uwopt.solvers.settings.windows import Beside, Sun, dark_e, level_sides, light_asked_for

@@ -18,7 +18,7 @@ import numpy as np
 from uwopt.arrays import Array
 from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import CONTINUOUS, FLASH, PULSED
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.model import light, sensor
 from uwopt.solvers.settings.windows import Sun, Window, asked_sides, dark_e, window
 from uwopt.tolerances import SLACK

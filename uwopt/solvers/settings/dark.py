@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from uwopt.arrays import Array
 from uwopt.forward.columns import Columns
 from uwopt.forward.part_columns import FLASH, PULSED
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.solvers.settings import closed_form, windows
 from uwopt.solvers.settings.closed_form import Chosen
 from uwopt.solvers.settings.windows import Window

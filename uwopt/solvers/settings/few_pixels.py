@@ -13,7 +13,7 @@ import numpy as np
 
 from uwopt.arrays import Array
 from uwopt.forward.light_columns import ImageLight
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.model.image_mean import needed_by_most
 from uwopt.solvers.settings import windows
 from uwopt.tolerances import SLACK

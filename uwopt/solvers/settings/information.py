@@ -8,7 +8,7 @@ import numpy as np
 
 from uwopt.arrays import Array
 from uwopt.forward.part_columns import PULSED
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.solvers.settings import closed_form, windows
 from uwopt.solvers.settings.closed_form import Chosen
 

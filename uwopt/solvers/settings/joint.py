@@ -13,7 +13,7 @@ from functools import cache, lru_cache
 import numpy as np
 
 from uwopt.arrays import Array
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.forward.sharpness import SharpRows
 from uwopt.model import sensor, sharpness
 from uwopt.model.information import TEXTURE_CONTRAST, information_of_gains

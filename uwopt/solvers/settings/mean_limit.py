@@ -13,7 +13,7 @@ import numpy as np
 
 from uwopt.arrays import Array
 from uwopt.forward.problem import Problem
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.model.bisection import bisected
 from uwopt.solvers.settings import closed_form
 from uwopt.solvers.settings.closed_form import Chosen

@@ -10,7 +10,7 @@ import numpy as np
 from uwopt.arrays import Array
 from uwopt.deadline import NEVER, Deadline
 from uwopt.forward.columns import Columns
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.objectives.objective import MAXIMISED, Objective
 from uwopt.solvers.settings.closed_form import Chosen
 from uwopt.solvers.settings.mean_limit import MeanLimit

@@ -10,7 +10,7 @@ import numpy as np
 
 from uwopt.arrays import Array
 from uwopt.forward.bars import StillBars
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.model.sharpness import sinc_mtf
 
 _RATIO = (

@@ -11,7 +11,7 @@ import numpy as np
 
 from uwopt.arrays import Array
 from uwopt.forward.part_columns import CONTINUOUS
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.objectives.objective import MAXIMISED
 from uwopt.solvers.settings import closed_form, dark, windows
 from uwopt.solvers.settings.question import Question

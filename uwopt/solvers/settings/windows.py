@@ -13,7 +13,7 @@ import numpy as np
 
 from uwopt.arrays import Array
 from uwopt.forward.columns import Columns
-from uwopt.forward.setting_rows import SceneRows
+from uwopt.forward.scene_rows import SceneRows
 from uwopt.model import sensor
 from uwopt.model.image_mean import needed_by_most
 from uwopt.tolerances import SLACK
