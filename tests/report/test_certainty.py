@@ -15,6 +15,7 @@ from uwopt.report.text.console import print_blocks
 from uwopt.report.text.doubts import robustness_block
 from uwopt.report.text.layout import Block
 from uwopt.report.text.short import full_text_blocks, short_text_blocks
+from uwopt.results.basis import ObjectiveValue
 from uwopt.results.certainty import Decides, WorthKnowing
 from uwopt.results.design import Note
 from uwopt.results.result import Result
@@ -40,6 +41,14 @@ def text_of(some: Block) -> str:
 ])  # fmt: skip
 def test_what_is_to_be_measured_is_told_so_that_a_person_can(name: str, told: str) -> None:
     assert asked_text(WorthKnowing(name, "", 71.0)) == told
+
+
+def test_the_worth_of_a_best_image_is_not_told_as_its_information(make_result: Callable[..., Result]) -> None:
+    """92 kbit/m2, of which watts and money are taken off, stood beside the 522 kbit/m2 that the image has."""
+    goal = ObjectiveValue("best_image", "maximise", 78.4e3, "bit/m2")
+    of_others = COUNTED | {"central_hardware": ["acme-cam-9", "acme-lens-9"], "central_objective": 92.4e3}
+    (block,) = certainty_block(replace(make_result(confidence=of_others), objective=goal))
+    assert "best is 92.40 kbit/m², its power and price taken off, with acme-cam-9 and acme-lens-9;" in text_of(block)
 
 
 def test_what_is_best_by_central_numbers_stands_beside_what_is_recommended(make_result: Callable[..., Result]) -> None:

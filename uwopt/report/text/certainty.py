@@ -163,6 +163,7 @@ def told_value(result: Result, value: float | None) -> str:
 def central_text(result: Result, known: Confidence) -> str:
     """What is best at likeliest values, and what it does where the choice was made, beside what is recommended."""
     value, parts = told_value(result, known.central_objective), with_parts(result, known.central_hardware)
+    value += f"{TAKEN_OFF}," if result.objective.name == BEST_IMAGE else ""
     if parts == SAME_PARTS:
         if result.objective.name == "cost":
             return "best with the same parts"
