@@ -197,6 +197,9 @@ def test_medians_that_scenarios_cannot_tell_apart_are_called_a_tie(make_result: 
     better = [{**curve[0], "confidence": 0.9, "objective_p50": 31.0}, curve[1]]  # and as often as is asked
     (block,) = certainty_block(make_result(confidence=COUNTED | {"central_hardware": ours, "curve": better}))
     assert "recommended has 61.00 W: further ones decided against what does better in 90 % of these" in text_of(block)
+    refuted = [{**better[0], "held_again": 0.8975}, curve[1]]  # in further scenarios, not in 90 %
+    (block,) = certainty_block(make_result(confidence=COUNTED | {"central_hardware": ours, "curve": refuted}))
+    assert "where it holds in 89 %. Where a little less is enough, ask for less (--confidence 0.89)" in text_of(block)
     less = [{**curve[0], "confidence": 0.8, "objective_p50": 61.0}, curve[1]]  # holds less often than is asked
     (block,) = certainty_block(make_result(confidence=COUNTED | {"central_hardware": ours, "curve": less}))
     assert "a tie" not in text_of(block) and "decided" not in text_of(block)

@@ -221,6 +221,7 @@ def test_what_further_scenarios_refute_comes_last_however_cheap(monkeypatch: pyt
         )  # fmt: skip
         told = search_module.without_luck(seen, ranked, NEVER)
         assert [id(one) for one in told] == [id(one) for one in expected]
+        assert seen.held_again == {id(one.outcomes): anew[one.outcomes.price] for one in (cheap, middle, dear)}
 
 
 @pytest.mark.parametrize(("higher", "compared"), [(6.5, True), (4.8, False)])

@@ -22,6 +22,9 @@ class CertaintyPoint(Record):
     confidence: Number = Field(description="share of the scenarios in which the hardware holds at least")
     objective_p50: Number = Field(description="median of the objective of the best hardware counted")
     hardware: list[str] = Field(description="its parts")
+    held_again: Number | None = Field(
+        default=None, description="share of further scenarios in which it holds, where these were to decide"
+    )
 
 
 @dataclass(frozen=True, config=RECORD)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
@@ -227,18 +228,21 @@ def tied_text(result: Result, known: Confidence) -> str:
         return ""
     asked = float(known.asked)
     theirs = {
-        point.confidence: point.objective_p50
+        point.confidence: point
         for point in known.curve
         if point.confidence >= asked and set(point.hardware) - set(design.hardware.ids)
     }
     scenarios = count_text(known.scenarios_in_choice)
     said = f"In these {scenarios} scenarios what is recommended has {told_value(result, ours)}"
-    if any(abs(value - ours) <= TIED_MEDIANS_REL * abs(ours) for value in theirs.values()):
+    if any(abs(one.objective_p50 - ours) <= TIED_MEDIANS_REL * abs(ours) for one in theirs.values()):
         near = percent(TIED_MEDIANS_REL)
         return f"{said}: medians within {near} are a tie, which further scenarios and then the price decided."
     if asked in theirs:  # the best of all that hold so often
-        why = f"further ones decided against what does better in {percent(asked)} of these, where it holds in fewer"
-        return f"{said}: {why}. Where a little less is enough, ask for less (--confidence)."
+        again = theirs[asked].held_again
+        at_least = None if again is None else math.floor(100.0 * again) / 100.0
+        held, less = ("fewer", "") if at_least is None else (percent(at_least), f" {at_least:g}")
+        why = f"further ones decided against what does better in {percent(asked)} of these, where it holds in {held}"
+        return f"{said}: {why}. Where a little less is enough, ask for less (--confidence{less})."
     return ""
 
 

@@ -58,6 +58,7 @@ class Looked:
     tried: list[Counted]
     complete: bool = True  # whether there was time for every search
     fits: dict[float, bool] = field(default_factory=dict)  # whether anything does with numbers worse than in so many
+    held_again: dict[int, float] = field(default_factory=dict)  # share of further scenarios, by the id of the outcomes
 
     @property
     def share(self) -> float:

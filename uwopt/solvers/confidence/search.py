@@ -62,6 +62,7 @@ class Certain:
     ranked: list[Counted] = field(default_factory=list)  # the same, the first to buy first
     fresh: Counted | None = None
     proof: NoneBetter | None = None
+    held_again: dict[int, float] = field(default_factory=dict)  # as of `Looked`
 
     @property
     def proven(self) -> bool:
@@ -154,7 +155,9 @@ def best_counted(seen: Looked, deadline: Deadline, report: Progress) -> Certain 
     best, central = first_that_fits(problem, objective, ranked)
     if best is None or central is None:
         return None
-    return Certain(share, seen.scenarios, best, central, seen.tried, seen.complete, ranked, proof=proof)
+    return Certain(
+        share, seen.scenarios, best, central, seen.tried, seen.complete, ranked, proof=proof, held_again=seen.held_again
+    )
 
 
 def count_near(seen: Looked, deadline: Deadline, part: float) -> None:
@@ -193,6 +196,7 @@ def without_luck(seen: Looked, ranked: list[Counted], deadline: Deadline) -> lis
         anew = counted_anew(seen, tied, deadline)
     except OutOfTimeError:
         return ranked
+    seen.held_again.update((id(one.outcomes), again.held) for one, again in zip(tied, anew, strict=True))
     held = [(one, again) for one, again in zip(tied, anew, strict=True) if again.held >= share]
     least = min((again.quantile(0.5) for _, again in held), default=0.0)
     still = least + STILL_TIED_REL * abs(least)

@@ -142,7 +142,9 @@ def curve(problem: Problem, objective: Objective, certain: Certain) -> Iterator[
         stops = [Counted(one.found, one.outcomes, one.outcomes.best(level)) for one in tried]
         best = min(stops, key=lambda one: rank(one, level))
         if best.held >= level and np.isfinite(best.quantile(0.5)):
-            yield CertaintyPoint(level, objective.reported(best.quantile(0.5)), ids_of_pieces(problem, best.found))
+            again = certain.held_again.get(id(best.outcomes)) if level == certain.asked else None
+            median = objective.reported(best.quantile(0.5))
+            yield CertaintyPoint(level, median, ids_of_pieces(problem, best.found), again)
 
 
 def drawn(doubt: Doubt, problem: Problem) -> Iterator[str]:
