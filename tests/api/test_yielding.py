@@ -839,6 +839,20 @@ def test_whoever_wants_no_more_is_not_kept_waiting_for_parts_to_be_made() -> Non
     never_keeps_waiting(survey(brightest_db() + 10.0, max_gain_db=12.0) | only_made)
 
 
+def test_whoever_ends_any_search_of_a_mission_is_heard() -> None:
+    """Of what is sold, of all parts, of the fewest kinds to be made: the last was taken for nothing found."""
+    wanted = load_mission(survey(10.0, max_gain_db=12.0) | {"catalog": HARDWARE | {"generic": "fallback"}})
+    searches = Searches(load_catalog(wanted), goal_of(wanted), 1, Watch(NEVER))
+    with pytest.MonkeyPatch.context() as patched:
+        watched = Watched(patched, at=0)
+        assert searches.of(wanted).sought.of_all_kinds is not None
+    for at in range(1, watched.begun + 1):
+        with pytest.MonkeyPatch.context() as patched:
+            Watched(patched, at)
+            found = searches.of(wanted)
+        assert found.cut or found.sought.outcome.interrupted or found.widest.outcome.interrupted, at
+
+
 def never_keeps_waiting(wanted: dict[str, Any], **how: Any) -> None:
     """That hardly any search begins after one that an interruption falls into."""
     with pytest.MonkeyPatch.context() as patched:

@@ -115,7 +115,8 @@ class Searches:
                 alternative = self.seek(mission, generic="allow", like=sought.problem)
                 if alternative.outcome.best:
                     sought, alternative = of_fewest_kinds(alternative, self), None
-        if not sought.outcome.best and sought.outcome.complete and capless is not mission:  # light is out of reach
+        ended = alternative is not None and alternative.outcome.interrupted
+        if not (sought.outcome.best or ended) and sought.outcome.complete and capless is not mission:  # out of reach
             return replace(self.of(capless, sought), mission=mission)
         return Searched(mission, sought, alternative)
 
@@ -177,7 +178,8 @@ def of_fewest_kinds(every: Sought, searches: Searches) -> Sought:
     if set(kinds) == set(TO_BE_MADE):
         return every
     found = searches.seek(mission, generic=kinds, like=like)
-    return replace(found, of_all_kinds=every) if found.outcome.best else every
+    ended = replace(every, outcome=replace(every.outcome, interrupted=found.outcome.interrupted))
+    return replace(found, of_all_kinds=every) if found.outcome.best else ended
 
 
 def kinds_made(sought: Sought) -> set[Kind]:
