@@ -20,8 +20,8 @@ DEFECTS: tuple[Defect, ...] = (
     Defect(
         name="every imager is bounded, whatever is found",
         file="uwopt/solvers/exact/open_nodes.py",
-        old="if not len(self.unbounded) or self._next_floor > threshold:",
-        new="if not len(self.unbounded):",
+        old="most = min(threshold, float(",
+        new="most = min(np.inf, float(",
         test="tests/solvers/test_unbounded_imagers.py::test_imagers_that_cannot_beat_what_is_found_are_not_bounded",
     ),
     Defect(

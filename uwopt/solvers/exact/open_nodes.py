@@ -63,11 +63,10 @@ class OpenNodes:
         """How many designs wait."""
         return self.size_of(self.waiting) + int(self.sizes.sum()) * len(self.unbounded)
 
-    def begins_unbounded(self, count: int, threshold: float) -> bool:
-        """Whether imagers that may win and have no bounds may hold any of so many nodes that come next."""
-        if not len(self.unbounded) or self._next_floor > threshold:
-            return False
-        return len(self.waiting) < count or bool(self._next_floor <= self.value[self.waiting[count - 1]])
+    def to_bound(self, count: int, threshold: float) -> int:
+        """How many imagers that may win and have no bounds may hold any of so many nodes that come next."""
+        most = min(threshold, float(self.value[self.waiting[count - 1]]) if len(self.waiting) >= count else np.inf)
+        return int(np.searchsorted(self.floor, most, side="right")) - self.bounded
 
     def bound(self, lit: Array, bounds: Sequence[NodeBounds], *, rough: bool) -> Iterator[tuple[str, Array]]:
         """Take up bounds under each lighting of the next imagers, those that `lit` marks; by rule, the nodes that they

@@ -49,6 +49,7 @@ FIRST_DEAR = 4  # of a first batch where information counts: dear to bound while
 MOST_IMAGERS = 700_000  # beyond which pairs are bounded before their ports: more than the whole catalogue has
 SAMPLES = 64  # of nodes that a rule discards, about
 FIRST_BOUNDED = 4096  # imagers: of fewer, bounds cost about as much
+MORE_BOUNDED = 3  # times as many as have bounds are bounded next
 TOO_FEW_TO_BOUND = 8  # nodes: evaluating them is cheaper
 #: What is told of a search beside how far it is; a line of its own for every number of them would fill a log.
 BOUNDS, SETTINGS, SETTINGS_IN_VAIN = "bounds of systems", "settings of systems", "settings of systems, none fits yet"
@@ -215,7 +216,7 @@ class Search(Evaluation):
             return None
         few = len(rows) * len(self.tables.lightings) <= TOO_FEW_TO_BOUND
         nodes = self._unbounded(rows)
-        self._bound_more(nodes, few=few)
+        self._bound_more(nodes, len(rows), few=few)
         self._patient = self.bounds.weighs_quality()
         batch, least_look, costly = self._first_batch(), self._least_look(), bool(nodes.rough.any())
         look = max(least_look, REFINED_AHEAD * batch)
@@ -223,8 +224,9 @@ class Search(Evaluation):
             while len(nodes):
                 self._solve_waiting(nodes.lowest)
                 threshold = self.ranking.threshold()
-                if nodes.begins_unbounded(look if costly else batch, threshold):
-                    self._bound_more(nodes)
+                unbounded = nodes.to_bound(look if costly else batch, threshold)
+                if unbounded > 0:
+                    self._bound_more(nodes, unbounded)
                     continue
                 if nodes.begins_rough(threshold):
                     self._refine(nodes, nodes.rough_ahead(look, threshold))
@@ -253,15 +255,16 @@ class Search(Evaluation):
         floor = self.objective.cost_to_minimise(self.bounds.without_light(rows))
         return OpenNodes.of(rows, np.asarray(floor), self.imagers.cost[rows], self.bounds.sizes)
 
-    def _bound_more(self, nodes: OpenNodes, *, few: bool = False) -> None:
-        """First bounds of as many imagers again, those that come next; what these discard is counted.
+    def _bound_more(self, nodes: OpenNodes, count: int, *, few: bool = False) -> None:
+        """First bounds of so many imagers that come next; what these discard is counted.
 
+        count : not all at once while little is known of light: the first of them may leave nothing to the others
         few : so few nodes that to evaluate them all is cheaper
         Raises OutOfTimeError before any is accounted for.
         """
         self._tell(BOUNDS)
         start = time.perf_counter()
-        rows = nodes.unbounded[: max(FIRST_BOUNDED, nodes.bounded)]
+        rows = nodes.unbounded[: min(count, max(FIRST_BOUNDED, MORE_BOUNDED * nodes.bounded))]
         dark = np.zeros(len(rows), bool) if few else self.bounds.leaves_dark(rows, self.deadline)
         bounds = []
         for k in range(len(self.tables.lightings)):
