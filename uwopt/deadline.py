@@ -18,7 +18,7 @@ from dataclasses import dataclass, field, replace
 from numbers import Real
 from typing import Literal, TypeVar
 
-from uwopt.errors import RangeError
+from uwopt.errors import MissionError
 
 Made = TypeVar("Made")
 Progress = Callable[[float, str], None]  # takes how much is done, and of what
@@ -125,9 +125,9 @@ class Deadline:
 
     @classmethod
     def asked(cls, seconds: float | None) -> Deadline:
-        """As `after`, of what a call is given. Raises RangeError for what is no time."""
+        """As `after`, of what a call is given. Raises MissionError for what is no time."""
         if seconds is not None and (isinstance(seconds, bool) or not isinstance(seconds, Real) or not seconds >= 0):
-            raise RangeError(f"seconds = {seconds!r} is no number of seconds; give None for no limit")
+            raise MissionError(f"seconds = {seconds!r} is no number of seconds; give None for no limit")
         return cls.after(seconds)
 
     @property

@@ -15,9 +15,9 @@ from one_of_each import one, with_parts
 from random_cases import Case, case
 from thorough import drawn
 
+from uwopt.catalog.parts.kinds import FAVOURED
 from uwopt.catalog.parts.quantity import Quantity
 from uwopt.deadline import NEVER, Deadline, effort_s, unheard
-from uwopt.forward.part_columns import FAVOURED
 from uwopt.forward.parts import Parts
 from uwopt.forward.problem import Problem
 from uwopt.solvers.beside import cores
