@@ -22,7 +22,7 @@ from uwopt.cli.app import app
 from uwopt.cli.options import command_deadline, time_to_answer
 from uwopt.cli.status import result_status
 from uwopt.deadline import COSTS_S, Deadline, OutOfTimeError, UntilFound, effort_s, spend
-from uwopt.errors import RangeError
+from uwopt.errors import MissionError
 from uwopt.results.result import Result
 from uwopt.solvers.exact.search import Search
 from uwopt.solvers.explain import robustness
@@ -36,7 +36,7 @@ FEW_PARTS = {"cameras": ["flir"], "lenses": ["kowa"]}
 
 
 def test_a_time_that_is_no_number_is_told() -> None:
-    with pytest.raises(RangeError, match="'5 s' is no number"):
+    with pytest.raises(MissionError, match="'5 s' is no number"):
         Deadline.asked(cast(Any, "5 s"))
 
 
