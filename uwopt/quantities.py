@@ -128,6 +128,7 @@ REQUIREMENTS: Mapping[str, str] = {
     "mass_kg": "mass",
     "mass_water_kg": "mass in water",
     "size_mm": "size of the housing",
+    "diameter_mm": "diameter of the housing",
     "housing_diameter_mm": "width of camera and lens in the housing",
     "housing_length_mm": "length of camera and lens in the housing",
     "dome_radius_mm": "front of the lens in the dome",

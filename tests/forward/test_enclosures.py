@@ -193,10 +193,10 @@ def test_good_practice_asks_for_housings_unless_they_are_among_the_extras():
 
 
 def test_limits_of_a_housing_need_one():
-    asked = {**MISSION, "catalog": {}, "limits": {"size_mm": 400, "mass_water_kg": 2}}
+    asked = {**MISSION, "catalog": {}, "limits": {"size_mm": 400, "diameter_mm": 200, "mass_water_kg": 2}}
     with pytest.raises(MissionError) as told:
         load_mission(asked)
-    assert len(told.value.faults) == 2
+    assert len(told.value.faults) == 3
     assert "limits.size_mm is of the housing; add catalog.housing: required" in str(told.value)
 
 

@@ -271,6 +271,8 @@ CASES: list[tuple[str, Callable[[float], Changes]]] = [
         "port.thickness_mm": 10.0, "port.clear_diameter_mm": 120.0 * sin(atan(hypot(5.0, 2.5) / 10.0 / (1.0 + over)))}),
     ("size_mm", lambda over: {
         **BODIES, "housing": ROOM, "catalog.housing": "required", "limits.size_mm": 200.0 / (1.0 + over)}),
+    ("diameter_mm", lambda over: {
+        **BODIES, "housing": ROOM, "catalog.housing": "required", "limits.diameter_mm": 100.0 / (1.0 + over)}),
     ("mass_water_kg", lambda over: {
         **BODIES, "housing": ROOM, "catalog.housing": "required",
         "limits.mass_water_kg": IN_WATER_KG / (1.0 + over)}),

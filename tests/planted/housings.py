@@ -13,6 +13,13 @@ FIT = "tests/solvers/test_nearest_fit.py::"
 
 DEFECTS: tuple[Defect, ...] = (
     Defect(
+        name="a borehole is asked for the length of a housing",
+        file="uwopt/forward/enclosures.py",
+        old="return np.asarray(ports.outer_diameter_m * 1e3)",
+        new="return np.asarray(ports.outer_length_m * 1e3)",
+        test="tests/solvers/test_rules.py::test_a_rule_keeps_what_is_a_millionth_inside[diameter_mm]",
+    ),
+    Defect(
         name="a housing to be made is ordered for what is drawn",
         file="uwopt/catalog/parts/doubts.py",
         old="if name in PRICES or name in SIZES:",

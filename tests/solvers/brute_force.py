@@ -324,8 +324,8 @@ def misses_limits(model: DesignModel) -> bool:
     """Whether something that no setting changes is missed: coverage, money, mass, data."""
     names = (
         "horizon", "max_gsd_mm", "min_swath_m", "cost", "mass_kg", "data_rate_mb_s", "frame_rate", "min_uniformity",
-        "min_contrast", "storage_gb", "card_gb", "max_white_balance", "size_mm", "mass_water_kg",
-        "min_common_swath_m", "max_depth_error_mm",
+        "min_contrast", "storage_gb", "card_gb", "max_white_balance", "size_mm", "diameter_mm",
+        "mass_water_kg", "min_common_swath_m", "max_depth_error_mm",
     )  # fmt: skip
     for index in range(len(model.problem.scenes)):
         focus = model.searched_dioptre_per_m(index)

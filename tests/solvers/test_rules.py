@@ -132,6 +132,8 @@ def imager_limits() -> dict[str, Limit]:
         "max_blur_px": Limit("camera", "min_exposure_us", 500.0, least=False, more=SHORT),
         "housing": Limit("camera", "body_length_mm", 112.0 - 30.0 - 45.0 - 2.0, least=False, more=HOUSED),
         "size_mm": Limit("limits", "size_mm", 200.0 + 80.0, least=True, more=HOUSED),
+        # the dome of 80 mm is wider than the tube of 110 mm
+        "diameter_mm": Limit("limits", "diameter_mm", 2 * 80.0, least=True, more=HOUSED),
         "mass_water_kg": Limit("limits", "mass_water_kg", IN_WATER_KG, least=True, more=HOUSED),
         "cost": Limit("limits", "cost", 1800.0, least=True),
         "mass_kg": Limit("limits", "mass_kg", 0.8, least=True),
@@ -217,7 +219,8 @@ def test_discarded_imagers_are_counted_with_all_their_lamps_and_numbers() -> Non
 # ---------------------------------------------------------------- outlines
 
 
-ASKED_ELSEWHERE = ("image_circle", "lens_rating", "view", "size_mm", "mass_water_kg")  # before, or of imagers
+#: Before outlines, or of imagers.
+ASKED_ELSEWHERE = ("image_circle", "lens_rating", "view", "size_mm", "diameter_mm", "mass_water_kg")
 OUTLINED = tuple(rule for rule in NAMES if rule not in ASKED_ELSEWHERE)
 
 

@@ -264,7 +264,7 @@ def test_scenes_are_compared_each():
 def test_sizes_of_housings_are_not_compared_where_one_stands_for_others():
     """The cheapest housing that fits stands for all; it may be the largest, or rated least."""
     bare, housed = reef(), reef(catalog={"housing": "required"})
-    for section, name in (("limits", "size_mm"), ("limits", "depth_rating_m")):
+    for section, name in (("limits", "size_mm"), ("limits", "diameter_mm"), ("limits", "depth_rating_m")):
         assert sign_of(bare, section, name) != 0
         assert sign_of(housed, section, name) == 0
 

@@ -16,7 +16,13 @@ from uwopt.documents.faults import plain_name
 from uwopt.evaluation.design_light import DesignLight
 from uwopt.forward.breathing import at_focus
 from uwopt.forward.designs import Hardware, SceneSettings
-from uwopt.forward.enclosures import bodies_in, housing_size_mm, mass_in_water_kg, room_needed_m
+from uwopt.forward.enclosures import (
+    bodies_in,
+    housing_diameter_mm,
+    housing_size_mm,
+    mass_in_water_kg,
+    room_needed_m,
+)
 from uwopt.forward.figures import (
     DesignRows,
     Figures,
@@ -356,8 +362,11 @@ class DesignModel(DesignLight):
             if name in rooms:
                 needed, room = rooms[name]
                 margins.append(MarginRows(name, needed * 1e3, room * 1e3, "<=", unit))
-        if limits.size_mm is not None:
-            margins.append(MarginRows("size_mm", housing_size_mm(port), np.array([limits.size_mm]), "<=", "mm"))
+        for name, most_mm, measured in (
+            ("size_mm", limits.size_mm, housing_size_mm), ("diameter_mm", limits.diameter_mm, housing_diameter_mm),
+        ):  # fmt: skip
+            if most_mm is not None:
+                margins.append(MarginRows(name, measured(port), np.array([most_mm]), "<=", "mm"))
         if limits.mass_water_kg is not None:
             margins.append(
                 MarginRows("mass_water_kg", self.mass_in_water_kg(), np.array([limits.mass_water_kg]), "<=", "kg")

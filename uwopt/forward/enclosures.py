@@ -200,6 +200,11 @@ def housing_size_mm(ports: Ports) -> Array:
     return np.asarray(np.maximum(ports.outer_length_m, ports.outer_diameter_m) * 1e3)
 
 
+def housing_diameter_mm(ports: Ports) -> Array:
+    """The outer diameter of housings with their ports: what a borehole or a hatch has to let through."""
+    return np.asarray(ports.outer_diameter_m * 1e3)
+
+
 def mass_in_water_kg(
     camera_count: int, cameras: Cameras, lenses: Lenses, rings_kg: Array | float, ports: Ports
 ) -> Array:

@@ -424,7 +424,7 @@ def _battery_faults(vehicle: Values) -> Iterator[Fault]:
 
 
 def _housing_faults(limits: Values, catalog: Values) -> Iterator[Fault]:
-    for key in ("size_mm", "mass_water_kg"):
+    for key in ("size_mm", "diameter_mm", "mass_water_kg"):
         if limits.get(key) is not None and catalog.get("housing", "none") == "none":
             yield ("limits", key), "is of the housing; add catalog.housing: required, or leave it out"
 

@@ -23,11 +23,11 @@ STRICTER_UP = frozenset({
 STRICTER_DOWN = frozenset({
     "frame_interval_s", "max_blur_px", "max_skew_px", "max_gsd_mm", "max_depth_error_mm", "max_white_balance",
     "max_airy_px", "cost", "power_w", "peak_power_w", "energy_wh", "storage_gb", "mass_kg", "mass_water_kg", "size_mm",
-    "data_rate_mb_s", "max_exposure_ms",
+    "diameter_mm", "data_rate_mb_s", "max_exposure_ms",
 })  # fmt: skip
 STRICTER_RESERVE = frozenset({"snr_db", "blur", "swath", "energy"})
 #: Where cameras go into housings, the cheapest that fits stands for all: another may be left when these ask for more.
-OF_HOUSINGS = frozenset({"size_mm", "depth_rating_m"})
+OF_HOUSINGS = frozenset({"size_mm", "diameter_mm", "depth_rating_m"})
 SECTIONS = ("vehicle", "requirements", "limits", "reserve")
 UNHEARD = ("name", "seed", "confidence", "doubt")  # keys of a mission that no search at likeliest values asks
 #: Keys of a scene that change the light alone, not what is seen: nothing of an index of refraction, or of heights.

@@ -145,6 +145,7 @@ limits:
   # mass_kg: 20
   # mass_water_kg: 5           # of the cameras in their housings, lamps not counted
   # size_mm: 600               # largest length or diameter of a housing
+  # diameter_mm: 200           # largest diameter of a housing, however long: of a borehole or a hatch
   depth_rating_m: 100          # left out: the deepest scene
   # data_rate_mb_s: 100
   # max_exposure_ms: 1000

@@ -55,6 +55,11 @@ class Limits(Section):
         description="largest outer length or diameter of a housing with its port, in millimetres; needs "
         "catalog.housing: required",
     )
+    diameter_mm: Positive | None = Field(
+        default=None,
+        description="largest outer diameter of a housing with its port, in millimetres, however long, as of a borehole "
+        "or a hatch; needs catalog.housing: required",
+    )
     depth_rating_m: Annotated[float, Field(ge=0, le=11_000), NUMBER] | None = Field(
         default=None,
         description="depth that ports and lights must be rated for, in metres, as it stands; the deepest scene "

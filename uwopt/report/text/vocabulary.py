@@ -103,6 +103,7 @@ RULES: Mapping[str, str] = {
     "mass_kg": "too heavy",
     "mass_water_kg": "too heavy in water",
     "size_mm": "housing too large",
+    "diameter_mm": "housing too wide",
     "housing": "camera with lens does not fit into the housing",
     "housing: port": "port does not go on the housing",
     "better_housing": "fits as well into a housing that costs and weighs no more",

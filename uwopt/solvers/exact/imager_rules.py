@@ -10,7 +10,13 @@ from typing import Any
 import numpy as np
 
 from uwopt.arrays import Array
-from uwopt.forward.enclosures import beaten, fits_inside, housing_size_mm, mass_in_water_kg
+from uwopt.forward.enclosures import (
+    beaten,
+    fits_inside,
+    housing_diameter_mm,
+    housing_size_mm,
+    mass_in_water_kg,
+)
 from uwopt.forward.focus import Focused
 from uwopt.forward.problem import Problem
 from uwopt.forward.views import Views
@@ -169,6 +175,7 @@ def own_rules(
     yield "housing", fits_inside(cameras, lenses, spacers_m, housings, tan_corner)
     every_pair = np.ones((len(cameras.price), 1), bool)
     yield "size_mm", every_pair & (housing_size_mm(housings) <= limit(limits.size_mm) * ROUND)
+    yield "diameter_mm", every_pair & (housing_diameter_mm(housings) <= limit(limits.diameter_mm) * ROUND)
     most = limits.mass_water_kg
     if most is None:
         yield "mass_water_kg", every_pair

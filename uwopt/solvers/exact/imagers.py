@@ -43,8 +43,8 @@ PAIR_SAMPLES = 256  # discarded pairs of camera and lens remembered per rule, ab
 IMAGER_RULES = (
     "complete", "mount", "image_circle", "lens_rating", "view", "horizon", "focus", "max_gsd_mm", "min_swath_m",
     "min_common_swath_m", "max_depth_error_mm", "frame_rate", "data_rate_mb_s", "storage_gb", "card_gb",
-    "lens_stop_down", "min_dof_m", "max_blur_px", "housing", "size_mm", "mass_water_kg",
-    "cost", "mass_kg", "power_w", "energy_wh", "better_housing",
+    "lens_stop_down", "min_dof_m", "max_blur_px", "housing", "size_mm", "diameter_mm",
+    "mass_water_kg", "cost", "mass_kg", "power_w", "energy_wh", "better_housing",
 )  # fmt: skip
 
 
