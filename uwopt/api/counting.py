@@ -12,6 +12,7 @@ from uwopt.deadline import Deadline, OutOfTimeError, effort_s, unheard
 from uwopt.forward.problem import Problem
 from uwopt.solvers.beside import ahead
 from uwopt.solvers.confidence.counted import Counted, Looked, rank
+from uwopt.solvers.confidence.roomy import LESS_WORSE
 from uwopt.solvers.confidence.scenarios import Scenarios
 from uwopt.solvers.confidence.search import count_near, look
 from uwopt.solvers.exact.lightings import Lighting
@@ -130,6 +131,7 @@ def surer_of_all_parts(sought: Sought, sold: Looked, watch: Watch, before: Count
     hold more often at all. None where what is sold holds as often, no other parts do so much better, none were left
     out, or time is out.
     """
+    worth = worth_making(sought, sold)
     if sold.held >= sold.share or not leaves_out_generic(sought):
         return None
 
@@ -141,9 +143,11 @@ def surer_of_all_parts(sought: Sought, sold: Looked, watch: Watch, before: Count
         with watch.stage("certainty"):
             like = sold.scenarios.seen_by(every.problem.mission, every.problem.scenes)
             known = [] if before is None else known_hardware(before, every.problem)
+            # hardware with less room than in half of the scenarios may do where it need not hold in as many
             seen = look(
-                every, sold.asked, watch.deadline, watch.progress, with_room=True, like=like, known=known
+                every, sold.asked, watch.deadline, watch.progress, with_room=worth > LESS_WORSE[0], like=like,
+                known=known,
             )
-        return Counts(every, seen, of_all_parts=True) if seen.held >= worth_making(sought, sold) else None
+        return Counts(every, seen, of_all_parts=True) if seen.held >= worth else None
 
     return watch.deadline.within(ALL_PARTS, found, None)
