@@ -18,6 +18,14 @@ DEFECTS: tuple[Defect, ...] = (
         test="tests/solvers/test_unbounded_imagers.py::test_what_is_not_bounded_when_time_is_up_bounds_the_best",
     ),
     Defect(
+        name="a search asks for the first of none",
+        file="uwopt/solvers/exact/open_nodes.py",
+        old="        return len(self.rough_ahead(1, threshold)) > 0\n",
+        new="        return bool(self.rough[self.waiting[0]])\n",
+        test="tests/solvers/test_unbounded_imagers.py"
+        "::test_where_nothing_bounded_waits_those_that_cannot_matter_end_the_search",
+    ),
+    Defect(
         name="every imager is bounded, whatever is found",
         file="uwopt/solvers/exact/open_nodes.py",
         old="most = min(threshold, float(",

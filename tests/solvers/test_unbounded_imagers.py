@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from one_of_each import one, with_parts
 from test_any_lighting import POWER, bounds_of, reef
 
 from uwopt.deadline import OutOfTimeError
@@ -60,3 +61,12 @@ def test_what_is_not_bounded_when_time_is_up_bounds_the_best(monkeypatch: pytest
     assert not outcome.complete and not outcome.best
     assert 0.0 < outcome.lower_bound <= float(search.imagers.camera_power_w.max()) < best.minimised
     assert outcome.account.adds_up()
+
+
+def test_where_nothing_bounded_waits_those_that_cannot_matter_end_the_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The second camera takes three times what all of the first system does: no bound of it is asked for."""
+    one_at_a_time(monkeypatch)
+    monkeypatch.setattr(exact_search, "TOO_FEW_TO_BOUND", 0)
+    outcome = with_parts(one("power"), cameras=[{"power_w": 1000.0}]).solve(top=1)[1]
+    assert outcome.complete and outcome.best[0].camera == 0
+    assert outcome.account.adds_up() and outcome.account.discarded["bound"] >= 1

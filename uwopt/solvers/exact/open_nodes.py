@@ -105,8 +105,7 @@ class OpenNodes:
 
     def begins_rough(self, threshold: float) -> bool:
         """Whether the first may win by a bound that can be made better."""
-        first = self.waiting[0]
-        return bool(self.rough[first]) and bool(self.value[first] <= threshold)
+        return len(self.rough_ahead(1, threshold)) > 0
 
     def rough_ahead(self, count: int, threshold: float) -> Array:
         """Of so many that come next, those that may win by bounds that can be made better."""
